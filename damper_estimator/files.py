@@ -1,0 +1,35 @@
+"""Writing files so that nothing is lost: beside the target first, then moved into place."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from damper_estimator.errors import InputError
+
+
+@contextmanager
+def written_beside(path: str | Path) -> Iterator[Path]:
+    """Yields a path beside ``path``; it takes ``path``'s place when the block ends well, and vanishes when it fails.
+
+    Raises:
+        InputError: where the folder is missing or cannot be written to.
+    """
+    target = Path(path)
+    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        yield partial
+        os.replace(partial, target)
+    except OSError as error:
+        # An OSError about some other file is not ours to explain.
+        if error.filename not in (None, str(partial), partial):
+            raise
+        raise InputError(f"{target}: cannot be written ({error.strerror}); choose another place with -o") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Writes a text file in one step; the old file stays until the new one is complete."""
+    with written_beside(path) as partial:
+        partial.write_text(text, encoding="utf-8")
