@@ -1,0 +1,29 @@
+"""Time skew between the measured force and the displacement.
+
+    F_measured(t) = F(t - s)
+
+s in s, positive where the force channel is late. Linear between samples; off line only; it is mended by the signal map's ``force.skew``.
+"""
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import T
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F <- F(t - s)."""
+    time = kinematics[T]
+    force[:] = np.interp(time - parameters[0], time, force.copy())
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="channel",
+    phenomenon="channel_skew",
+    parameters=(Parameter("skew", "s", 0.0, -0.05, 0.05, "delay of the force channel"),),
+    shows="the F-v loop opens with frequency and evenly at all speeds; the force's zero crossings come late",
+    separate="tap the damper: both channels must show the blow at the same instant",
+)

@@ -1,0 +1,38 @@
+"""First-order lag of the coil's current behind the command.
+
+    tau dI/dt + I = I_command
+
+tau in s, 20 to 30 ms for a magneto-rheological coil. The current enters the force non-linearly, so the current is lagged and not the
+force. The command is held between samples, for which the lag is exact. One state; exact. Source: Lozoya-Santos et al., section 5.
+"""
+
+from math import exp
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import COMMAND, DT
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """I <- lag(I), in this path's copy."""
+    for i in range(force.size):
+        command = kinematics[COMMAND, i]
+        dt = kinematics[DT, i]
+        if dt > 0.0:
+            state[0] = command + (state[0] - command) * exp(-dt / parameters[0])
+        else:
+            state[0] = command
+        kinematics[COMMAND, i] = state[0]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="input",
+    phenomenon="current",
+    parameters=(Parameter("time_constant", "s", 0.025, 1e-4, 0.5, "time constant of the coil"),),
+    states=1,
+    order=1,
+    shows="the force follows a step of the command slowly",
+    separate="steps of the command at constant velocity",
+)

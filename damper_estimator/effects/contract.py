@@ -1,0 +1,105 @@
+"""What an effect is: one physical phenomenon, declared in one file as ``EFFECT = Effect(...)``.
+
+The kernel works on a block of samples, in place:
+
+    kernel(parameters, settings, kinematics, state, force)
+
+with contiguous float64 arrays ``parameters`` (p,), ``settings`` (s,), ``kinematics`` (8, n) in the rows of
+``signals.layout``, ``state`` (z,) zero at the start and carried from block to block, ``force`` (n,) in N. A sample with
+step 0 is the first after a reset. Live, a block has one sample; the same kernel serves both.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+Kind = Literal["source", "modifier", "input", "series", "channel", "path"]
+Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], None]
+Values = Mapping[str, float | tuple[float, ...]]
+
+KINDS: dict[str, str] = {
+    "source": "adds force",
+    "modifier": "rewrites the force of what stands before it",
+    "input": "rewrites the motion or the slow channels for what follows in its path",
+    "series": "wraps a path behind a compliance; its kernel is the compliance's force over rows X and V of its deflection",
+    "channel": "acts on the recording, off line only; it is mended in the signal map",
+    "path": "a force of its own, added to its parent",
+}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that identification may change.
+
+    Attributes:
+        linear: the effect's force is proportional to the effect's linear parameters taken together.
+        size: name of the list setting that gives a vector parameter its length; None for a scalar.
+    """
+
+    name: str
+    unit: str
+    default: float
+    lower: float
+    upper: float
+    meaning: str
+    linear: bool = False
+    size: str | None = None
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A number, list or word that the model file fixes and identification leaves alone.
+
+    Attributes:
+        default: a float, or a tuple for a list; it also tells which of the two the model file must give.
+        increasing: a list must rise strictly.
+    """
+
+    name: str
+    unit: str
+    default: float | tuple[float, ...]
+    meaning: str
+    lower: float = -float("inf")
+    upper: float = float("inf")
+    increasing: bool = False
+
+
+def flat(parameters: Values, settings: Values) -> np.ndarray:
+    """The usual preparation: the settings one after the other, lists laid out flat."""
+    return np.concatenate([np.atleast_1d(np.asarray(value, float)) for value in settings.values()] or [np.zeros(0)])
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Declaration of one effect; the name and the description are its file's name and docstring.
+
+    Attributes:
+        kernel: see the module's docstring; None for a bare path.
+        phenomenon: the word of the findings' vocabulary, "" where it is a baseline and no finding.
+        states: number of states the kernel carries.
+        prepare: (parameters, settings) by name to the kernel's settings array, called once per parameter set.
+        linear: for modifiers: the result is linear in the force before it.
+        order: declared order of convergence with the step; 0 where there is no state.
+        shows: how the effect shows in measurements, in words that can be checked on a plot.
+        separate: the test that tells it from its look-alikes.
+    """
+
+    kernel: Kernel | None
+    kind: Kind
+    phenomenon: str = ""
+    parameters: tuple[Parameter, ...] = ()
+    settings: tuple[Setting, ...] = ()
+    states: int = 0
+    prepare: Callable[[Values, Values], np.ndarray] = flat
+    linear: bool = True
+    order: int = 0
+    shows: str = ""
+    separate: str = ""
+    name: str = ""
+    description: str = ""
+
+    def parameter(self, name: str) -> Parameter:
+        """The declaration of a parameter; KeyError where there is none of that name."""
+        return {parameter.name: parameter for parameter in self.parameters}[name]

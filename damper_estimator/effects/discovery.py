@@ -1,0 +1,42 @@
+"""Finds the effects: every module of this package that declares an ``EFFECT``."""
+
+from dataclasses import replace
+from difflib import get_close_matches
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+
+from damper_estimator import effects
+from damper_estimator.effects.contract import Effect
+from damper_estimator.errors import InputError
+
+PATH = Effect(kernel=None, kind="path", name="path", description="A force of its own, added to its parent.")
+
+
+@cache
+def all_effects() -> dict[str, Effect]:
+    """Every effect by name, in alphabetical order."""
+    found = {}
+    for module_info in sorted(iter_modules(effects.__path__), key=lambda info: info.name):
+        module = import_module(f"{effects.__name__}.{module_info.name}")
+        declaration = vars(module).get("EFFECT")
+        if declaration is not None:
+            found[module_info.name] = replace(declaration, name=module_info.name, description=module.__doc__ or "")
+    return found
+
+
+def find_effect(name: str) -> Effect:
+    """The effect of that name.
+
+    Raises:
+        InputError: for an unknown name, with the nearest ones.
+    """
+    if name == PATH.name:
+        return PATH
+    try:
+        return all_effects()[name]
+    except KeyError:
+        near = get_close_matches(name, all_effects(), n=3, cutoff=0.4) or list(all_effects())
+        raise InputError(
+            f"unknown effect {name!r}; did you mean {', '.join(near)}? (damper-estimator effects lists all)"
+        ) from None

@@ -1,0 +1,26 @@
+"""Gain error of the strain gauge.
+
+    F_measured = (1 + g) F
+
+g without unit. Off line only; it is mended by the signal map's ``force.scale``.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F *= 1 + g."""
+    for i in range(force.size):
+        force[i] *= 1.0 + parameters[0]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="channel",
+    phenomenon="force_gain_error",
+    parameters=(Parameter("gain", "1", 0.0, -0.9, 2.0, "relative error of the gauge's gain"),),
+    shows="the error is a fixed share of the force, everywhere",
+    separate="a known weight on the gauge",
+)

@@ -1,0 +1,26 @@
+"""Offset of the strain gauge: a constant added to the measured force.
+
+    F_measured = F + F_0
+
+F_0 in N. Off line only; it is mended by the signal map's ``force.offset``.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += F_0."""
+    for i in range(force.size):
+        force[i] += parameters[0]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="channel",
+    phenomenon="force_offset",
+    parameters=(Parameter("offset", "N", 0.0, -20000.0, 20000.0, "offset of the gauge", linear=True),),
+    shows="a constant difference, at rest too",
+    separate="tare at rest, with the damper unloaded",
+)

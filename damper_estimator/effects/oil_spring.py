@@ -1,0 +1,33 @@
+"""Compressibility of the oil: the path's force acts through a spring, one stiffness per direction.
+
+    F = k_r d  for d > 0,      k_c d  for d <= 0,      F = F_path(v - d')
+
+k in N/m, d in m the deflection. A monotube's two chambers differ in volume and so in stiffness. Solved implicitly, backward Euler:
+first order in the step, stable for any stiffness. Source: Maxwell element; Lang 1977.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """Force of the spring over its deflection, row X."""
+    for i in range(force.size):
+        d = kinematics[X, i]
+        force[i] += (parameters[0] if d > 0.0 else parameters[1]) * d
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="series",
+    phenomenon="oil_compressibility",
+    parameters=(
+        Parameter("stiffness_rebound", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in rebound"),
+        Parameter("stiffness_compression", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in compression"),
+    ),
+    order=1,
+    shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",
+    separate="impedance of the mount on its own; two temperatures (rubber softens, oil hardly)",
+)

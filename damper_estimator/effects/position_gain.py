@@ -1,0 +1,33 @@
+"""Damping that grows or fades with the stroke position: bypass grooves, position-sensitive valves.
+
+    F <- F (1 + g (x - x_0)^2 / s^2)
+
+g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting). Acts on what stands before it in its path; the gain never falls below
+zero. No state. Source: position-sensitive dampers, e.g. Lee and Moon 2005.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.signals.layout import X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F *= max(0, 1 + g ((x - x_0) / s)^2)."""
+    for i in range(force.size):
+        away = (kinematics[X, i] - parameters[1]) / settings[0]
+        force[i] *= max(0.0, 1.0 + parameters[0] * away * away)
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="modifier",
+    phenomenon="position_dependence",
+    parameters=(
+        Parameter("gain", "1", 0.0, -1.0, 5.0, "change of the force at one scale from the middle"),
+        Parameter("middle", "m", 0.0, -0.5, 0.5, "stroke position of the groove's middle"),
+    ),
+    settings=(Setting("scale", "m", 0.05, "stroke from the middle to which the gain refers", lower=1e-4),),
+    shows="at the same velocity the force differs between the middle and the ends of the stroke",
+    separate="the same velocities at several mean positions",
+)

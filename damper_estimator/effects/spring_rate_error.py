@@ -1,0 +1,27 @@
+"""Spring force that was not, or not rightly, subtracted from the gauge's force.
+
+    F_measured = F + k x
+
+k in N/m, x in m. Off line only; it is mended by the signal map's ``force.spring_rate``.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += k x."""
+    for i in range(force.size):
+        force[i] += parameters[0] * kinematics[X, i]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="channel",
+    phenomenon="spring_rate_error",
+    parameters=(Parameter("rate", "N/m", 0.0, -200000.0, 200000.0, "error of the spring rate", linear=True),),
+    shows="a straight line over displacement, whatever the velocity",
+    separate="a slow stroke without the spring, or with a known one",
+)

@@ -1,0 +1,33 @@
+"""Friction-like step whose place in velocity is shifted by the acceleration: the simplest hysteresis of a MR damper.
+
+    F = F_y tanh(s (v + h a))
+
+F_y in N (yield force), s in s/m (steepness), h in s (shift). No state. Source: the hysteresis term common to the Kwok and
+Guo forms (Lozoya-Santos et al., eqs. (1), (2)), here over velocity and acceleration.
+"""
+
+from math import tanh
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import A, V
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += F_y tanh(s (v + h a))."""
+    for i in range(force.size):
+        force[i] += parameters[0] * tanh(parameters[1] * (kinematics[V, i] + parameters[2] * kinematics[A, i]))
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="hysteresis",
+    parameters=(
+        Parameter("force", "N", 300.0, 0.0, 10000.0, "yield force", linear=True),
+        Parameter("steepness", "s/m", 30.0, 0.1, 5000.0, "steepness through zero velocity"),
+        Parameter("shift", "s", 0.0, -0.05, 0.05, "shift of the step per acceleration"),
+    ),
+    shows="the F-v loop is open about zero velocity and closes at high velocity",
+)

@@ -1,0 +1,8 @@
+"""Models of dampers: lists of effects, their YAML files, and the streams that run them."""
+
+from damper_estimator.model.damper_model import DamperModel, Slot
+from damper_estimator.model.element import Element, make_element
+from damper_estimator.model.files import library_models, load_model, parse_model, save_model
+from damper_estimator.model.stream import Stream
+
+__all__ = ["DamperModel", "Element", "Slot", "Stream", "library_models", "load_model", "make_element", "parse_model", "save_model"]

@@ -1,0 +1,180 @@
+"""A model of one damper: an ordered list of effects, immutable, with verbs that return a changed copy."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from damper_estimator.effects.contract import Parameter
+from damper_estimator.errors import InputError
+from damper_estimator.model.element import Element, labels, walk
+from damper_estimator.model.program import Program, compile_program, refilled
+from damper_estimator.model.stream import Stream
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One number of a model that identification may change.
+
+    Attributes:
+        address: such as ``coulomb.force``, ``bouc_wen#2.alpha``, ``viscous_curve.force[3]``.
+        value: present value.
+        parameter: its declaration (unit, bounds, meaning).
+        entry: position of its effect in order of ``walk``.
+        index: position in a vector parameter, None for a scalar.
+        fixed: whether the model file keeps it from identification.
+    """
+
+    address: str
+    value: float
+    parameter: Parameter
+    entry: int
+    index: int | None
+    fixed: bool
+
+
+@dataclass(frozen=True)
+class DamperModel:
+    """One damper's model.
+
+    Attributes:
+        name, source: from the model file.
+        effects: entries in order; order is physics (sources, then what acts on their sum).
+        fixed: addresses that identification leaves alone unless told otherwise.
+        notes: what was decided about the published model, and why.
+        fit: what the last identification left: bags, date, cutoff, residual standard deviation, region, standard errors.
+    """
+
+    name: str
+    source: str
+    effects: tuple[Element, ...]
+    fixed: tuple[str, ...] = ()
+    notes: str = ""
+    fit: Mapping[str, object] = field(default_factory=dict)
+
+    @cached_property
+    def program(self) -> Program:
+        """The model laid out for the chain."""
+        return compile_program(self.effects)
+
+    @cached_property
+    def slots(self) -> tuple[Slot, ...]:
+        """Every number that identification may change, in order."""
+        slots = []
+        for entry, (label, element) in enumerate(labels(self.effects)):
+            for parameter in element.effect.parameters:
+                value = element.parameters[parameter.name]
+                items = [(None, value)] if parameter.size is None else list(enumerate(value))
+                for index, number in items:
+                    address = f"{label}.{parameter.name}" + ("" if index is None else f"[{index}]")
+                    fixed = address in self.fixed or f"{label}.{parameter.name}" in self.fixed
+                    slots.append(Slot(address, float(number), parameter, entry, index, fixed))
+        return tuple(slots)
+
+    def stream(self) -> Stream:
+        """A fresh running state."""
+        return Stream(self.program)
+
+    def force(self, block: np.ndarray) -> np.ndarray:
+        """Forces (n,) in N over a whole block (8, n), from a fresh state."""
+        return self.stream().force(block)
+
+    def contributions(self, block: np.ndarray) -> dict[str, np.ndarray]:
+        """What each entry contributes to the force, (n,) in N by label; they add up to ``force``."""
+        _, parts = self.stream().contributions(block)
+        return {
+            label: part
+            for (label, element), part in zip(labels(self.effects), parts, strict=True)
+            if element.effect.kind != "path"
+        }
+
+    def with_values(self, values: Mapping[str, float]) -> "DamperModel":
+        """The model with some numbers changed, by address; what it knows of its last fit is dropped.
+
+        Raises:
+            InputError: names every address that the model does not have.
+        """
+        unknown = [address for address in values if address not in {slot.address for slot in self.slots}]
+        if unknown:
+            raise InputError(f"model {self.name}: has no parameter {', '.join(unknown)}; it has {', '.join(s.address for s in self.slots)}")
+        vector = np.array([values.get(slot.address, slot.value) for slot in self.slots])
+        return self.with_vector(vector)
+
+    def with_vector(self, vector: np.ndarray) -> "DamperModel":
+        """The model with all numbers changed, in order of ``slots``; reuses the compiled program."""
+        by_entry: dict[int, dict[str, float | tuple[float, ...]]] = {}
+        for slot, number in zip(self.slots, vector, strict=True):
+            own = by_entry.setdefault(slot.entry, {})
+            if slot.index is None:
+                own[slot.parameter.name] = float(number)
+            else:
+                own[slot.parameter.name] = (*own.get(slot.parameter.name, ()), float(number))
+        changed = replace(self, effects=_with_entries(self.effects, by_entry, [0]), fit={})
+        # The structure is the same, so the program is refilled; frozen only towards the outside.
+        changed.__dict__["program"] = refilled(self.program, changed.effects)
+        return changed
+
+    def with_effect(self, element: Element) -> "DamperModel":
+        """The model with an entry more, at the place that its kind asks for.
+
+        A source goes before the first modifier of the top level, a modifier or channel effect to the end, an input effect to the
+        front; a series effect wraps all sources that stand before the first modifier.
+        """
+        head = [e for e in self.effects if e.effect.kind in ("source", "path", "series", "input")]
+        count = next((i for i, e in enumerate(self.effects) if e not in head), len(self.effects))
+        kind = element.effect.kind
+        if kind == "input":
+            effects = (element, *self.effects)
+        elif kind in ("source", "path"):
+            effects = (*self.effects[:count], element, *self.effects[count:])
+        elif kind == "series":
+            effects = (replace(element, path=element.path or self.effects[:count]), *self.effects[count:])
+        elif kind == "modifier":
+            channels = [e for e in self.effects if e.effect.kind == "channel"]
+            effects = (*(e for e in self.effects if e not in channels), element, *channels)
+        else:
+            effects = (*self.effects, element)
+        return replace(self, effects=effects, fit={})
+
+    def without(self, label: str) -> "DamperModel":
+        """The model less one entry; what a series effect wrapped stays.
+
+        Raises:
+            InputError: where there is no such entry.
+        """
+        entries = dict(labels(self.effects))
+        if label not in entries:
+            raise InputError(f"model {self.name}: has no effect {label}; it has {', '.join(entries)}")
+        return replace(self, effects=_removed(self.effects, entries[label]), fit={})
+
+    @property
+    def channel_effects(self) -> list[str]:
+        """Labels of effects of the measurement chain; a model that is deployed has none."""
+        return [label for label, element in labels(self.effects) if element.effect.kind == "channel"]
+
+    def uses(self) -> set[str]:
+        """Names of the model's effects."""
+        return {element.effect.name for element in walk(self.effects)}
+
+
+def _with_entries(elements: tuple[Element, ...], values: Mapping[int, Mapping], counter: list[int]) -> tuple[Element, ...]:
+    changed = []
+    for element in elements:
+        entry = counter[0]
+        counter[0] += 1
+        inner = _with_entries(element.path, values, counter)
+        changed.append(
+            Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
+        )
+    return tuple(changed)
+
+
+def _removed(elements: tuple[Element, ...], gone: Element) -> tuple[Element, ...]:
+    kept: list[Element] = []
+    for element in elements:
+        if element is gone:
+            kept += element.path if element.effect.kind == "series" else ()
+        else:
+            kept.append(replace(element, path=_removed(element.path, gone)) if element.path else element)
+    return tuple(kept)

@@ -1,0 +1,117 @@
+"""One entry of a model: an effect with its values, and the path that it wraps, if any."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.errors import InputError
+
+Value = float | tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Element:
+    """An effect in a model.
+
+    Attributes:
+        effect: its declaration.
+        parameters: value of every parameter, a tuple for a vector, in declared order.
+        settings: value of every setting, in declared order.
+        path: the entries it wraps, for kinds ``path`` and ``series``.
+    """
+
+    effect: Effect
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    path: tuple["Element", ...] = ()
+
+
+    def with_values(self, values: Mapping[str, Value]) -> "Element":
+        """The same entry with some parameters changed."""
+        return replace(self, parameters={**self.parameters, **values})
+
+
+def make_element(
+    effect: Effect, values: Mapping[str, object] | None = None, path: tuple[Element, ...] = ()
+) -> Element:
+    """An entry from parameter and setting values by name; what is left out takes the default.
+
+    Raises:
+        InputError: names every culprit: unknown names, wrong lengths, values out of bounds, a path where none belongs.
+    """
+    given = dict(values or {})
+    faults = [
+        f"{name!r} is none of its values ({', '.join(_names(effect)) or 'it has none'})" for name in given if name not in _names(effect)
+    ]
+    if effect.kind not in ("path", "series") and path:
+        faults.append("it takes no path")
+    if effect.kind in ("path", "series") and not path:
+        faults.append("its path is empty")
+    settings = {s.name: _checked_setting(s, given.get(s.name, s.default), faults) for s in effect.settings}
+    parameters = {
+        p.name: _checked_parameter(p, given.get(p.name), settings.get(p.size) if p.size else None, faults)
+        for p in effect.parameters
+    }
+    if faults:
+        raise InputError(f"effect {effect.name}: {'; '.join(faults)}")
+    return Element(effect, parameters, settings, path)
+
+
+def _names(effect: Effect) -> list[str]:
+    return [declared.name for declared in (*effect.parameters, *effect.settings)]
+
+
+def _numbers(value: object) -> tuple[float, ...] | None:
+    """The value as a tuple of floats; None where it is something else."""
+    items = value if isinstance(value, list | tuple) else (value,)
+    if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
+        return None
+    return tuple(float(item) for item in items)
+
+
+def _checked_setting(setting, value: object, faults: list[str]) -> Value:
+    numbers = _numbers(value)
+    listed = isinstance(setting.default, tuple)
+    if numbers is None or (not listed and isinstance(value, list | tuple)):
+        faults.append(f"{setting.name} = {value!r} is not a {'list of numbers' if listed else 'number'}")
+        return setting.default
+    if any(not setting.lower <= number <= setting.upper for number in numbers):
+        faults.append(f"{setting.name} = {value!r} is outside {setting.lower:g} to {setting.upper:g} {setting.unit}")
+    if setting.increasing and (len(numbers) < 2 or any(b <= a for a, b in zip(numbers, numbers[1:], strict=False))):
+        faults.append(f"{setting.name} must have two or more values in rising order")
+        return setting.default
+    return numbers if listed else numbers[0]
+
+
+def _checked_parameter(parameter: Parameter, value: object, sized_by: Value | None, faults: list[str]) -> Value:
+    length = len(sized_by) if isinstance(sized_by, tuple) else None
+    default = parameter.default if length is None else (parameter.default,) * length
+    numbers = _numbers(default if value is None else value)
+    if numbers is None or (length is None and isinstance(value, list | tuple)):
+        faults.append(f"{parameter.name} = {value!r} is not a number")
+        return default
+    if length is not None and len(numbers) != length:
+        faults.append(f"{parameter.name} has {len(numbers)} values, {parameter.size} has {length}")
+    for number in numbers:
+        if not parameter.lower <= number <= parameter.upper:
+            faults.append(
+                f"{parameter.name} = {number:g} is outside {parameter.lower:g} to {parameter.upper:g} {parameter.unit}"
+            )
+    return numbers if length is not None else numbers[0]
+
+
+def walk(elements: tuple[Element, ...]) -> Iterator[Element]:
+    """All entries in order, each before what it wraps."""
+    for element in elements:
+        yield element
+        yield from walk(element.path)
+
+
+def labels(elements: tuple[Element, ...]) -> list[tuple[str, Element]]:
+    """Label of every entry in order of ``walk``: the effect's name, ``name#2`` for a second instance."""
+    seen: dict[str, int] = {}
+    named = []
+    for element in walk(elements):
+        count = seen[element.effect.name] = seen.get(element.effect.name, 0) + 1
+        named.append((element.effect.name if count == 1 else f"{element.effect.name}#{count}", element))
+    return named

@@ -1,0 +1,71 @@
+"""Runs a model on blocks of samples, carrying its state: the one way forces are computed, live and off line."""
+
+import numpy as np
+
+from damper_estimator.model import chain
+from damper_estimator.model.program import Program
+from damper_estimator.signals.layout import DT
+
+_NO_TRACE = np.zeros((0, 0))
+
+
+class Stream:
+    """The running state of one model. Blocks of any size, also of one sample, give the same forces bit for bit."""
+
+    def __init__(self, program: Program):
+        """``program`` from ``compile_program``; several streams may share one."""
+        self._program = program
+        self._state = np.zeros(program.states)
+        self._solvers = np.zeros((program.table.shape[0] if program.series else 0, chain.SOLVER_COLUMNS))
+        self._registers: tuple[np.ndarray, np.ndarray] | None = None
+
+    def force(self, block: np.ndarray) -> np.ndarray:
+        """Forces (n,) in N of the next samples, ``block`` (8, n) in the rows of ``signals.layout``; resets where dt is 0."""
+        return self._run(block, _NO_TRACE)
+
+    def contributions(self, block: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces (n,) and what each entry of the model contributed to them, (entries, n) in order of ``walk``.
+
+        They add up to the force; what stands behind a compliance is counted there as a whole.
+        """
+        trace = np.zeros((self._program.table.shape[0], block.shape[1]))
+        force = self._run(block, trace)
+        return force, trace[list(self._program.rows)]
+
+    def _run(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
+        starts = np.flatnonzero(block[DT] <= 0.0)
+        if starts.size == 0 or (starts.size == 1 and starts[0] == 0):
+            if starts.size:
+                self._state[:] = 0.0
+            return self._stretch(block, trace)
+        edges = sorted({0, *starts.tolist(), block.shape[1]})
+        force = np.empty(block.shape[1])
+        for first, last in zip(edges, edges[1:], strict=False):
+            part = np.ascontiguousarray(block[:, first:last])
+            part_trace = np.zeros((trace.shape[0], last - first))
+            force[first:last] = self._run(part, part_trace)
+            if trace.size:
+                trace[:, first:last] = part_trace
+        return force
+
+    def _stretch(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
+        program, size = self._program, block.shape[1]
+        if self._registers is None or self._registers[1].shape[1] != size:
+            self._registers = (
+                np.empty((program.motions, block.shape[0], size)),
+                np.empty((program.forces, size)),
+            )
+        motions, forces = self._registers
+        chain.run(
+            program.kernels,
+            program.table,
+            program.parameters,
+            program.settings,
+            block,
+            motions,
+            forces,
+            self._state,
+            self._solvers,
+            trace,
+        )
+        return forces[0].copy()
