@@ -1,0 +1,141 @@
+"""What a model sees of a recording or of a live input: blocks of samples, filtered and differentiated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.signals.admission import DUPLICATE, Admission, Counts
+from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
+from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
+
+WARM_UP = 0.2  # s after a reset in which estimates are not judged
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Samples of one damper in order of time.
+
+    Attributes:
+        stamp: (n,) int64 ns.
+        block: (8, n) float64, contiguous, rows as in ``signals.layout``.
+    """
+
+    stamp: np.ndarray
+    block: np.ndarray
+
+    def __len__(self) -> int:
+        return self.stamp.size
+
+    @property
+    def time(self) -> np.ndarray:
+        """(n,) s since the first sample."""
+        return self.block[T]
+
+    @property
+    def dt(self) -> np.ndarray:
+        """(n,) s; 0 at a start."""
+        return self.block[DT]
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """(n,) m, positive in extension."""
+        return self.block[X]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(n,) m/s."""
+        return self.block[V]
+
+    @property
+    def acceleration(self) -> np.ndarray:
+        """(n,) m/s^2."""
+        return self.block[A]
+
+    @property
+    def command(self) -> np.ndarray:
+        """(n,) A, NaN where there is none."""
+        return self.block[COMMAND]
+
+    @property
+    def temperature(self) -> np.ndarray:
+        """(n,) deg C, NaN where there is none."""
+        return self.block[TEMPERATURE]
+
+    @property
+    def rate(self) -> float:
+        """Hz, from the steps inside the stretches; NaN for fewer than two samples."""
+        inside = self.dt > 0.0
+        return float(np.count_nonzero(inside) / self.dt[inside].sum()) if inside.any() else float("nan")
+
+    def stretches(self) -> list[slice]:
+        """The parts between resets, each of them continuous."""
+        starts = np.flatnonzero(self.dt <= 0.0)
+        return [slice(int(a), int(b)) for a, b in zip(starts, [*starts[1:], len(self)], strict=True)]
+
+    def warm(self) -> np.ndarray:
+        """(n,) bool: at least ``WARM_UP`` after the last reset."""
+        warm = np.zeros(len(self), bool)
+        for part in self.stretches():
+            warm[part] = self.stamp[part] - self.stamp[part.start] >= round(WARM_UP * 1e9)
+        return warm
+
+    def select(self, part: slice) -> "Kinematics":
+        """A part of it as a recording of its own; its first sample is a start."""
+        block = np.ascontiguousarray(self.block[:, part])
+        if block.shape[1]:
+            block[DT, 0] = 0.0
+        return Kinematics(self.stamp[part], block)
+
+
+class Differentiator:
+    """Turns stamps and raw displacement into kinematics, sample by sample or in blocks of any size, with equal bits."""
+
+    def __init__(self, cutoff: float, max_gap: float):
+        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s."""
+        self._cutoff = cutoff
+        self._admission = Admission(max_gap)
+        self._state = np.zeros(STATE_SIZE)
+        self._origin: int | None = None
+
+    def block(
+        self,
+        stamp: np.ndarray,
+        displacement: np.ndarray,
+        command: np.ndarray | float = np.nan,
+        temperature: np.ndarray | float = np.nan,
+        pressure: np.ndarray | float = np.nan,
+    ) -> tuple[Kinematics, np.ndarray]:
+        """Kinematics of the samples that are good, and the verdict (n,) on every one.
+
+        Args:
+            stamp: (n,) int64 ns, in order of arrival.
+            displacement: (n,) m.
+            command, temperature, pressure: (n,) or one value, NaN where there is none.
+        """
+        verdict, dt = self._admission.block(stamp, displacement)
+        good = verdict < DUPLICATE
+        if not good.all():
+            stamp, displacement, dt = stamp[good], displacement[good], dt[good]
+            command, temperature, pressure = (
+                value[good] if np.ndim(value) else value for value in (command, temperature, pressure)
+            )
+        if self._origin is None and stamp.size:
+            self._origin = int(stamp[0])
+        block = np.empty((ROWS, stamp.size))
+        block[T] = (stamp - (self._origin or 0)) * 1e-9
+        block[DT] = dt
+        differentiate(self._cutoff, dt, displacement, self._state, block[X], block[V], block[A])
+        block[COMMAND], block[TEMPERATURE], block[PRESSURE] = command, temperature, pressure
+        return Kinematics(stamp, block), verdict
+
+    def reset(self) -> None:
+        """The next sample starts anew."""
+        self._admission.reset()
+
+
+def differentiate_recording(
+    stamp: np.ndarray, displacement: np.ndarray, cutoff: float, max_gap: float, **slow: np.ndarray
+) -> tuple[Kinematics, Counts]:
+    """A whole recording at once: kinematics of the good samples and the counts of the others."""
+    kinematics, verdict = Differentiator(cutoff, max_gap).block(stamp, displacement, **slow)
+    return kinematics, Counts.of(verdict)

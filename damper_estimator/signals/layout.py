@@ -1,0 +1,15 @@
+"""Rows of the sample block, the only thing that effects know about signals.
+
+A block is a contiguous float64 array of shape (8, n), SI units, displacement positive in extension. Row ``DT`` is the
+step that led to the sample; 0 marks the first sample after a reset. A row that is absent holds NaN.
+"""
+
+T = 0  # s since the first sample
+DT = 1  # s since the sample before; 0 at a start
+X = 2  # m, displacement
+V = 3  # m/s, velocity
+A = 4  # m/s^2, acceleration
+COMMAND = 5  # A (or V, or 1) of a semi-active damper
+TEMPERATURE = 6  # deg C
+PRESSURE = 7  # Pa
+ROWS = 8
