@@ -18,6 +18,7 @@ class Stream:
         self._state = np.zeros(program.states)
         self._solvers = np.zeros((program.table.shape[0] if program.series else 0, chain.SOLVER_COLUMNS))
         self._registers: tuple[np.ndarray, np.ndarray] | None = None
+        self._restart = False
 
     def force(self, block: np.ndarray) -> np.ndarray:
         """Forces (n,) in N of the next samples, ``block`` (8, n) in the rows of ``signals.layout``; resets where dt is 0."""
@@ -33,23 +34,36 @@ class Stream:
         return force, trace[list(self._program.rows)]
 
     def _run(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
+        """Runs the stretches between resets; a force that is not finite resets the model, and the next sample starts anew."""
+        size = block.shape[1]
         starts = np.flatnonzero(block[DT] <= 0.0)
-        if starts.size == 0 or (starts.size == 1 and starts[0] == 0):
-            if starts.size:
-                self._state[:] = 0.0
-            return self._stretch(block, trace)
-        edges = sorted({0, *starts.tolist(), block.shape[1]})
-        force = np.empty(block.shape[1])
-        for first, last in zip(edges, edges[1:], strict=False):
-            part = np.ascontiguousarray(block[:, first:last])
-            part_trace = np.zeros((trace.shape[0], last - first))
-            force[first:last] = self._run(part, part_trace)
-            if trace.size:
-                trace[:, first:last] = part_trace
+        force = np.empty(size)
+        first, length = 0, size
+        while first < size:
+            following = np.searchsorted(starts, first, side="right")
+            last = min(first + length, int(starts[following]) if following < starts.size else size)
+            part = np.ascontiguousarray(block[:, first:last]) if last - first < size else block
+            if self._restart and part[DT, 0] > 0.0:
+                part = part.copy()
+                part[DT, 0] = 0.0
+            self._restart = False
+            part_trace = trace if last - first == size else np.zeros((trace.shape[0], last - first))
+            force[first:last] = self._stretch(part, part_trace)
+            lost = np.flatnonzero(~np.isfinite(force[first:last]))
+            if lost.size:
+                last, length = first + int(lost[0]) + 1, 1
+                self._restart = True
+            else:
+                length = max(2 * length, 2)
+            if trace.size and part_trace is not trace:
+                trace[:, first:last] = part_trace[:, : last - first]
+            first = last
         return force
 
     def _stretch(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
         program, size = self._program, block.shape[1]
+        if block[DT, 0] <= 0.0:
+            self._state[:] = 0.0
         if self._registers is None or self._registers[1].shape[1] != size:
             self._registers = (
                 np.empty((program.motions, block.shape[0], size)),

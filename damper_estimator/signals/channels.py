@@ -1,0 +1,108 @@
+"""Reads the channels of a signal map from a bag, in one pass over the file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.recordings import Bag
+from damper_estimator.signals.signal_map import Channel, SignalMap, default_signals
+
+
+@dataclass(frozen=True)
+class ChannelData:
+    """The values of one channel in order of arrival.
+
+    Attributes:
+        stamp: (n,) int64 ns, the message's own stamp (its time of arrival where it has none).
+        rank: (n,) int64, position among all messages of the bag.
+        value: (n,) SI.
+    """
+
+    stamp: np.ndarray
+    rank: np.ndarray
+    value: np.ndarray
+
+
+def find_topic(bag: Bag, topic: str) -> str | None:
+    """The bag's name for a topic: itself, with or without the leading slash, or the only one that ends with it."""
+    names = [t.name for t in bag.topics]
+    bare = topic.lstrip("/")
+    exact = [name for name in names if name.lstrip("/") == bare]
+    inside_namespace = [name for name in names if name.endswith(f"/{bare}")] if not topic.startswith("/") else []
+    matches = exact or inside_namespace
+    return matches[0] if len(matches) == 1 else None
+
+
+def damper_names(bag: Bag) -> list[str]:
+    """Names in the messages on the default displacement topic, in order of appearance.
+
+    Raises:
+        InputError: where the bag has no such topic, or it has no names.
+    """
+    default = default_signals("").displacement.topic
+    topic = find_topic(bag, default)
+    if topic is None:
+        there = ", ".join(f"{t.name} ({t.type})" for t in bag.topics) or "none"
+        raise InputError(
+            f"{bag.path}: has no topic {default}; it has {there}; name the right one in a signal map "
+            "(damper-estimator inspect proposes one)"
+        )
+    names: dict[str, None] = {}
+    for batch in bag.batches([topic], size=100):
+        for _, message in batch.messages(topic):
+            names |= dict.fromkeys(getattr(message, "name", ()))
+        break
+    if not names:
+        raise InputError(f"{bag.path}: the messages on {topic} name no damper; write a signal map")
+    return list(names)
+
+
+def signals_for(bag: Bag, signal_map: SignalMap, damper: str | None = None) -> SignalMap:
+    """The map with its dampers named, from the bag where the map names none; only ``damper`` where that is given.
+
+    Raises:
+        InputError: where the damper is unknown.
+    """
+    full = signal_map if signal_map.dampers else signal_map.with_dampers(damper_names(bag))
+    if damper is None:
+        return full
+    if damper not in full.dampers:
+        where = signal_map.where if signal_map.dampers else bag.path
+        raise InputError(f"{where}: has no damper {damper!r}; it has {', '.join(full.dampers)}")
+    return SignalMap(full.cutoff, full.band, {damper: full.dampers[damper]}, full.windows, full.where)
+
+
+def read_channels(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, ChannelData]:
+    """The channels that are there, by the same keys, in one pass over the bag.
+
+    Raises:
+        InputError: where a channel that a map names is missing, or its field never appears.
+    """
+    found = {key: find_topic(bag, channel.topic) for key, channel in channels.items()}
+    for key, topic in found.items():
+        if topic is None and channels[key].given:
+            there = ", ".join(t.name for t in bag.topics)
+            raise InputError(f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {there}; mend the signal map")
+    wanted: dict[str, list[str]] = {}
+    for key, topic in found.items():
+        if topic is not None:
+            wanted.setdefault(topic, []).append(key)
+    parts: dict[str, list[ChannelData]] = {key: [] for keys in wanted.values() for key in keys}
+    for batch in bag.batches(list(wanted)) if wanted else ():
+        for topic, keys in wanted.items():
+            columns = batch.columns(topic, tuple(channels[key].field for key in keys))
+            for i, key in enumerate(keys):
+                there = columns.present[:, i]
+                value = channels[key].value(columns.values[there, i])
+                parts[key].append(ChannelData(columns.stamp[there], columns.rank[there], value))
+    data = {key: _joined(own) for key, own in parts.items() if own}
+    for key, channel in channels.items():
+        if key in parts and (key not in data or data[key].stamp.size == 0) and channel.given:
+            raise InputError(f"{bag.path}: topic {found[key]} never has the field {channel.field} ({key}); mend the signal map")
+    return {key: own for key, own in data.items() if own.stamp.size}
+
+
+def _joined(parts: list[ChannelData]) -> ChannelData:
+    return ChannelData(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("stamp", "rank", "value")))

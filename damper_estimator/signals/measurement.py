@@ -1,0 +1,196 @@
+"""One damper of one recording, ready to be compared with a model: kinematics and measured force on the same footing."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.recordings import Bag
+from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Admission, Counts
+from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
+from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
+from damper_estimator.signals.kinematics import Differentiator, Kinematics
+from damper_estimator.signals.layout import DT, T
+from damper_estimator.signals.signal_map import DamperSignals, SignalMap
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What was measured on one damper.
+
+    Attributes:
+        recording: path of the bag.
+        damper: its name.
+        kinematics: filtered, (n,) samples.
+        force: (n,) N, the damper's force through the same causal filter; None where none was recorded.
+        judged: (n,) bool, samples that count: warm, and with a measured force near.
+        counts: what a node would have dropped, in order of arrival.
+        gauge: (m,) N, the force channel as it came, before spring and filter; empty without.
+        raw_displacement: (n,) m, before the filter.
+        cutoff, band: Hz.
+        signals: the damper's entry of the signal map.
+    """
+
+    recording: str
+    damper: str
+    kinematics: Kinematics
+    force: np.ndarray | None
+    judged: np.ndarray
+    counts: Counts
+    gauge: np.ndarray
+    raw_displacement: np.ndarray
+    cutoff: float
+    band: float
+    signals: DamperSignals
+
+    def in_band(self, force: np.ndarray) -> np.ndarray:
+        """A force (n,) through the comparison's zero-phase low-pass."""
+        return low_pass_zero_phase(self.band, self.kinematics.dt, force)
+
+    def part(self, first: int, last: int) -> "Measurement":
+        """Samples ``first`` to ``last``; the forces keep their filtering, the warm-up counts anew."""
+        window = slice(first, last)
+        kinematics = self.kinematics.select(window)
+        return replace(
+            self,
+            kinematics=kinematics,
+            force=None if self.force is None else self.force[window],
+            judged=self.judged[window] & kinematics.warm(),
+            raw_displacement=self.raw_displacement[window],
+        )
+
+
+def measure(
+    bag: Bag,
+    signal_map: SignalMap,
+    damper: str,
+    start: float = 0.0,
+    end: float = float("inf"),
+    max_gap: float = DEFAULT_MAX_GAP,
+    force_wanted: bool = True,
+) -> Measurement:
+    """Reads one damper from a bag, in order of stamp.
+
+    Args:
+        start, end: s since the first displacement, beside the map's own windows.
+        force_wanted: whether a missing force is an error.
+
+    Raises:
+        InputError: one line; topics, fields or dampers that are not there, or nothing left in the window.
+    """
+    chosen = signals_for(bag, signal_map, damper)
+    signals = chosen.dampers[damper]
+    data = read_channels(bag, signals.channels())
+    if "displacement" not in data:
+        raise InputError(f"{bag.path}: has no displacement of damper {damper!r} ({signals.displacement.topic}, {signals.displacement.field})")
+    if force_wanted and "force" not in data:
+        raise InputError(f"{bag.path}: has no measured force of damper {damper!r} ({signals.force.topic}, {signals.force.field}); this verb needs one")
+    arrived = data["displacement"]
+    counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
+    windows = _windows(chosen, start, end)
+    kinematics, raw = _kinematics(data, signals, chosen.cutoff, max_gap, windows)
+    if not len(kinematics):
+        raise InputError(f"{bag.path}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, --to or the map's windows")
+    force, near = (None, np.zeros(len(kinematics), bool))
+    if "force" in data:
+        force, near = _damper_force(data["force"], signals, kinematics, chosen.cutoff, max_gap)
+        if force_wanted and not near.any():
+            raise InputError(f"{bag.path}: the force of damper {damper!r} was not recorded at the same time as its displacement; check the stamps and the skew")
+    return Measurement(
+        recording=str(bag.path),
+        damper=damper,
+        kinematics=kinematics,
+        force=force,
+        judged=kinematics.warm() & near,
+        counts=counts,
+        gauge=data["force"].value if "force" in data else np.zeros(0),
+        raw_displacement=raw,
+        cutoff=chosen.cutoff,
+        band=chosen.band,
+        signals=signals,
+    )
+
+
+def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[float, float]]:
+    own = signal_map.windows or ((0.0, float("inf")),)
+    cut = [(max(first, start), min(last, end)) for first, last in own]
+    return [(first, last) for first, last in cut if first < last]
+
+
+def _in_order(data: ChannelData, skew: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps corrected for skew and values, ordered by stamp (stable), finite ones only."""
+    good = np.isfinite(data.value)
+    stamp, value = data.stamp[good] - round(skew * 1e9), data.value[good]
+    order = np.argsort(stamp, kind="stable")
+    return stamp[order], value[order]
+
+
+def _kinematics(
+    data: dict[str, ChannelData], signals: DamperSignals, cutoff: float, max_gap: float, windows: list[tuple[float, float]]
+) -> tuple[Kinematics, np.ndarray]:
+    stamp, displacement = _in_order(data["displacement"], signals.displacement.skew)
+    origin = stamp[0] if stamp.size else 0
+    parts, raws = [], []
+    for first, last in windows:
+        inside = slice(*np.searchsorted(stamp - origin, [first * 1e9, last * 1e9]))
+        held = {
+            role: _held(data[role], getattr(signals, role).skew, stamp[inside])
+            for role in ("command", "temperature", "pressure")
+            if role in data
+        }
+        kinematics, verdict = Differentiator(cutoff, max_gap).block(stamp[inside], displacement[inside], **held)
+        parts.append(kinematics)
+        raws.append(displacement[inside][np.isin(stamp[inside], kinematics.stamp) & _first_of_equal(stamp[inside])])
+    joined = Kinematics(
+        np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
+        np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((8, 0)),
+    )
+    joined.block[T] = (joined.stamp - origin) * 1e-9
+    return joined, np.concatenate(raws or [np.zeros(0)])
+
+
+def _first_of_equal(stamp: np.ndarray) -> np.ndarray:
+    """(n,) bool: the first of each run of equal stamps, the one that is kept."""
+    return np.concatenate([[True], np.diff(stamp) > 0]) if stamp.size else np.zeros(0, bool)
+
+
+def _held(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:
+    """The last value of a slow channel at each stamp; NaN before the first."""
+    own_stamp, value = _in_order(data, skew)
+    index = np.searchsorted(own_stamp, stamp, side="right") - 1
+    return np.where(index >= 0, value[np.maximum(index, 0)] if value.size else np.nan, np.nan)
+
+
+def _damper_force(
+    data: ChannelData, signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Measured damper force at the kinematics' stamps through the same causal filter, and where it was really near.
+
+    The gauge is linear between its samples; the filter runs over the stamps of both channels, so it is exact for both.
+    """
+    stamp, value = _in_order(data, signals.force.skew)
+    if not stamp.size:
+        return np.full(len(kinematics), np.nan), np.zeros(len(kinematics), bool)
+    force = np.empty(len(kinematics))
+    for part in kinematics.stretches():
+        own = kinematics.stamp[part]
+        between = stamp[(stamp > own[0]) & (stamp < own[-1])]
+        grid = np.union1d(own, between)
+        dt = np.diff(grid, prepend=grid[0]) * 1e-9
+        on_grid = np.interp(grid - own[0], stamp - own[0], value)
+        force[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
+    after = np.searchsorted(stamp, kinematics.stamp)
+    before = np.searchsorted(stamp, kinematics.stamp, side="right") - 1
+    inside = (before >= 0) & (after < stamp.size)
+    hole = np.where(inside, stamp[np.minimum(after, stamp.size - 1)] - stamp[np.maximum(before, 0)], np.iinfo(np.int64).max)
+    near = hole <= max_gap * 1e9
+    return force - signals.spring_rate * kinematics.displacement - signals.preload, _settled(near, kinematics)
+
+
+def _settled(near: np.ndarray, kinematics: Kinematics) -> np.ndarray:
+    """``near`` less the warm-up that follows each hole in the force."""
+    returns = near & ~np.concatenate([[True], near[:-1]])
+    for i in np.flatnonzero(returns):
+        until = np.searchsorted(kinematics.stamp, kinematics.stamp[i] + 200_000_000)
+        near[i:until] = False
+    return near

@@ -1,0 +1,266 @@
+"""The signal map: which topic and field is which quantity of which damper, and how its raw numbers become SI units."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from damper_estimator import files
+from damper_estimator.errors import InputError
+
+DEFAULT_CUTOFF = 60.0  # Hz
+DEFAULT_BAND = 30.0  # Hz
+ROLES = ("displacement", "force", "command", "temperature", "pressure", "acceleration")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One quantity: value = scale * raw + offset, or by a table; true(t) = value(t + skew).
+
+    Attributes:
+        topic, field: where it is; ``field`` is a path of names and indices.
+        scale, offset: raw to SI.
+        skew: s, positive where the channel is late.
+        table: raw values and values, instead of scale (motion ratio); None without.
+        unit: of the command, for people.
+        given: whether a map names it, so that its absence is an error.
+    """
+
+    topic: str
+    field: str
+    scale: float = 1.0
+    offset: float = 0.0
+    skew: float = 0.0
+    table: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    unit: str = ""
+    given: bool = False
+
+    def value(self, raw: np.ndarray) -> np.ndarray:
+        """SI values of raw ones, any shape; the same code live and off line."""
+        if self.table is not None:
+            return np.interp(raw, *self.table)
+        return self.scale * raw + self.offset
+
+
+@dataclass(frozen=True)
+class DamperSignals:
+    """The channels of one damper; the force's spring rate (N/m) and preload (N) are subtracted to get the damper's force."""
+
+    displacement: Channel
+    force: Channel
+    command: Channel
+    temperature: Channel
+    pressure: Channel
+    acceleration: Channel
+    spring_rate: float = 0.0
+    preload: float = 0.0
+
+    def channels(self) -> dict[str, Channel]:
+        """Channel by role."""
+        return {role: getattr(self, role) for role in ROLES}
+
+
+@dataclass(frozen=True)
+class SignalMap:
+    """What a recording's channels mean.
+
+    Attributes:
+        cutoff: Hz of the filter before the model; 0 is the unfiltered mode.
+        band: Hz of the zero-phase low-pass of the comparison; 0 for none.
+        dampers: signals by damper; empty: those named in the displacement messages, on the default topics.
+        windows: (from, to) in s since the start of the recording that may be used; empty: all of it.
+        where: the file, for errors.
+    """
+
+    cutoff: float = DEFAULT_CUTOFF
+    band: float = DEFAULT_BAND
+    dampers: Mapping[str, DamperSignals] = field(default_factory=dict)
+    windows: tuple[tuple[float, float], ...] = ()
+    where: str = "default signal map"
+
+    def with_dampers(self, names: list[str]) -> "SignalMap":
+        """The map with default signals for the named dampers, where it names none itself."""
+        return self if self.dampers else replace(self, dampers={name: default_signals(name) for name in names})
+
+
+def default_signals(damper: str) -> DamperSignals:
+    """The default topics for one damper."""
+    own = f"suspension/{damper}"
+    return DamperSignals(
+        displacement=Channel("suspension/displacement", f"position[{damper}]"),
+        force=Channel("suspension/force", f"effort[{damper}]"),
+        command=Channel(f"{own}/current", "data", unit="A"),
+        temperature=Channel(f"{own}/temperature", "temperature"),
+        pressure=Channel(f"{own}/pressure", "fluid_pressure"),
+        acceleration=Channel(f"{own}/acceleration", "accel.linear.z"),
+    )
+
+
+def load_signal_map(path: str | Path | None) -> SignalMap:
+    """Reads a signal map; None gives the default one.
+
+    Raises:
+        InputError: one line with the file and every unknown key or wrong value.
+    """
+    if path is None:
+        return SignalMap()
+    try:
+        content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path given with -s") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        raise InputError(f"{path}: is not valid YAML{f' at line {mark.line + 1}' if mark else ''}; mend the file") from error
+    return parse_signal_map(content, str(path))
+
+
+def parse_signal_map(content: object, where: str) -> SignalMap:
+    """A signal map from its file's content.
+
+    Raises:
+        InputError: one line with the file and every unknown key or wrong value.
+    """
+    faults: list[str] = []
+    top = _mapping(content if content is not None else {}, "the file", ("filter", "dampers", "use"), faults)
+    chosen = _mapping(top.get("filter", {}), "filter", ("cutoff", "band"), faults)
+    dampers = {
+        str(name): _damper(str(name), entry, faults)
+        for name, entry in _mapping(top.get("dampers") or {}, "dampers", None, faults).items()
+    }
+    windows = top.get("use") or []
+    if not isinstance(windows, list):
+        faults.append("use must be a list of {from, to}")
+        windows = []
+    signal_map = SignalMap(
+        cutoff=_frequency(chosen, "cutoff", DEFAULT_CUTOFF, faults),
+        band=_frequency(chosen, "band", DEFAULT_BAND, faults),
+        dampers=dampers,
+        windows=tuple(_window(entry, faults) for entry in windows),
+        where=where,
+    )
+    if faults:
+        raise InputError(f"{where}: {'; '.join(faults)}")
+    return signal_map
+
+
+def _mapping(value: object, what: str, allowed: tuple[str, ...] | None, faults: list[str]) -> dict:
+    if not isinstance(value, dict):
+        faults.append(f"{what} must be a mapping, got {value!r}")
+        return {}
+    if allowed is not None:
+        faults += [f"unknown key {key!r} in {what} (allowed: {', '.join(allowed)})" for key in value if key not in allowed]
+    return value
+
+
+def _number(value: object, what: str, faults: list[str]) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value):
+        return float(value)
+    faults.append(f"{what} = {value!r} is not a number")
+    return 0.0
+
+
+def _frequency(chosen: dict, name: str, default: float, faults: list[str]) -> float:
+    value = chosen.get(name, default)
+    if value is None or value == "none":
+        return 0.0
+    number = _number(value, f"filter.{name}", faults)
+    if number <= 0.0:
+        faults.append(f"filter.{name} = {value!r} must be above 0 Hz, or none")
+    return number
+
+
+def _window(entry: object, faults: list[str]) -> tuple[float, float]:
+    window = _mapping(entry, "use", ("from", "to"), faults)
+    start = _number(window.get("from", 0.0), "use.from", faults)
+    end = _number(window["to"], "use.to", faults) if "to" in window else float("inf")
+    if end <= start:
+        faults.append(f"use: from {start:g} to {end:g} s is empty")
+    return start, end
+
+
+def _damper(name: str, entry: object, faults: list[str]) -> DamperSignals:
+    defaults = default_signals(name)
+    given = _mapping(entry or {}, f"dampers.{name}", ROLES, faults)
+    spring: dict[str, float] = {}
+    channels = {
+        role: _channel(f"dampers.{name}.{role}", given[role], getattr(defaults, role), spring, faults)
+        for role in ROLES
+        if role in given
+    }
+    return replace(defaults, **channels, **spring)
+
+
+def _channel(what: str, entry: object, default: Channel, spring: dict[str, float], faults: list[str]) -> Channel:
+    of_force = what.endswith(".force")
+    allowed = [f.name for f in fields(Channel) if f.name != "given"] + (["spring_rate", "preload"] if of_force else [])
+    given = dict(_mapping(entry, what, tuple(allowed), faults))
+    values: dict[str, object] = {}
+    for key in ("topic", "field", "unit"):
+        if key in given:
+            values[key] = str(given[key])
+    for key in ("scale", "offset", "skew"):
+        if key in given:
+            values[key] = _number(given[key], f"{what}.{key}", faults)
+    for key in ("spring_rate", "preload"):
+        if of_force and key in given:
+            spring[key] = _number(given[key], f"{what}.{key}", faults)
+    if "table" in given:
+        values["table"] = _table(f"{what}.table", given["table"], faults)
+        if "scale" in given or "offset" in given:
+            faults.append(f"{what} has both a table and a scale or offset; keep one")
+    return replace(default, given=True, **values)
+
+
+def _table(what: str, entry: object, faults: list[str]) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    table = _mapping(entry, what, ("raw", "value"), faults)
+    columns = []
+    for key in ("raw", "value"):
+        column = table.get(key)
+        if not isinstance(column, list) or len(column) < 2:
+            faults.append(f"{what}.{key} must be a list of two or more numbers")
+            return None
+        columns.append(tuple(_number(item, f"{what}.{key}", faults) for item in column))
+    raw, value = columns
+    if len(raw) != len(value) or any(b <= a for a, b in zip(raw, raw[1:], strict=False)):
+        faults.append(f"{what}: raw must rise strictly and be as long as value")
+        return None
+    return raw, value
+
+
+def signal_map_yaml(signal_map: SignalMap) -> str:
+    """The map as YAML; ``parse_signal_map`` gives the same map back. Channels that nobody named are left out."""
+    content: dict[str, object] = {
+        "filter": {"cutoff": signal_map.cutoff or "none", "band": signal_map.band or "none"},
+        "dampers": {name: _damper_content(signals) for name, signals in signal_map.dampers.items()},
+    }
+    if signal_map.windows:
+        content["use"] = [
+            {"from": start} | ({"to": end} if np.isfinite(end) else {}) for start, end in signal_map.windows
+        ]
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True, default_flow_style=None, width=140)
+
+
+def _damper_content(signals: DamperSignals) -> dict[str, object]:
+    content: dict[str, object] = {}
+    for role, channel in signals.channels().items():
+        if not channel.given:
+            continue
+        entry = {key: value for key, value in asdict(channel).items() if key != "given" and value not in ("", None)}
+        if channel.table is not None:
+            entry = {k: v for k, v in entry.items() if k not in ("scale", "offset")}
+            entry["table"] = {"raw": list(channel.table[0]), "value": list(channel.table[1])}
+        if role == "force":
+            entry |= {"spring_rate": signals.spring_rate, "preload": signals.preload}
+        content[role] = entry
+    return content
+
+
+def save_signal_map(signal_map: SignalMap, path: str | Path) -> None:
+    """Writes a map in one step.
+
+    Raises:
+        InputError: where it cannot be written.
+    """
+    files.write_text(path, signal_map_yaml(signal_map))
