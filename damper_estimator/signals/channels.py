@@ -1,13 +1,18 @@
 """Reads the channels of a signal map from a bag, in one pass over the file."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings import Bag
 from damper_estimator.signals.signal_map import Channel, SignalMap, default_signals
+
+if TYPE_CHECKING:  # the node runs without the readers' libraries
+    from damper_estimator.recordings import Bag
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,22 @@
 """One damper of one recording, ready to be compared with a model: kinematics and measured force on the same footing."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings import Bag
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Admission, Counts
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.layout import DT, T
 from damper_estimator.signals.signal_map import DamperSignals, SignalMap
+
+if TYPE_CHECKING:  # the node runs without the readers' libraries
+    from damper_estimator.recordings import Bag
 
 
 @dataclass(frozen=True)
