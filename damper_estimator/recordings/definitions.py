@@ -1,0 +1,146 @@
+"""Message definitions: from the bag's own schema, else those of ROS 2 Jazzy and of this project."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from damper_estimator.errors import InputError
+from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained
+from damper_estimator.share import share_path
+
+DAMPER_FORCES = "damper_msgs/msg/DamperForces"
+HEADER = "std_msgs/msg/Header"
+
+# What a CDR number looks like; bool, byte and char are bytes.
+NUMBERS: Mapping[str, np.dtype] = {
+    name: np.dtype(code)
+    for name, code in {
+        "bool": "u1", "byte": "u1", "octet": "u1", "char": "u1", "uint8": "u1", "int8": "i1",
+        "uint16": "u2", "int16": "i2", "uint32": "u4", "int32": "i4", "uint64": "u8", "int64": "i8",
+        "float32": "f4", "float64": "f8",
+    }.items()
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Schema:
+    """A message type as a recording names it; ``encoding`` and ``text`` are empty where it holds no definition."""
+
+    type: str
+    encoding: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Definition:
+    """The fields of a message type and of all types that it is made of.
+
+    Attributes:
+        type: such as ``sensor_msgs/msg/JointState``.
+        types: fields by type name, as rosbags gives them: ``(constants, [(field, description)])``.
+    """
+
+    type: str
+    types: Mapping[str, tuple]
+
+    def fields(self, type_name: str) -> list[tuple]:
+        """``(field, description)`` in order; a type without fields travels as one byte."""
+        return self.types[type_name][1] or [("structure_needs_at_least_one_member", (Nodetype.BASE, ("uint8", 0)))]
+
+
+def field_types(fields: list[tuple]) -> Iterator[str]:
+    """The names of the message types among a list of fields."""
+    for _, (kind, detail) in fields:
+        if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+            kind, detail = detail[0]
+        if kind == Nodetype.NAME:
+            yield detail
+
+
+@cache
+def builtin_store() -> Typestore:
+    """The message types of ROS 2 Jazzy and this project's `DamperForces`."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    path = share_path("msg_defs/msg/DamperForces.msg")
+    with explained(path, "install the package again"):
+        store.register(get_types_from_msg(path.read_text(encoding="utf-8"), DAMPER_FORCES))
+    return store
+
+
+@cache
+def definition_of(schema: Schema) -> Definition:
+    """The definition of a message type; a recording's own schema wins over the built-in one.
+
+    Raises:
+        InputError: where neither knows the type; the text lacks the topic, which the caller adds.
+    """
+    types = _own_types(schema) or _builtin_types(schema)
+    pending, complete = [schema.type], {}
+    while pending:
+        name = pending.pop()
+        if name not in complete:
+            complete[name] = _fields_of(name, types, schema)
+            pending += field_types(complete[name][1])
+    return Definition(schema.type, complete)
+
+
+def _own_types(schema: Schema) -> dict:
+    try:
+        if schema.encoding == "ros2msg":
+            types = get_types_from_msg(schema.text, schema.type)
+        elif schema.encoding == "ros2idl":
+            types = _idl_types(schema.text)
+        else:
+            return {}
+    except (TypesysError, *LIBRARY_ERRORS):  # the built-in definition may still do
+        return {}
+    return types if schema.type in types else {}
+
+
+def _idl_types(text: str) -> dict:
+    types = {}
+    for part in text.split("=" * 80 + "\n"):
+        body = part.split("\n", 1)[1] if part.startswith("IDL: ") else part
+        if body.strip():
+            types.update(get_types_from_idl(body))
+    return types
+
+
+def _builtin_types(schema: Schema) -> dict:
+    if schema.type in builtin_store().fielddefs:
+        return builtin_store().fielddefs
+    if schema.type.endswith("_Event"):
+        raise InputError(f"{schema.type} is a service event, whose definition cannot be read; use another topic")
+    what = "has a definition that cannot be read" if schema.text else "has no definition in the bag"
+    raise InputError(f"{schema.type} {what} and is not a type of ROS 2 Jazzy; record it with rosbag2's mcap storage")
+
+
+def _fields_of(name: str, types: dict, schema: Schema) -> tuple:
+    found = types.get(name) or builtin_store().fielddefs.get(name)
+    if found is None:
+        raise InputError(f"{schema.type} needs {name}, which the bag does not define; record it with rosbag2's mcap storage")
+    return found
+
+
+@cache
+def store_of(schema: Schema) -> Typestore:
+    """A rosbags type store that decodes this one type, for whole messages."""
+    store = Typestore()
+    store.register(dict(definition_of(schema).types))
+    return store
+
+
+@cache
+def builtin_schema(type_name: str) -> Schema:
+    """The full definition of a built-in type as text, its parts concatenated as in an mcap file.
+
+    Raises:
+        InputError: for a type that neither ROS 2 Jazzy nor this project has.
+    """
+    _builtin_types(Schema(type_name))
+    return Schema(type_name, "ros2msg", builtin_store().generate_msgdef(type_name, ros_version=2)[0])

@@ -1,0 +1,49 @@
+"""Turns what libraries raise on unusable files into the user's one line."""
+
+import sqlite3
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import yaml
+from mcap.exceptions import McapError
+from zstandard import ZstdError
+
+from damper_estimator.errors import InputError
+
+# Bytes that are no bag make the libraries below raise all of these (found by fuzzing).
+LIBRARY_ERRORS = (
+    McapError,
+    ZstdError,
+    sqlite3.Error,
+    yaml.YAMLError,
+    struct.error,
+    ArithmeticError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    MemoryError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
+
+
+@contextmanager
+def explained(path: str | Path, remedy: str) -> Iterator[None]:
+    """Raises an `InputError` that names ``path`` for whatever a library raises inside the block.
+
+    Keep the block to library calls: inside it our own bugs would be blamed on the user's file.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path and its rights") from error
+    except LIBRARY_ERRORS as error:
+        raise InputError(f"{path}: damaged ({_one_line(error)}); {remedy}") from error
+
+
+def _one_line(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    return text[:160] if text else type(error).__name__

@@ -1,0 +1,207 @@
+"""Where the wanted numbers lie in a serialised message (CDR), found by walking its definition once.
+
+All messages of the same length whose *structural* bytes (byte order, string and sequence lengths, and the contents of
+``name[]`` where an element is looked up by name) agree have the same layout, so that they can be read as one array.
+"""
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from rosbags.interfaces import Nodetype
+
+from damper_estimator.recordings.definitions import NUMBERS, Definition
+
+_ENCAPSULATION = 4  # bytes before the payload; alignment counts from behind them
+_PADDING = 3
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """``count`` numbers of ``dtype`` at byte ``offset`` of the message."""
+
+    offset: int
+    dtype: np.dtype
+    count: int = 1
+
+    def read(self, matrix: np.ndarray) -> np.ndarray:
+        """The first number of every message (row) of a byte matrix: (n,), a view."""
+        return np.ndarray(len(matrix), self.dtype, matrix, self.offset, matrix.strides[:1])
+
+    def write(self, matrix: np.ndarray, column: np.ndarray) -> None:
+        """Puts numbers (n,) or (n, count) into every message (row) of a byte matrix."""
+        strides = (matrix.strides[0], self.dtype.itemsize)
+        target = np.ndarray((len(matrix), self.count), self.dtype, matrix, self.offset, strides)
+        target[...] = column if column.ndim == 2 else column[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Leaf per wanted path (None where this message lacks it) and the structural bytes that make it so."""
+
+    leaves: tuple[Leaf | None, ...]
+    structural: np.ndarray
+    template: np.ndarray
+
+    def fits(self, matrix: np.ndarray) -> np.ndarray:
+        """Which rows of ``matrix`` (n, bytes) have this layout: (n,) bool."""
+        return (matrix[:, self.structural] == self.template).all(axis=1)
+
+
+class MalformedMessage(Exception):
+    """The bytes end before the definition does."""
+
+
+def layout_of(raw: bytes, definition: Definition, request: dict, slots: int) -> Layout:
+    """Walks one raw message.
+
+    Args:
+        raw: serialised message with its encapsulation header, either byte order.
+        definition: its type.
+        request: the wanted paths as `request_tree` gives them.
+        slots: how many paths there are.
+
+    Raises:
+        MalformedMessage: where the bytes do not fit the definition.
+    """
+    walk = _Walk(raw, definition, slots)
+    walk.message(definition.type, request, ())
+    walk.finish()
+    structural = np.concatenate([np.arange(*span) for span in walk.spans])
+    template = np.frombuffer(raw, np.uint8)[structural]
+    return Layout(tuple(walk.leaves), structural, template)
+
+
+class _Walk:
+    """A cursor over one message; final."""
+
+    def __init__(self, raw: bytes, definition: Definition, slots: int) -> None:
+        if len(raw) < _ENCAPSULATION or raw[0] != 0 or raw[1] > 1:
+            raise MalformedMessage("it is not plain CDR")
+        self._raw = raw
+        self._definition = definition
+        self._order = "<" if raw[1] else ">"
+        self._length = struct.Struct(self._order + "I")
+        self._position = _ENCAPSULATION
+        self.spans = [(0, 2)]
+        self.leaves: list[Leaf | None] = [None] * slots
+
+    def finish(self) -> None:
+        """The definition must use the message up, but for the padding that some middlewares add."""
+        left = len(self._raw) - self._position
+        if left > _PADDING:
+            raise MalformedMessage(f"{left} of its {len(self._raw)} bytes are left over")
+
+    def message(self, type_name: str, request: dict, names: tuple[str, ...]) -> None:
+        fields = self._definition.fields(type_name)
+        if any(isinstance(index, str) for branch in request.values() for index in branch):
+            names = self._names(fields) or names
+        for name, description in fields:
+            self._field(description, request.get(name, {}), names)
+
+    def _field(self, description: tuple, request: dict, names: tuple[str, ...]) -> None:
+        kind, detail = description
+        if kind in (Nodetype.BASE, Nodetype.NAME):
+            self._element(description, request.get(None), names)
+            return
+        element, count = detail
+        if kind == Nodetype.SEQUENCE:
+            count = self._read_length()
+        wanted = _by_position(request, names, count)
+        if element[0] == Nodetype.BASE and element[1][0] in NUMBERS:
+            self._numbers(element[1][0], count, wanted)
+            return
+        for position in range(count):
+            self._element(element, wanted.get(position), names)
+
+    def _element(self, description: tuple, request: dict | list | None, names: tuple[str, ...]) -> None:
+        kind, detail = description
+        if kind == Nodetype.NAME:
+            self.message(detail, request or {}, names)
+        elif detail[0] in NUMBERS:
+            self._numbers(detail[0], 1, {0: request} if request else {})
+        elif detail[0] == "string":
+            self._skip(self._read_length())
+        else:
+            raise MalformedMessage(f"fields of type {detail[0]} are not supported")
+
+    def _numbers(self, name: str, count: int, wanted: dict) -> None:
+        dtype = NUMBERS[name].newbyteorder(self._order)
+        if count:  # an empty sequence is not padded to its elements' alignment
+            self._align(dtype.itemsize)
+        for position, slots in wanted.items():
+            whole = position is None
+            leaf = Leaf(self._position + (0 if whole else position * dtype.itemsize), dtype, count if whole else 1)
+            for slot in slots:
+                self.leaves[slot] = leaf
+        self._skip(count * dtype.itemsize)
+
+    def _names(self, fields: list[tuple]) -> tuple[str, ...]:
+        """The entries of this message's ``name[]``, read ahead; () where it has none."""
+        start, spans = self._position, len(self.spans)
+        names: tuple[str, ...] = ()
+        contents = []
+        for name, description in fields:
+            if name == "name" and _is_string_array(description):
+                kind, (_, count) = description
+                entries = [self._read_string() for _ in range(self._read_length() if kind == Nodetype.SEQUENCE else count)]
+                names = tuple(text for text, _ in entries)
+                contents = [span for _, span in entries]
+                break
+            self._field(description, {}, ())
+        self._position = start
+        del self.spans[spans:]  # the walk proper passes here again
+        self.spans += contents
+        return names
+
+    def _read_string(self) -> tuple[str, tuple[int, int]]:
+        size = self._read_length()
+        start = self._position
+        self._skip(size)
+        text = bytes(self._raw[start : self._position]).rstrip(b"\0").decode("utf-8", "replace")
+        return text, (start, self._position)
+
+    def _read_length(self) -> int:
+        self._align(4)
+        start = self._position
+        self._skip(4)
+        self.spans.append((start, self._position))
+        return self._length.unpack_from(self._raw, start)[0]
+
+    def _align(self, size: int) -> None:
+        self._position += -(self._position - _ENCAPSULATION) % size
+
+    def _skip(self, size: int) -> None:
+        self._position += size
+        if self._position > len(self._raw):
+            raise MalformedMessage(f"its {len(self._raw)} bytes end too early")
+
+
+def _is_string_array(description: tuple) -> bool:
+    kind, detail = description
+    return kind in (Nodetype.ARRAY, Nodetype.SEQUENCE) and detail[0][1][0] == "string"
+
+
+def _by_position(request: dict, names: tuple[str, ...], count: int) -> dict:
+    """Branches by element number; None keeps the whole array; what this message lacks is left out."""
+    wanted: dict = {}
+    for index, branch in request.items():
+        if index is None:
+            wanted[None] = branch
+            continue
+        position = (names.index(index) if index in names else count) if isinstance(index, str) else index
+        if position < count:
+            wanted[position] = _joined(wanted.get(position), branch)
+    return wanted
+
+
+def _joined(first: dict | list | None, second: dict | list) -> dict | list:
+    """Two branches that reach the same element, one by number and one by name."""
+    if first is None:
+        return second
+    if isinstance(first, list):
+        return first + second
+    merged = dict(first)
+    for key, branch in second.items():
+        merged[key] = _joined(merged.get(key), branch)
+    return merged

@@ -1,0 +1,200 @@
+"""The mcap storage: one pass over the record headers finds what is where, chunks are loaded when their time comes.
+
+The mcap library parses records, decompresses and checks chunks. The messages inside a chunk are cut here: the library
+makes an object of each, which costs ten times as much.
+"""
+
+import os
+import struct
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, Statistics
+from mcap.records import Schema as SchemaRecord
+from mcap.stream_reader import get_chunk_data_stream
+
+from damper_estimator.errors import InputError
+from damper_estimator.recordings.definitions import Schema
+from damper_estimator.recordings.faults import explained
+from damper_estimator.recordings.raw import Connection, RawMessages, Span, gathered
+
+MAGIC = b"\x89MCAP0\r\n"
+_HEAD = struct.Struct("<BQ")
+_MESSAGE_HEAD = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("log", "<i8"), ("published", "<i8")])
+_CHUNK_TIMES = struct.Struct("<QQQ")
+_PLAIN_SPAN = 1 << 20  # bytes of messages outside chunks that are loaded together
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where messages lie in the file: one chunk record, or a run of message records outside chunks."""
+
+    start: int
+    offset: int
+    size: int
+    in_chunk: bool
+
+
+class McapFile:
+    """One ``.mcap`` file; final. Close it after use.
+
+    Raises:
+        InputError: where the file is cut off, damaged or no mcap file.
+    """
+
+    def __init__(self, path: Path, name: str | None = None) -> None:
+        self._name = name or str(path)
+        self._remedy = f"recover what can be with: mcap recover {self._name} -o recovered.mcap"
+        self._schemas: dict[int, SchemaRecord] = {}
+        self._channels: dict[int, Channel] = {}
+        self._counts: Counter[int] | None = None
+        self._places: list[_Place] = []
+        with explained(self._name, self._remedy):
+            self._file: BinaryIO = open(path, "rb")
+        try:
+            self._scan(os.fstat(self._file.fileno()).st_size)
+            if self._counts is None or len(self._counts.keys() - self._channels.keys()):
+                self._count_messages()
+            with explained(self._name, self._remedy):
+                self.connections = tuple(self._connection(channel) for channel in self._channels.values())
+        except BaseException:
+            self._file.close()
+            raise
+        # The first channel of a number counts, as in every reader: later records of it are repetitions.
+        self._index = np.full(1 << 16, -1, np.int32)
+        self._index[list(self._channels)] = np.arange(len(self._channels))
+
+    def close(self) -> None:
+        self._file.close()
+
+    def spans(self, file: int) -> Iterator[Span]:
+        """The stretches of the file by start time."""
+        for number, place in sorted(enumerate(self._places), key=lambda numbered: numbered[1].start):
+            yield Span(file, number, place.start, lambda place=place: self._load(place))
+
+    def _load(self, place: _Place) -> RawMessages:
+        data, channel, log, start, length = self._cut(place)
+        connection = self._index[channel]
+        if (connection < 0).any():
+            raise InputError(f"{self._name}: damaged (a message of an unknown channel); {self._remedy}")
+        if len(log) and log.min() < place.start:
+            raise InputError(f"{self._name}: damaged (message times contradict the index); {self._remedy}")
+        return RawMessages(data, connection, log, start, length)
+
+    def _scan(self, size: int) -> None:
+        file = self._file
+        with explained(self._name, self._remedy):
+            head, tail = file.read(len(MAGIC)), b""
+            if size >= 2 * len(MAGIC):
+                file.seek(-len(MAGIC), os.SEEK_END)
+                tail = file.read(len(MAGIC))
+        if head != MAGIC:
+            raise InputError(f"{self._name}: no mcap file; give an .mcap file or a rosbag2 folder")
+        if tail != MAGIC:
+            raise InputError(f"{self._name}: cut off, the end of the file is missing; {self._remedy}")
+        position, end = len(MAGIC), size - len(MAGIC)
+        while position < end:
+            with explained(self._name, self._remedy):
+                file.seek(position)
+                opcode, length = _HEAD.unpack(file.read(_HEAD.size))
+                if position + _HEAD.size + length > end:
+                    raise ValueError(f"record at byte {position} reaches beyond the end")
+                self._note(opcode, length, position)
+            position += _HEAD.size + length
+
+    def _note(self, opcode: int, length: int, position: int) -> None:
+        """Remembers one record outside of chunks."""
+        file, size = self._file, _HEAD.size + length
+        if opcode == Opcode.CHUNK:
+            earliest, _, uncompressed = _CHUNK_TIMES.unpack(file.read(_CHUNK_TIMES.size))
+            if uncompressed:
+                self._places.append(_Place(earliest, position, size, True))
+        elif opcode == Opcode.MESSAGE:
+            log = np.frombuffer(file.read(_MESSAGE_HEAD.itemsize), _MESSAGE_HEAD)["log"][0]
+            self._note_message(int(log), position, size)
+        elif opcode == Opcode.STATISTICS:
+            statistics = Statistics.read(ReadDataStream(BytesIO(file.read(length))))
+            self._counts = Counter(statistics.channel_message_counts)
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            self._note_definition(opcode, file.read(length))
+
+    def _note_message(self, log: int, position: int, size: int) -> None:
+        last = self._places[-1] if self._places else None
+        if last and not last.in_chunk and last.offset + last.size == position and last.size < _PLAIN_SPAN:
+            self._places[-1] = _Place(min(last.start, log), last.offset, last.size + size, False)
+        else:
+            self._places.append(_Place(log, position, size, False))
+
+    def _note_definition(self, opcode: int, content: bytes) -> None:
+        stream = ReadDataStream(BytesIO(content))
+        if opcode == Opcode.SCHEMA:
+            schema = SchemaRecord.read(stream)
+            self._schemas.setdefault(schema.id, schema)
+        else:
+            channel = Channel.read(stream)
+            self._channels.setdefault(channel.id, channel)
+
+    def _count_messages(self) -> None:
+        """For files without statistics or without repeated channels: looks into every chunk."""
+        self._counts = Counter()
+        for place in self._places:
+            channel = self._cut(place, definitions=True)[1]
+            self._counts.update(dict(zip(*(column.tolist() for column in np.unique(channel, return_counts=True)))))
+
+    def _cut(self, place: _Place, definitions: bool = False) -> tuple[bytes, np.ndarray, ...]:
+        """The place's bytes, and channel, log time, start and length of every message in them."""
+        with explained(self._name, self._remedy):
+            self._file.seek(place.offset)
+            data = self._file.read(place.size)
+            if place.in_chunk:
+                chunk = Chunk.read(ReadDataStream(BytesIO(data[_HEAD.size :])))
+                stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+                data = stream.read(size)
+            opcode, start, length = _records(data)
+            if definitions:
+                for row in np.flatnonzero((opcode == Opcode.SCHEMA) | (opcode == Opcode.CHANNEL)):
+                    self._note_definition(opcode[row], data[start[row] : start[row] + length[row]])
+            messages = opcode == Opcode.MESSAGE
+            heads = gathered(np.frombuffer(data, np.uint8), start[messages], _MESSAGE_HEAD.itemsize)
+            heads = heads.view(_MESSAGE_HEAD)[:, 0]
+            start, length = start[messages] + _MESSAGE_HEAD.itemsize, length[messages] - _MESSAGE_HEAD.itemsize
+            if (length < 0).any():
+                raise ValueError("a message record is too short")
+        return data, heads["channel"], heads["log"], start, length
+
+    def _connection(self, channel: Channel) -> Connection:
+        record = self._schemas.get(channel.schema_id)
+        schema = Schema("") if record is None else Schema(
+            _full_name(record.name), record.encoding, str(record.data, "utf-8", "replace")
+        )  # fmt: skip
+        metadata = tuple(sorted(channel.metadata.items()))
+        return Connection(channel.topic, schema, channel.message_encoding, self._counts[channel.id], metadata)
+
+
+def _records(data: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Opcode, start and length of the content of every record."""
+    opcodes, starts, lengths = [], [], []
+    position, end, unpack, size = 0, len(data), _HEAD.unpack_from, _HEAD.size
+    while position < end:
+        opcode, length = unpack(data, position)
+        position += size
+        opcodes.append(opcode)
+        starts.append(position)
+        lengths.append(length)
+        position += length
+    if position > end:
+        raise ValueError("a record reaches beyond its chunk")
+    return np.array(opcodes, np.uint8), np.array(starts, np.int64), np.array(lengths, np.int64)
+
+
+def _full_name(type_name: str) -> str:
+    """``std_msgs/String``, as some writers put it, in its full form."""
+    package, _, name = type_name.partition("/")
+    return type_name if "/" in name else f"{package}/msg/{name}"

@@ -1,0 +1,121 @@
+"""Recordings to write: mcap files as rosbag2, Foxglove and PlotJuggler open them."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+from mcap.writer import CompressionType, Writer
+
+from damper_estimator import __version__
+from damper_estimator.errors import InputError
+from damper_estimator.files import written_beside
+from damper_estimator.recordings.batch import Batch
+from damper_estimator.recordings.definitions import Schema, builtin_schema, builtin_store
+from damper_estimator.recordings.encode import encode
+
+# As rosbag2 of Jazzy writes the default profile (reliable, volatile, last ten).
+_QOS = """- history: keep_last
+  depth: 10
+  reliability: reliable
+  durability: volatile
+  deadline:
+    sec: 9223372036
+    nsec: 854775807
+  lifespan:
+    sec: 9223372036
+    nsec: 854775807
+  liveliness: automatic
+  liveliness_lease_duration:
+    sec: 9223372036
+    nsec: 854775807
+  avoid_ros_namespace_conventions: false"""
+
+
+class BagWriter:
+    """Writes one ``.mcap`` file (ros2 profile, CDR, full schemas, zstd chunks); final; a context manager.
+
+    The file grows beside its place and is moved there when the block ends well; after an error nothing is left.
+    Messages should come roughly in the order of their log times.
+
+    Raises:
+        InputError: where the path is no ``.mcap`` file or cannot be written.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        if self.path.suffix != ".mcap":
+            raise InputError(f"{self.path}: recordings are written as mcap; give a name that ends in .mcap")
+        self._stack = ExitStack()
+        self._schemas: dict[Schema, int] = {}
+        self._channels: dict[tuple[str, Schema], int] = {}
+        self._sequence: dict[int, int] = {}
+
+    def __enter__(self) -> "BagWriter":
+        with ExitStack() as stack:
+            partial = stack.enter_context(written_beside(self.path))
+            self._file = stack.enter_context(open(partial, "wb"))
+            self._writer = Writer(self._file, compression=CompressionType.ZSTD)
+            self._writer.start(profile="ros2", library=f"damper_estimator {__version__}")
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if error[0] is not None:
+            self._stack.__exit__(*error)
+            return
+        with self._stack:
+            self._writer.finish()
+
+    def write_columns(self, topic: str, type_name: str, log: np.ndarray, fields: Mapping[str, object]) -> None:
+        """Writes n messages of one shape; ``log`` (n,) int64 ns, ``fields`` as in `encode`."""
+        self.write_messages(topic, type_name, log, encode(type_name, len(log), fields))
+
+    def write_messages(self, topic: str, type_name: str, log: np.ndarray, messages: Sequence[bytes]) -> None:
+        """Writes serialised messages of a built-in type at their log times (n,) int64 ns."""
+        channel = self._channel(topic, builtin_schema(type_name))
+        for time, data in zip(np.asarray(log).tolist(), messages, strict=True):
+            self._add(channel, time, data)
+
+    def write_raw(self, topic: str, type_name: str, log_ns: int, data: bytes, schema: Schema | None = None) -> None:
+        """Writes one serialised message; ``schema`` for types that are not built in."""
+        self._add(self._channel(topic, schema or builtin_schema(type_name)), log_ns, data)
+
+    def write_batch(self, batch: Batch) -> None:
+        """Copies all messages of a batch as they are, with the definitions of their recording."""
+        channels: dict[int, int] = {}
+        for connection, log_ns, data in batch.raw():
+            channel = channels.get(id(connection))
+            if channel is None:
+                schema = _with_text(connection.schema)
+                channel = channels[id(connection)] = self._channel(
+                    connection.topic, schema, connection.encoding, dict(connection.metadata)
+                )
+            self._add(channel, log_ns, data)
+
+    def _add(self, channel: int, log_ns: int, data: bytes) -> None:
+        sequence = self._sequence[channel] = self._sequence[channel] + 1
+        self._writer.add_message(channel, log_ns, data, log_ns, sequence)
+
+    def _channel(
+        self, topic: str, schema: Schema, encoding: str = "cdr", metadata: Mapping[str, str] | None = None
+    ) -> int:
+        key = (topic, schema)
+        if key not in self._channels:
+            if schema not in self._schemas:
+                self._schemas[schema] = self._writer.register_schema(schema.type, schema.encoding, schema.text.encode())
+            extra = _metadata(schema) if metadata is None else dict(metadata)
+            self._channels[key] = self._writer.register_channel(topic, encoding, self._schemas[schema], extra)
+            self._sequence[self._channels[key]] = 0
+        return self._channels[key]
+
+
+def _with_text(schema: Schema) -> Schema:
+    """Old recordings keep no definitions; built-in types get theirs."""
+    if schema.text or schema.type not in builtin_store().fielddefs:
+        return schema
+    return builtin_schema(schema.type)
+
+
+def _metadata(schema: Schema) -> dict[str, str]:
+    return {"offered_qos_profiles": _QOS, "topic_type_hash": builtin_store().hash_rihs01(schema.type)}
