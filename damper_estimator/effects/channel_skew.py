@@ -3,6 +3,7 @@
     F_measured(t) = F(t - s)
 
 s in s, positive where the force channel is late. Linear between samples; off line only; it is mended by the signal map's ``force.skew``.
+Source: definition of the signal map's force channel.
 """
 
 import numpy as np

@@ -3,6 +3,7 @@
     F_measured = F + k x
 
 k in N/m, x in m. Off line only; it is mended by the signal map's ``force.spring_rate``.
+Source: definition of the signal map's force channel.
 """
 
 from damper_estimator.compiled import compiled

@@ -30,4 +30,5 @@ EFFECT = Effect(
         Parameter("shift", "s", 0.0, -0.05, 0.05, "shift of the step per acceleration"),
     ),
     shows="the F-v loop is open about zero velocity and closes at high velocity",
+    separate="the same peak velocity at two frequencies: a lag grows with the frequency, memory of displacement does not",
 )

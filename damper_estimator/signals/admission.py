@@ -1,7 +1,8 @@
 """Which samples a filter may use: the one rule for stamps and values, live and off line.
 
 A stamp that is equal to or older than the last accepted one is dropped; a step back or forward of more than ``max_gap``
-resets the state and the sample starts anew; a value that is not finite is dropped.
+resets the state and the sample starts anew; a value that is not finite, or absurd (1e6 m and more would leave the filter with infinities), is
+dropped.
 """
 
 from dataclasses import dataclass, fields
@@ -12,6 +13,7 @@ from damper_estimator.compiled import compiled
 
 ACCEPTED, START, GAP, STEP_BACK, DUPLICATE, INVERSION, NON_FINITE = range(7)
 DEFAULT_MAX_GAP = 0.1  # s
+ABSURD = 1e6  # m
 
 
 @compiled
@@ -29,7 +31,7 @@ def judge(stamp, value, max_gap, state, verdict, dt):
     for i in range(stamp.size):
         step = stamp[i] - state[1]
         dt[i] = 0.0
-        if not np.isfinite(value[i]):
+        if not abs(value[i]) < ABSURD:  # also true of NaN
             verdict[i] = NON_FINITE
             continue
         if state[0] == 0:
@@ -46,7 +48,7 @@ def judge(stamp, value, max_gap, state, verdict, dt):
             verdict[i] = GAP
         else:
             verdict[i] = ACCEPTED
-            dt[i] = step * 1e-9
+            dt[i] = step / 1e9
         state[0] = 1
         state[1] = stamp[i]
 

@@ -122,7 +122,7 @@ class Differentiator:
         if self._origin is None and stamp.size:
             self._origin = int(stamp[0])
         block = np.empty((ROWS, stamp.size))
-        block[T] = (stamp - (self._origin or 0)) * 1e-9
+        block[T] = (stamp - (self._origin or 0)) / 1e9
         block[DT] = dt
         differentiate(self._cutoff, dt, displacement, self._state, block[X], block[V], block[A])
         block[COMMAND], block[TEMPERATURE], block[PRESSURE] = command, temperature, pressure

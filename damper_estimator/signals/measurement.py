@@ -150,7 +150,7 @@ def _kinematics(
         np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
         np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((8, 0)),
     )
-    joined.block[T] = (joined.stamp - origin) * 1e-9
+    joined.block[T] = (joined.stamp - origin) / 1e9
     return joined, np.concatenate(raws or [np.zeros(0)])
 
 
@@ -181,7 +181,7 @@ def _damper_force(
         own = kinematics.stamp[part]
         between = stamp[(stamp > own[0]) & (stamp < own[-1])]
         grid = np.union1d(own, between)
-        dt = np.diff(grid, prepend=grid[0]) * 1e-9
+        dt = np.diff(grid, prepend=grid[0]) / 1e9
         on_grid = np.interp(grid - own[0], stamp - own[0], value)
         force[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
     after = np.searchsorted(stamp, kinematics.stamp)

@@ -1,0 +1,214 @@
+"""The model as a list of effects: composition laws, list verbs, files."""
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel, load_model, make_element, parse_model, save_model
+from damper_estimator.model.files import library_models, model_yaml
+from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
+
+
+def entry(name, path=(), **values):
+    return make_element(find_effect(name), values, path)
+
+
+def sweep(size=300, seed=0):
+    random = np.random.default_rng(seed)
+    block = np.full((ROWS, size), np.nan)
+    block[DT] = random.uniform(0.001, 0.003, size)
+    block[DT, 0] = 0.0
+    block[T] = np.cumsum(block[DT])
+    block[X] = 0.03 * np.sin(12 * block[T])
+    block[V] = 0.36 * np.cos(12 * block[T])
+    block[A] = -4.3 * np.sin(12 * block[T])
+    block[COMMAND] = np.where(block[T] > 0.2, 1.0, 0.0)
+    return block
+
+
+LEAVES = st.sampled_from(["linear_viscous", "coulomb", "gas_spring", "static_force", "tanh_hysteresis"])
+MODIFIERS = st.sampled_from(["force_lag", "position_gain"])
+
+
+@st.composite
+def chains(draw, depth=2):
+    """Random lists of effects with paths, series, inputs and modifiers, nested."""
+    entries = [entry(name) for name in draw(st.lists(LEAVES, min_size=1, max_size=3))]
+    if depth and draw(st.booleans()):
+        inner = draw(chains(depth - 1))
+        wrap = draw(st.sampled_from(["path", "oil_spring"]))
+        entries.append(entry(wrap, path=tuple(inner)))
+    if draw(st.booleans()):
+        entries.insert(0, entry("command_lag"))
+    if draw(st.booleans()):
+        entries.append(entry(draw(MODIFIERS)))
+    return entries
+
+
+@given(chains(), st.integers(0, 99), st.lists(st.integers(1, 40), max_size=6))
+@settings(max_examples=40, deadline=None)
+def test_any_chain_gives_the_same_bits_in_blocks_of_any_size(effects, seed, splits):
+    model, block = DamperModel("m", "", tuple(effects)), sweep(160, seed)
+    block[DT, 90] = 0.0  # a reset in the middle
+    stream, first, parts = model.stream(), 0, []
+    for size in [*splits, 160]:
+        last = min(first + size, 160)
+        if last > first:
+            parts.append(stream.force(np.ascontiguousarray(block[:, first:last])))
+        first = last
+    assert np.array_equal(model.force(block), np.concatenate(parts))
+
+
+@given(chains(), st.integers(0, 99))
+@settings(max_examples=30, deadline=None)
+def test_contributions_add_up_to_the_force(effects, seed):
+    model, block = DamperModel("m", "", tuple(effects)), sweep(100, seed)
+    force, parts = model.stream().contributions(block)
+    assert force == pytest.approx(parts.sum(axis=0), abs=1e-9 * (1.0 + np.abs(force).max()))
+    assert np.array_equal(force, model.force(block))
+
+
+@given(chains())
+@settings(max_examples=30, deadline=None)
+def test_model_file_gives_the_same_model_back(effects):
+    model = DamperModel("m", "somebody: eq. (1)", tuple(effects), fixed=(), notes="why")
+    assert parse_model(yaml.safe_load(model_yaml(model)), "m.yaml") == model
+
+
+@given(st.lists(LEAVES, min_size=2, max_size=5), st.randoms())
+@settings(max_examples=20, deadline=None)
+def test_sources_commute(names, random):
+    shuffled = random.sample(names, len(names))
+    block = sweep()
+    forces = [DamperModel("m", "", tuple(entry(n) for n in order)).force(block) for order in (names, shuffled)]
+    assert forces[0] == pytest.approx(forces[1], abs=1e-8)
+
+
+def test_a_path_equals_its_entries_side_by_side():
+    block = sweep()
+    flat = DamperModel("m", "", (entry("linear_viscous"), entry("coulomb")))
+    nested = DamperModel("m", "", (entry("linear_viscous"), entry("path", path=(entry("coulomb"),))))
+    assert flat.force(block) == pytest.approx(nested.force(block), abs=1e-9)
+
+
+def test_a_modifier_at_the_end_of_a_path_acts_on_that_path_only():
+    block = sweep()
+    gained = entry("path", path=(entry("coulomb"), entry("position_gain", gain=1.0)))
+    both = DamperModel("m", "", (entry("linear_viscous"), gained)).force(block)
+    alone = DamperModel("m", "", (gained,)).force(block)
+    assert both - alone == pytest.approx(DamperModel("m", "", (entry("linear_viscous"),)).force(block), abs=1e-9)
+
+
+def test_stretches_start_afresh():
+    model = DamperModel("m", "", (entry("linear_viscous"), entry("force_lag", time_constant=0.05)))
+    block = sweep(100)
+    block[DT, 50] = 0.0
+    second = np.ascontiguousarray(block[:, 50:])
+    assert np.array_equal(model.force(block)[50:], model.force(second))
+
+
+def test_a_lost_command_does_not_spoil_what_comes_after():
+    model = DamperModel("m", "", (entry("command_lag"), entry("linear_viscous"), entry("force_lag")))
+    block = sweep(60)
+    block[V, 20:23] = np.nan
+    force = model.force(block)
+    assert np.isnan(force[20:23]).all() and np.isfinite(np.delete(force, [20, 21, 22])).all()
+    stream = model.stream()
+    assert np.array_equal(
+        force, np.concatenate([stream.force(np.ascontiguousarray(block[:, i : i + 1])) for i in range(60)]), equal_nan=True
+    )
+
+
+def test_addresses_number_instances_and_elements():
+    model = DamperModel("m", "", (entry("coulomb"), entry("path", path=(entry("coulomb"),)), entry("viscous_curve", velocity=[0, 1], force=[1, 2])))
+    addresses = [slot.address for slot in model.slots]
+    assert addresses == ["coulomb.force", "coulomb#2.force", "viscous_curve.force[0]", "viscous_curve.force[1]"]
+
+
+def test_values_are_changed_by_address_and_by_vector():
+    model = DamperModel("m", "", (entry("coulomb"), entry("viscous_curve", velocity=[0, 1], force=[1, 2])))
+    changed = model.with_values({"viscous_curve.force[1]": 5.0})
+    assert [slot.value for slot in changed.slots] == [50.0, 1.0, 5.0]
+    assert np.array_equal(changed.force(sweep()), DamperModel("m", "", changed.effects).force(sweep()))
+    with pytest.raises(InputError, match=r"coulomb\.mu"):
+        model.with_values({"coulomb.mu": 1.0})
+
+
+def test_effects_go_where_their_kind_belongs():
+    model = DamperModel("m", "", (entry("linear_viscous"), entry("force_lag")))
+    model = model.with_effect(entry("coulomb")).with_effect(entry("force_offset"))
+    model = model.with_effect(entry("position_gain")).with_effect(entry("command_lag"))
+    assert [e.effect.name for e in model.effects] == [
+        "command_lag", "linear_viscous", "coulomb", "force_lag", "position_gain", "force_offset",
+    ]  # fmt: skip
+
+
+def test_a_series_effect_wraps_the_sources_and_leaves_them_when_taken_out():
+    model = DamperModel("m", "", (entry("linear_viscous"), entry("coulomb"), entry("force_lag")))
+    spring = find_effect("oil_spring")
+    wrapped = model.with_effect(make_element(spring, path=model.effects[:2]))
+    assert [e.effect.name for e in wrapped.effects] == ["oil_spring", "force_lag"]
+    assert wrapped.without("oil_spring").effects == model.effects
+
+
+def test_without_an_unknown_label_names_those_there_are():
+    with pytest.raises(InputError, match="coulomb"):
+        DamperModel("m", "", (entry("coulomb"),)).without("dahl#2")
+
+
+def test_saved_models_load_again(tmp_path):
+    model = DamperModel("m", "s", (entry("coulomb", force=1e-05), entry("gas_spring")), fixed=("gas_spring.volume",))
+    save_model(model, tmp_path / "m.yaml")
+    assert load_model(tmp_path / "m.yaml") == model
+    (tmp_path / "fleet").mkdir()
+    save_model(model, tmp_path / "fleet" / "front_left.yaml")
+    assert load_model(tmp_path / "fleet", "front_left") == model
+    with pytest.raises(InputError, match="front_left"):
+        load_model(tmp_path / "fleet", "rear_left")
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("", "not a model file"),
+        ("effects: 3", "not a model file"),
+        ("effects: [colomb]", "unknown effect 'colomb'; did you mean coulomb"),
+        ("effects: [{coulomb: {force: -5}}]", "force = -5 is outside 0 to 10000 N"),
+        ("effects: [{coulomb: {force: .nan}}]", "outside"),
+        ("effects: [{coulomb: {force: high}}]", "not a number"),
+        ("effects: [{coulomb: {mu: 1}}]", "'mu' is none of its values"),
+        ("effects: [{coulomb: 7}]", "must be a mapping"),
+        ("effects: [{viscous_curve: {velocity: [0, 1], force: [1]}}]", "force has 1 values, velocity has 2"),
+        ("effects: [{path: []}]", "path is empty"),
+        ("effects: [{path: [force_offset]}]", "measurement chain"),
+        ("effects: [coulomb]\nfixed: [coulomb.mu]", "fixed names coulomb.mu"),
+        ("effects: [coulomb]\ncolour: red", "unknown keys colour"),
+        ("effects: [coulomb", "not valid YAML"),
+        ("\x00", "not valid YAML"),
+    ],
+)
+def test_bad_model_files_are_refused_in_one_line(tmp_path, content, fault):
+    path = tmp_path / "bad.yaml"
+    path.write_text(content)
+    with pytest.raises(InputError) as caught:
+        load_model(path).program  # noqa: B018
+    text = str(caught.value)
+    assert fault in text and "\n" not in text
+    assert str(path) in text or fault == "measurement chain"
+
+
+def test_unknown_names_of_models_are_refused():
+    with pytest.raises(InputError, match="damper-estimator models"):
+        load_model("no_such_model")
+
+
+def test_every_model_of_the_library_loads_and_gives_finite_forces():
+    for name in library_models():
+        model = load_model(name)
+        block = sweep()
+        assert model.name == name and model.source
+        assert np.isfinite(model.force(block)).all()
