@@ -1,0 +1,32 @@
+# make help says what there is. Everything lands in this checkout: .venv (tools), out (results).
+PYTHON ?= python3
+BIN := .venv/bin
+
+# A sourced ROS installation and the environment's own ROS do not mix.
+unexport PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH RMW_IMPLEMENTATION
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE VIRTUAL_ENV
+export ROS_LOG_DIR := $(CURDIR)/out/log
+export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
+export DAMPER_TEST_ROS := required
+
+.DEFAULT_GOAL := help
+.PHONY: help env test demo bench clean
+
+help: ## this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
+
+env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it is up to date
+	@tools/environment "$(PYTHON)"
+
+test: env ## run all tests, those of the ROS node included
+	@$(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
+
+demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
+	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
+
+bench: env ## measure speed and print it
+	@for file in benchmarks/bench_*.py; do $(BIN)/python $$file || exit 1; done
+
+clean: ## remove what make made: .venv, out, caches
+	rm -rf .venv out build install log .pytest_cache .hypothesis *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,94 @@
+"""Finds the verbs, runs the one that was asked for, and turns what users can mend into one line."""
+
+import argparse
+import ast
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from damper_estimator import __doc__ as PURPOSE
+from damper_estimator import __version__
+from damper_estimator.errors import InputError
+
+PROGRAM = "damper-estimator"
+DONE, UNUSABLE_INPUT, WRONG_USAGE, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
+_FOLDER = Path(__file__).parent
+
+
+def verbs() -> dict[str, str]:
+    """Module names by verb: the files of this folder that define ``add_arguments`` and ``run``; none is imported."""
+    modules = sorted(path.stem for path in _FOLDER.glob("*.py") if {"add_arguments", "run"} <= _functions(path))
+    return {module.rstrip("_").replace("_", "-"): module for module in modules}
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Runs one verb.
+
+    Args:
+        words: the command line after the program's name; None takes the process's own.
+
+    Returns:
+        The exit status: 0 done, 1 the input is unusable, 2 wrong usage, 130 interrupted, 141 the reader of our output left.
+    """
+    words = list(sys.argv[1:] if words is None else words)
+    try:
+        arguments = _parser(words).parse_args(words)
+        status = arguments.run(arguments)
+        sys.stdout.flush()
+        return status
+    except InputError as error:
+        return _refuse(str(error))
+    except BrokenPipeError:
+        # Python flushes standard output once more at exit and would complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return READER_LEFT
+    except OSError as error:
+        return _refuse(": ".join(str(part) for part in (error.filename, error.strerror or error) if part))
+    except KeyboardInterrupt:
+        print(f"{PROGRAM}: interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _refuse(reason: str) -> int:
+    print(f"{PROGRAM}: {' '.join(reason.split())}", file=sys.stderr)
+    return UNUSABLE_INPUT
+
+
+def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser for these words: every verb with its help line, arguments only for the verb that is called."""
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=PURPOSE, allow_abbrev=False)
+    parser.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
+    group = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    wanted = next((word for word in words if not word.startswith("-")), None)
+    for verb, name in verbs().items():
+        text = _docstring(_FOLDER / f"{name}.py")
+        child = group.add_parser(
+            verb,
+            help=text.partition("\n")[0].replace("%", "%%"),
+            description=text,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+        if verb == wanted:
+            module = importlib.import_module(f"damper_estimator.cli.{name}")
+            module.add_arguments(child)
+            child.set_defaults(run=module.run)
+    return parser
+
+
+def _functions(path: Path) -> set[str]:
+    return {node.name for node in _tree(path).body if isinstance(node, ast.FunctionDef)}
+
+
+def _docstring(path: Path) -> str:
+    return ast.get_docstring(_tree(path)) or ""
+
+
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

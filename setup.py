@@ -1,0 +1,53 @@
+"""Packaging for pip (offline tools) and for colcon as an ament_python package (the node as well)."""
+
+import re
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+NAME = "damper_estimator"
+ROOT = Path(__file__).resolve().parent
+VERSION = re.search(r'__version__ = "(.+)"', (ROOT / NAME / "__init__.py").read_text(encoding="utf-8")).group(1)
+
+
+def installed_beside(folder: str, pattern: str = "**/*") -> list[tuple[str, list[str]]]:
+    """The files of ``folder`` as data files that keep their place under ``share/damper_estimator``."""
+    files = sorted(path.relative_to(ROOT) for path in (ROOT / folder).glob(pattern) if path.is_file())
+    return [(f"share/{NAME}/{path.parent}", [str(path)]) for path in files if "__pycache__" not in path.parts]
+
+
+setup(
+    name=NAME,
+    version=VERSION,
+    description="Damper force estimation in real time on ROS 2, and the reasons why an estimate is wrong",
+    license="Apache-2.0",
+    packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    package_data={"": ["*.html", "*.css", "*.js", "*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        *installed_beside("config"),
+        *installed_beside("launch"),
+        *installed_beside("msg_defs/msg"),
+    ],
+    python_requires=">=3.11",
+    install_requires=[
+        "numpy>=1.26,<3",
+        "scipy>=1.11,<2",
+        "pyyaml>=6.0,<7",
+        "mcap>=1.2,<2",
+        "rosbags>=0.11,<0.12",
+        "zstandard>=0.22,<1",
+        "plotly>=6.0,<8",
+        "jinja2>=3.1,<4",
+        "numba>=0.59,<1",
+    ],
+    extras_require={"test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7"]},
+    entry_points={
+        "console_scripts": [
+            f"damper-estimator = {NAME}.cli.main:main",
+            f"estimator_node = {NAME}.node.main:main",
+        ]
+    },
+    zip_safe=False,
+)

@@ -1,0 +1,127 @@
+"""The command line as a whole: help, exit status, one line for the user."""
+
+import ast
+import errno
+import subprocess
+import sys
+import types
+
+import pytest
+
+from damper_estimator import __version__
+from damper_estimator.cli import main as command_line
+from damper_estimator.errors import InputError
+
+HEAVY = ("numpy", "scipy", "numba", "plotly", "rosbags", "mcap")
+
+
+@pytest.fixture
+def verb(monkeypatch, tmp_path):
+    """Installs a verb ``probe`` that does what the test says."""
+
+    def install(action):
+        source = 'def add_arguments(parser): ...\ndef run(arguments): ...\n'
+        (tmp_path / "probe.py").write_text(f'"""Probes 100 % of it.\n\nMore text."""\n{source}')
+        monkeypatch.setattr(command_line, "_FOLDER", tmp_path)
+        module = types.ModuleType("damper_estimator.cli.probe")
+        module.add_arguments = lambda parser: parser.add_argument("--count", type=int, default=1)
+        module.run = action
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+
+    return install
+
+
+def test_every_verb_file_begins_with_a_line_that_help_can_show():
+    for module in command_line.verbs().values():
+        text = ast.get_docstring(ast.parse((command_line._FOLDER / f"{module}.py").read_text())) or ""
+        assert 0 < len(text.partition("\n")[0]) <= 120, module
+
+
+def test_help_lists_every_verb_and_imports_no_heavy_library():
+    script = (
+        "import sys\nfrom damper_estimator.cli.main import main\n"
+        "try:\n    main(['--help'])\nexcept SystemExit as end:\n    assert end.code == 0\n"
+        f"assert not set({HEAVY!r}) & set(sys.modules), set({HEAVY!r}) & set(sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    for name in command_line.verbs():
+        assert f" {name} " in done.stdout.replace("\n", " \n")
+
+
+def test_a_trailing_underscore_keeps_keywords_usable_as_verbs(monkeypatch, tmp_path):
+    (tmp_path / "import_.py").write_text('"""Imports."""\ndef add_arguments(parser): ...\ndef run(arguments): ...\n')
+    (tmp_path / "helper.py").write_text('"""No verb."""\ndef run(arguments): ...\n')
+    monkeypatch.setattr(command_line, "_FOLDER", tmp_path)
+    assert command_line.verbs() == {"import": "import_"}
+
+
+def test_a_verb_gets_its_arguments_and_its_status_is_returned(verb):
+    verb(lambda arguments: arguments.count)
+    assert command_line.main(["probe", "--count", "7"]) == 7
+
+
+def test_percent_signs_in_docstrings_survive_help(verb, capsys):
+    verb(lambda arguments: 0)
+    for words in (["--help"], ["probe", "--help"]):
+        with pytest.raises(SystemExit) as end:
+            command_line.main(words)
+        assert end.value.code == 0
+        assert "Probes 100 % of it." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [[], ["nonsense"], ["--nonsense"], ["probe", "--count", "x"], ["probe", "--cou", "1"]])
+def test_wrong_usage_exits_with_2(verb, words, capsys):
+    verb(lambda arguments: 0)
+    with pytest.raises(SystemExit) as end:
+        command_line.main(words)
+    assert end.value.code == 2
+    assert "usage: damper-estimator" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "error, line",
+    [
+        (InputError("a.mcap: is\n empty; record again"), "damper-estimator: a.mcap: is empty; record again\n"),
+        (PermissionError(errno.EACCES, "Permission denied", "b.mcap"), "damper-estimator: b.mcap: Permission denied\n"),
+        (OSError(errno.ENOSPC, "No space left on device"), "damper-estimator: No space left on device\n"),
+    ],
+)
+def test_unusable_input_is_one_line_and_status_1(verb, error, line, capsys):
+    def fail(arguments):
+        raise error
+
+    verb(fail)
+    assert command_line.main(["probe"]) == 1
+    assert capsys.readouterr() == ("", line)
+
+
+def test_an_interrupt_is_one_line_and_status_130(verb, capsys):
+    def interrupt(arguments):
+        raise KeyboardInterrupt
+
+    verb(interrupt)
+    assert command_line.main(["probe"]) == 130
+    assert capsys.readouterr().err == "damper-estimator: interrupted\n"
+
+
+def test_our_own_bugs_keep_their_traceback(verb):
+    verb(lambda arguments: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        command_line.main(["probe"])
+
+
+def test_a_reader_that_leaves_early_causes_no_complaint():
+    listing = "import sys\nfrom damper_estimator.cli import main\nmain._parser = lambda words: __import__('types').SimpleNamespace("
+    listing += "parse_args=lambda words: __import__('types').SimpleNamespace(run=lambda arguments: print('x\\n' * 100000) or 0))\n"
+    listing += "sys.exit(main.main([]))"
+    process = subprocess.Popen([sys.executable, "-c", listing], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    assert process.wait() == 141
+    process.stderr.close()
+
+
+def test_it_runs_as_a_module_and_tells_its_version():
+    done = subprocess.run([sys.executable, "-m", "damper_estimator", "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, f"damper-estimator {__version__}\n")
