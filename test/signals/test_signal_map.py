@@ -1,0 +1,111 @@
+"""Signal maps: defaults, units, tables, round trip, and every mistake named at once."""
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from damper_estimator.errors import InputError
+from damper_estimator.signals.signal_map import (
+    Channel,
+    SignalMap,
+    default_signals,
+    load_signal_map,
+    parse_signal_map,
+    save_signal_map,
+    signal_map_yaml,
+)
+
+FULL = """
+filter: {cutoff: 60.0, band: 30.0}
+dampers:
+  front_left:
+    displacement: {topic: /suspension/displacement, field: "position[front_left]", scale: 1.0, offset: 0.0, skew: 0.0}
+    force: {topic: /suspension/force, field: "effort[front_left]", scale: 1.0, offset: 0.0, skew: 0.0,
+            spring_rate: 28000.0, preload: -3000.0}
+    command: {topic: /suspension/front_left/current, field: data, unit: A}
+    temperature: {topic: /suspension/front_left/temperature, field: temperature}
+use: [{from: 1.0, to: 5.0}, {from: 10.0}]
+"""
+
+
+def test_the_documented_example_is_understood_whole():
+    signal_map = parse_signal_map(yaml.safe_load(FULL), "map.yaml")
+    front_left = signal_map.dampers["front_left"]
+    assert (signal_map.cutoff, signal_map.band) == (60.0, 30.0)
+    assert signal_map.windows == ((1.0, 5.0), (10.0, float("inf")))
+    assert (front_left.spring_rate, front_left.preload) == (28000.0, -3000.0)
+    assert front_left.command.unit == "A" and front_left.command.given
+    assert front_left.pressure == default_signals("front_left").pressure
+
+
+def test_what_is_left_out_takes_the_defaults():
+    signal_map = parse_signal_map({"dampers": {"rear": {"displacement": {"scale": 0.001}}}}, "m")
+    displacement = signal_map.dampers["rear"].displacement
+    assert displacement.topic == "suspension/displacement" and displacement.field == "position[rear]"
+    assert displacement.scale == 0.001 and not signal_map.dampers["rear"].force.given
+    assert parse_signal_map(None, "m") == SignalMap(where="m")
+
+
+@pytest.mark.parametrize("word", ["none", None])
+def test_no_cutoff_is_the_unfiltered_mode(word):
+    assert parse_signal_map({"filter": {"cutoff": word}}, "m").cutoff == 0.0
+
+
+@given(st.floats(-10, 10), st.floats(-5, 5), st.floats(-100, 100))
+def test_value_is_scale_times_raw_plus_offset(scale, offset, raw):
+    channel = Channel("t", "f", scale=scale, offset=offset)
+    assert channel.value(np.array([raw]))[0] == scale * raw + offset
+
+
+def test_one_sample_and_a_record_are_scaled_to_the_same_bits():
+    raw = np.random.default_rng(0).normal(size=1000)
+    for channel in (Channel("t", "f", 0.1234567, -0.07), Channel("t", "f", table=((-1.0, 0.1, 2.0), (0.3, 0.2, -5.0)))):
+        assert np.array_equal(channel.value(raw), np.concatenate([channel.value(raw[i : i + 1]) for i in range(1000)]))
+
+
+def test_tables_are_straight_between_their_points():
+    channel = parse_signal_map({"dampers": {"a": {"displacement": {"table": {"raw": [0, 1, 3], "value": [0.0, 0.5, 2.5]}}}}}, "m")
+    assert channel.dampers["a"].displacement.value(np.array([0.5, 2.0])).tolist() == [0.25, 1.5]
+
+
+def test_a_saved_map_loads_again(tmp_path):
+    content = yaml.safe_load(FULL)
+    content["dampers"]["rear"] = {"displacement": {"table": {"raw": [0, 1], "value": [0.0, 2.0]}}, "force": {"skew": 0.003}}
+    signal_map = parse_signal_map(content, str(tmp_path / "map.yaml"))
+    save_signal_map(signal_map, tmp_path / "map.yaml")
+    assert load_signal_map(tmp_path / "map.yaml") == signal_map
+    assert "nan" not in signal_map_yaml(signal_map)
+
+
+@pytest.mark.parametrize(
+    ("text", "faults"),
+    [
+        ("filter: {cutof: 3}", ["'cutof' in filter"]),
+        ("filter: {cutoff: -3, band: fast}", ["above 0 Hz", "'fast' is not a number"]),
+        ("dampers: [a]", ["dampers must be a mapping"]),
+        ("dampers: {a: {displacment: {}, force: {spring: 1}}}", ["'displacment'", "'spring'"]),
+        ("dampers: {a: {displacement: {spring_rate: 1}}}", ["'spring_rate'"]),
+        ("dampers: {a: {displacement: {scale: big, skew: .nan}}}", ["'big' is not a number", "nan is not a number"]),
+        ("dampers: {a: {displacement: {table: {raw: [1, 1], value: [0, 1]}}}}", ["rise strictly"]),
+        ("dampers: {a: {displacement: {table: {raw: [0, 1], value: [0, 1]}, scale: 2}}}", ["both a table and a scale"]),
+        ("use: [{from: 5, to: 2}]", ["is empty"]),
+        ("use: 3", ["use must be a list"]),
+        ("colour: red", ["'colour'"]),
+        ("filter: [", ["not valid YAML"]),
+    ],
+)
+def test_mistakes_are_all_named_in_one_line_with_the_file(tmp_path, text, faults):
+    path = tmp_path / "map.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_signal_map(path)
+    message = str(caught.value)
+    assert "\n" not in message and str(path) in message
+    assert all(fault in message for fault in faults), message
+
+
+def test_a_map_that_is_not_there_is_named():
+    with pytest.raises(InputError, match="nowhere.yaml"):
+        load_signal_map("nowhere.yaml")
