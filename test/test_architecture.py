@@ -1,0 +1,140 @@
+"""The rooms stay apart: who may import whom, where ROS is, how long a piece of code may be."""
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "damper_estimator"
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+ROOT_MODULES = {"compiled", "errors", "files", "share"}
+
+# What each room may import of the others; a room is added here when it is built. `signals.layout` is one module.
+ALLOWED = {
+    "recordings": set(),
+    "signals": {"recordings"},
+    "effects": {"signals.layout"},
+    "model": {"effects", "signals"},
+    "identification": {"model", "effects", "signals"},
+    "validation": {"model", "signals"},
+    "diagnosis": {"model", "signals", "effects", "identification", "validation"},
+    "control": {"model"},
+    "plant": set(),
+    "vehicle": {"model", "plant", "control"},
+    "report": {"validation", "diagnosis"},
+    "node": {"signals", "model", "validation", "control", "recordings"},
+    "studio": {"report", "recordings", "signals", "effects", "model", "identification", "validation", "diagnosis"},
+    "fleet": {"recordings", "signals", "effects", "model", "identification", "validation", "diagnosis", "report"},
+}
+ALLOWED["cli"] = set(ALLOWED) - {"node"}
+
+ROS = {"rclpy", "launch", "launch_ros", "ament_index_python"}
+ROS_MESSAGES = re.compile(r"\w+_(msgs|interfaces)$")
+LONGEST_FUNCTION = 60
+LONGEST_FILE = 300
+# Written in pieces: this file is searched as well.
+REGISTRIES = re.compile("|".join(("pypi" + r"\.org", "python" + "hosted", "registry" + r"\.npmjs", "deb" + r"\.debian")))
+
+
+def imported(path: Path) -> set[str]:
+    """Full dotted names of what a file imports, anywhere in it; ``from a import b`` gives ``a.b``."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: line {node.lineno}: relative import; name the package"
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+def room(path: Path) -> str | None:
+    """The room a file is in; None for the modules of the root."""
+    parts = path.relative_to(PACKAGE).parts
+    return parts[0] if len(parts) > 1 else None
+
+
+def trespasses(path: Path) -> list[str]:
+    """What the file imports from rooms that its own room may not look into."""
+    own = room(path)
+    inside = {name.removeprefix("damper_estimator.") for name in imported(path) if name.startswith("damper_estimator.")}
+    foreign = {name for name in inside if (PACKAGE / name.split(".")[0]).is_dir() and name.split(".")[0] != own}
+    allowed = ALLOWED.get(own, set()) if own else {"cli"} if path.name == "__main__.py" else set()
+    return sorted(name for name in foreign if not any(name == a or name.startswith(f"{a}.") for a in allowed))
+
+
+def culprits(find: Callable[[Path], Collection[str]]) -> dict[str, Collection[str]]:
+    """What ``find`` finds wrong, by file."""
+    return {str(path.relative_to(ROOT)): wrong for path in SOURCES if (wrong := find(path))}
+
+
+def ros_imports(path: Path) -> set[str]:
+    tops = {name.split(".")[0] for name in imported(path)}
+    return {top for top in tops if top in ROS or ROS_MESSAGES.fullmatch(top)}
+
+
+def long_functions(path: Path) -> list[str]:
+    functions = [
+        node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.FunctionDef)
+    ]
+    return [node.name for node in functions if node.end_lineno - node.lineno >= LONGEST_FUNCTION]
+
+
+def test_a_file_imports_only_what_its_room_may():
+    assert culprits(trespasses) == {}
+
+
+def test_ros_is_imported_in_the_node_alone():
+    assert culprits(lambda path: () if room(path) == "node" else ros_imports(path)) == {}
+
+
+def test_functions_stay_short():
+    assert culprits(long_functions) == {}
+
+
+def test_files_stay_short():
+    assert [str(path) for path in SOURCES if path.read_text(encoding="utf-8").count("\n") > LONGEST_FILE] == []
+
+
+def test_every_room_is_in_the_table():
+    rooms = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    assert rooms <= set(ALLOWED)
+    assert {path.stem for path in PACKAGE.glob("*.py")} == ROOT_MODULES | {"__init__", "__main__"}
+
+
+def test_the_table_has_no_circle():
+    reachable = {name: {part.split(".")[0] for part in allowed} for name, allowed in ALLOWED.items()}
+    # The layout of the sample block is data that signals and effects share.
+    reachable["effects"] = set()
+    order = []
+    while len(order) < len(reachable):
+        free = [name for name in reachable if name not in order and reachable[name] <= set(order)]
+        assert free, f"circle among {set(reachable) - set(order)}"
+        order += free
+
+
+def test_a_trespass_is_seen(tmp_path, monkeypatch):
+    for folder in ("effects", "signals", "cli"):
+        (tmp_path / folder).mkdir()
+    path = tmp_path / "effects" / "probe.py"
+    lines = ("signals.layout import X", "signals import measure", "cli.main import main", "errors import InputError")
+    path.write_text("".join(f"from damper_estimator.{line}\n" for line in lines))
+    monkeypatch.setattr(sys.modules[__name__], "PACKAGE", tmp_path)
+    assert trespasses(path) == ["cli.main.main", "signals.measure"]
+
+
+def test_no_file_names_a_package_registry():
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    named = []
+    for name in filter(None, listed.stdout.split("\0")):
+        path = ROOT / name
+        if path.is_file() and REGISTRIES.search(path.read_bytes().decode("utf-8", "ignore")):
+            named.append(name)
+    assert not named
