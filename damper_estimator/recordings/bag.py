@@ -11,6 +11,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.batch import Batch, Columns, Reading, joined_columns
+from damper_estimator.recordings.faults import one_line
 from damper_estimator.recordings.folder import contents_of, open_storage
 from damper_estimator.recordings.raw import RawMessages, in_arrival_order, joined
 
@@ -85,7 +86,7 @@ class Bag:
             if candidate in by_name:
                 return by_name[candidate]
         there = ", ".join(by_name) or "none at all"
-        raise InputError(f"{self.path}: has no topic {name!r}; there are: {there}")
+        raise InputError(one_line(f"{self.path}: has no topic {name!r}; there are: {there}"))
 
     def read(self, fields: Mapping[str, Iterable[str]]) -> dict[str, Columns]:
         """Several topics in one pass over the whole recording: field paths by topic to columns by topic.
@@ -137,9 +138,7 @@ def _topics(connections: Iterable) -> tuple[Topic, ...]:
     return tuple(found[name] for name in sorted(found))
 
 
-def _grouped(
-    merged: Iterable[RawMessages], wanted: np.ndarray, size: int
-) -> Iterator[tuple[np.ndarray, RawMessages]]:
+def _grouped(merged: Iterable[RawMessages], wanted: np.ndarray, size: int) -> Iterator[tuple[np.ndarray, RawMessages]]:
     """Ranks and messages of the wanted connections in groups of ``size``, fewer where they are large."""
     held: list[tuple[np.ndarray, RawMessages]] = []
     seen, count, bulk = 0, 0, 0

@@ -10,7 +10,7 @@ from rosbags.serde import SerdeError
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.decode import Decoder
 from damper_estimator.recordings.definitions import Schema, definition_of, store_of
-from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained
+from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained, one_line
 from damper_estimator.recordings.layout import MalformedMessage
 from damper_estimator.recordings.raw import Connection, RawMessages
 
@@ -87,7 +87,7 @@ class Reading:
             raise self.malformed(connection, str(error)) from error
 
     def wrong(self, topic: str, what: str) -> InputError:
-        return InputError(f"{self.path}: topic {topic}: {what}")
+        return InputError(one_line(f"{self.path}: topic {topic}: {what}"))
 
     def malformed(self, connection: Connection, what: str) -> InputError:
         what = f"a message does not fit its type {connection.schema.type} ({what})"
@@ -133,7 +133,9 @@ class Batch:
         rows, groups = self._rows(topic)
         count = len(rows)
         log = self._raw.log[rows]
-        result = Columns(log, log.copy(), self.rank[rows], np.empty((count, len(paths))), np.empty((count, len(paths)), bool))
+        result = Columns(
+            log, log.copy(), self.rank[rows], np.empty((count, len(paths))), np.empty((count, len(paths)), bool)
+        )
         for connection, places in groups:
             decoder = self._reading.decoder(connection, paths)
             raw = self._raw.chosen(rows[places])

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from rosbags.interfaces import Nodetype
 
-from damper_estimator.recordings.definitions import HEADER, Definition
-from damper_estimator.recordings.field_path import check_path, parse_path, request_tree
+from damper_estimator.errors import InputError
+from damper_estimator.recordings.definitions import Definition
+from damper_estimator.recordings.field_path import FieldPath, check_path, parse_path, request_tree
 from damper_estimator.recordings.layout import Layout, layout_of
 from damper_estimator.recordings.raw import gathered
 
@@ -41,8 +41,8 @@ class Decoder:
             check_path(path, definition)
         self._definition = definition
         self._width = len(parsed)
-        self._stamped = dict(definition.fields(definition.type)).get("header") == (Nodetype.NAME, HEADER)
-        stamp = [parse_path(text) for text in _STAMP] if self._stamped else []
+        stamp = _stamp_paths(definition)
+        self._stamped = bool(stamp)
         self._request = request_tree([*parsed, *stamp])
         self._slots = len(parsed) + len(stamp)
         self._layouts: dict[int, list[Layout]] = {}
@@ -84,11 +84,12 @@ class Decoder:
         self, layout: Layout, matrix: np.ndarray, rows: np.ndarray, result: Numbers
     ) -> tuple[np.ndarray, np.ndarray]:
         fits = layout.fits(matrix)
-        if fits.all():
-            self._store(layout, matrix, rows, result)
-            return matrix[:0], rows[:0]
-        self._store(layout, matrix[fits], rows[fits], result)
-        return matrix[~fits], rows[~fits]
+        if not fits.all():
+            if fits.any():
+                self._store(layout, matrix[fits], rows[fits], result)
+            return matrix[~fits], rows[~fits]
+        self._store(layout, matrix, rows, result)
+        return matrix[:0], rows[:0]
 
     def _store(self, layout: Layout, matrix: np.ndarray, rows: np.ndarray, result: Numbers) -> None:
         for slot, leaf in enumerate(layout.leaves[: self._width]):
@@ -98,3 +99,14 @@ class Decoder:
         if result.stamp is not None:
             seconds, nanoseconds = (leaf.read(matrix).astype(np.int64) for leaf in layout.leaves[self._width :])
             result.stamp[rows] = seconds * NANOSECONDS + nanoseconds
+
+
+def _stamp_paths(definition: Definition) -> list[FieldPath]:
+    """The parts of ``header.stamp``; none where the type has no such thing."""
+    paths = [parse_path(text) for text in _STAMP]
+    try:
+        for path in paths:
+            check_path(path, definition)
+    except InputError:
+        return []
+    return paths

@@ -14,7 +14,6 @@ from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained
 from damper_estimator.share import share_path
 
 DAMPER_FORCES = "damper_msgs/msg/DamperForces"
-HEADER = "std_msgs/msg/Header"
 
 # What a CDR number looks like; bool, byte and char are bytes.
 NUMBERS: Mapping[str, np.dtype] = {
@@ -123,7 +122,9 @@ def _builtin_types(schema: Schema) -> dict:
 def _fields_of(name: str, types: dict, schema: Schema) -> tuple:
     found = types.get(name) or builtin_store().fielddefs.get(name)
     if found is None:
-        raise InputError(f"{schema.type} needs {name}, which the bag does not define; record it with rosbag2's mcap storage")
+        raise InputError(
+            f"{schema.type} needs {name}, which the bag does not define; record it with rosbag2's mcap storage"
+        )
     return found
 
 

@@ -33,12 +33,14 @@ def encode(type_name: str, count: int, fields: Mapping[str, object]) -> list[byt
     for path, column in numbers.items():
         if column.ndim not in (1, 2) or len(column) != count:
             raise ValueError(f"{path}: shape {column.shape} does not hold {count} messages")
+    if count == 0:
+        return []
     template = _template(definition, texts, numbers)
     matrix = np.tile(np.frombuffer(template, np.uint8), (count, 1))
     paths = [parse_path(path) for path in numbers]
     layout = layout_of(template, definition, request_tree(paths), len(paths))
     for leaf, column in zip(layout.leaves, numbers.values(), strict=True):
-        if leaf is not None:  # arrays of no elements
+        if leaf.count:
             leaf.write(matrix, column)
     flat, size = matrix.tobytes(), len(template)
     return [flat[start : start + size] for start in range(0, count * size, size)]

@@ -39,11 +39,13 @@ def explained(path: str | Path, remedy: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path and its rights") from error
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror or error}); check the path and its rights"
+        ) from error
     except LIBRARY_ERRORS as error:
-        raise InputError(f"{path}: damaged ({_one_line(error)}); {remedy}") from error
+        raise InputError(f"{path}: damaged ({one_line(error)[:160]}); {remedy}") from error
 
 
-def _one_line(error: BaseException) -> str:
-    text = " ".join(str(error).split())
-    return text[:160] if text else type(error).__name__
+def one_line(text: object) -> str:
+    """Text from a file (names, library messages) as it may stand in a one-line message."""
+    return " ".join(str(text).split()) or type(text).__name__

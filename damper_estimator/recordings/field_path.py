@@ -41,7 +41,9 @@ def parse_path(text: str) -> FieldPath:
         steps.append(Step(field, int(index) if index and index.isascii() and index.isdigit() else index))
         position = match.end()
     if not steps or position != len(text):
-        raise InputError(f'{text!r} is no field path; write for example "position[front_left]", "effort[1]" or "linear.z"')
+        raise InputError(
+            f'{text!r} is no field path; write for example "position[front_left]", "effort[1]" or "linear.z"'
+        )
     return FieldPath(text, tuple(steps))
 
 
@@ -77,7 +79,9 @@ def _follow(path: FieldPath, step: Step, description: tuple, definition: Definit
         raise _wrong(path, definition, f"gives an index to {step.field!r}, which is no array; leave the index out")
     element, size = detail
     if kind == Nodetype.ARRAY and isinstance(step.index, int) and step.index >= size:
-        raise _wrong(path, definition, f"has index {step.index}, but {step.field!r} has {size} elements (0 to {size - 1})")
+        raise _wrong(
+            path, definition, f"has index {step.index}, but {step.field!r} has {size} elements (0 to {size - 1})"
+        )
     return element
 
 

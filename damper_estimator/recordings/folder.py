@@ -46,13 +46,16 @@ def _no_metadata(path: Path, names: list[str]) -> str:
     storage = [name for name in names if name.endswith((".mcap", ".db3", ".db3.zstd", ".mcap.zstd"))]
     if not storage:
         return f"{path}: no rosbag2 folder (metadata.yaml is missing); give an .mcap file or a rosbag2 folder"
-    return f"{path}: metadata.yaml is missing; write it with: ros2 bag reindex {path} (or give one file: {', '.join(storage)})"
+    remedy = f"write it with: ros2 bag reindex {path} (or give one file: {', '.join(storage)})"
+    return f"{path}: metadata.yaml is missing; {remedy}"
 
 
 def _from_metadata(folder: Path, metadata: Path) -> Contents:
     remedy = f"write it again with: ros2 bag reindex {folder}"
     with explained(metadata, remedy):
-        information = yaml.load(metadata.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))[_KEY]
+        information = yaml.load(metadata.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))[
+            _KEY
+        ]
         # Old versions put a folder before the name, right or wrong; the files lie beside the metadata.
         files = tuple(folder / PurePosixPath(str(name)).name for name in information["relative_file_paths"])
         mode = str(information.get("compression_mode") or "").upper()
@@ -61,7 +64,9 @@ def _from_metadata(folder: Path, metadata: Path) -> Contents:
     if missing:
         raise InputError(f"{folder}: {', '.join(missing)} is missing; put it back beside metadata.yaml, or {remedy}")
     if mode not in ("", "NONE") and compression != "zstd":
-        raise InputError(f"{folder}: compressed with {compression!r}; only zstd can be read, convert with: ros2 bag convert")
+        raise InputError(
+            f"{folder}: compressed with {compression!r}; only zstd can be read, convert with: ros2 bag convert"
+        )
     return Contents(files, mode == "MESSAGE")
 
 
@@ -96,4 +101,6 @@ def _open_plain(path: Path, name: str, magic: bytes | None = None) -> McapFile |
         return SqliteFile(path, name)
     if not magic:
         raise InputError(f"{name}: empty; record or copy it again")
-    raise InputError(f"{name}: neither mcap nor sqlite3; give an .mcap file or a rosbag2 folder (import turns text into one)")
+    raise InputError(
+        f"{name}: neither mcap nor sqlite3; give an .mcap file or a rosbag2 folder (import turns text into one)"
+    )

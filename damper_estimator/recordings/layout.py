@@ -144,7 +144,9 @@ class _Walk:
         for name, description in fields:
             if name == "name" and _is_string_array(description):
                 kind, (_, count) = description
-                entries = [self._read_string() for _ in range(self._read_length() if kind == Nodetype.SEQUENCE else count)]
+                entries = [
+                    self._read_string() for _ in range(self._read_length() if kind == Nodetype.SEQUENCE else count)
+                ]
                 names = tuple(text for text, _ in entries)
                 contents = [span for _, span in entries]
                 break

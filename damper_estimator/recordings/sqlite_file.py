@@ -60,7 +60,9 @@ class SqliteFile:
     def _read_schemas(self) -> dict[str, Schema]:
         if not self._columns("message_definitions"):
             return {}
-        rows = self._database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
+        rows = self._database.execute(
+            "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+        )
         return {name: Schema(name, str(encoding), str(text)) for name, encoding, text in rows}
 
     def spans(self, file: int) -> Iterator[Span]:

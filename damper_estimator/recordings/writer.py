@@ -46,6 +46,8 @@ class BagWriter:
         self.path = Path(path)
         if self.path.suffix != ".mcap":
             raise InputError(f"{self.path}: recordings are written as mcap; give a name that ends in .mcap")
+        if not self.path.parent.is_dir():
+            raise InputError(f"{self.path}: cannot be written (there is no folder {self.path.parent}); make it first")
         self._stack = ExitStack()
         self._schemas: dict[Schema, int] = {}
         self._channels: dict[tuple[str, Schema], int] = {}
