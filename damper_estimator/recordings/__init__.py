@@ -18,7 +18,7 @@ from damper_estimator.recordings.encode import (
     temperatures,
 )
 from damper_estimator.recordings.field_path import FieldPath, parse_path
-from damper_estimator.recordings.writer import BagWriter
+from damper_estimator.recordings.writer import BagWriter, Stream
 
 __all__ = [
     "Bag",
@@ -27,6 +27,7 @@ __all__ = [
     "Columns",
     "FieldPath",
     "Schema",
+    "Stream",
     "Topic",
     "accelerations",
     "damper_forces",

@@ -73,7 +73,7 @@ class Bag:
         names = None if topics is None else [self.topic(name).name for name in topics]
         wanted = self._reading.chosen(names)
         for rank, messages in _grouped(self._merged(), wanted, size):
-            yield Batch(self._reading, messages, rank)
+            yield Batch(self._reading, self._reading.unpacked(messages), rank)
 
     def topic(self, name: str) -> Topic:
         """The topic of this name, with or without its leading ``/``.

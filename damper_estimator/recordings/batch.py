@@ -48,7 +48,7 @@ class Reading:
     def __init__(self, path: str, connections: tuple[Connection, ...], compressed: bool) -> None:
         self.path = path
         self.connections = connections
-        self.compressed = compressed
+        self._compressed = compressed
         self._decoders: dict[tuple[Schema, tuple[str, ...]], Decoder] = {}
 
     def chosen(self, topics: Iterable[str] | None) -> np.ndarray:
@@ -86,6 +86,19 @@ class Reading:
         except (SerdeError, *LIBRARY_ERRORS) as error:
             raise self.malformed(connection, str(error)) from error
 
+    def unpacked(self, raw: RawMessages) -> RawMessages:
+        """The messages as they were sent, where the recording compressed each by itself."""
+        if not self._compressed:
+            return raw
+        ends = raw.start + raw.length
+        with explained(self.path, "copy the recording again"):
+            plain = [
+                zstandard.ZstdDecompressor().decompressobj().decompress(raw.data[start:end])
+                for start, end in zip(raw.start.tolist(), ends.tolist(), strict=True)
+            ]
+        length = np.array([len(item) for item in plain], np.int64)
+        return RawMessages(b"".join(plain), raw.connection, raw.log, np.cumsum(length) - length, length)
+
     def wrong(self, topic: str, what: str) -> InputError:
         return InputError(one_line(f"{self.path}: topic {topic}: {what}"))
 
@@ -110,10 +123,6 @@ class Batch:
     _reading: Reading
     _raw: RawMessages
     rank: np.ndarray
-
-    def __post_init__(self) -> None:
-        if self._reading.compressed:
-            object.__setattr__(self, "_raw", _unpacked(self._raw, self._reading.path))
 
     def __len__(self) -> int:
         return len(self.rank)
@@ -181,15 +190,3 @@ class Batch:
             (self._reading.connections[numbers[0]], np.flatnonzero(np.isin(of_row, numbers)))
             for numbers in by_schema.values()
         ]
-
-
-def _unpacked(raw: RawMessages, path: str) -> RawMessages:
-    """Messages that were compressed one by one."""
-    ends = raw.start + raw.length
-    with explained(path, "copy the recording again"):
-        plain = [
-            zstandard.ZstdDecompressor().decompressobj().decompress(raw.data[start:end])
-            for start, end in zip(raw.start.tolist(), ends.tolist(), strict=True)
-        ]
-    length = np.array([len(item) for item in plain], np.int64)
-    return RawMessages(b"".join(plain), raw.connection, raw.log, np.cumsum(length) - length, length)

@@ -145,8 +145,8 @@ class McapFile:
         """For files without statistics or without repeated channels: looks into every chunk."""
         self._counts = Counter()
         for place in self._places:
-            channel = self._cut(place, definitions=True)[1]
-            self._counts.update(dict(zip(*(column.tolist() for column in np.unique(channel, return_counts=True)))))
+            channels, counts = np.unique(self._cut(place, definitions=True)[1], return_counts=True)
+            self._counts.update(dict(zip(channels.tolist(), counts.tolist(), strict=True)))
 
     def _cut(self, place: _Place, definitions: bool = False) -> tuple[bytes, np.ndarray, ...]:
         """The place's bytes, and channel, log time, start and length of every message in them."""

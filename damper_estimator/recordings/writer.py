@@ -1,7 +1,8 @@
 """Recordings to write: mcap files as rosbag2, Foxglove and PlotJuggler open them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,16 @@ _QOS = """- history: keep_last
     sec: 9223372036
     nsec: 854775807
   avoid_ros_namespace_conventions: false"""
+
+
+@dataclass(frozen=True, eq=False)
+class Stream:
+    """Serialised messages of a built-in type for one topic, at log times (n,) int64 ns that never step back."""
+
+    topic: str
+    type: str
+    log: np.ndarray
+    messages: Sequence[bytes]
 
 
 class BagWriter:
@@ -78,6 +89,18 @@ class BagWriter:
         channel = self._channel(topic, builtin_schema(type_name))
         for time, data in zip(np.asarray(log).tolist(), messages, strict=True):
             self._add(channel, time, data)
+
+    def write_streams(self, streams: Iterable[Stream]) -> None:
+        """Writes several topics together, message by message by log time (equal times: as the streams come)."""
+        streams = list(streams)
+        channels = [self._channel(stream.topic, builtin_schema(stream.type)) for stream in streams]
+        logs = [np.asarray(stream.log, np.int64) for stream in streams]
+        source = np.repeat(np.arange(len(streams)), [len(log) for log in logs])
+        times = np.concatenate([*logs, np.empty(0, np.int64)])
+        remaining = [iter(stream.messages) for stream in streams]
+        order = np.argsort(times, kind="stable")
+        for number, time in zip(source[order].tolist(), times[order].tolist(), strict=True):
+            self._add(channels[number], time, next(remaining[number]))
 
     def write_raw(self, topic: str, type_name: str, log_ns: int, data: bytes, schema: Schema | None = None) -> None:
         """Writes one serialised message; ``schema`` for types that are not built in."""
