@@ -1,0 +1,97 @@
+"""How much of a phenomenon it takes to change the force by a wanted share."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, log
+
+import numpy as np
+
+from damper_estimator.plant.damper import Damper
+from damper_estimator.plant.phenomena import PHENOMENA, Phenomenon, Setup
+from damper_estimator.plant.sensors import ideal_force
+from damper_estimator.plant.simulation import Drive, Truth, simulate
+
+TOLERANCE = 0.02
+"""Relative deviation from the wanted strength at which the search ends."""
+
+MOST_TRIALS = 14
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Magnitude of a phenomenon (its sign included) and the strength that it reaches on one record."""
+
+    phenomenon: str
+    magnitude: float
+    strength: float
+
+
+def relative_difference(off: np.ndarray, on: np.ndarray) -> float:
+    """RMS(F_on - F_off) / RMS(F_on); forces in N, shape (n,)."""
+    return float(np.sqrt(np.mean((on - off) ** 2) / np.mean(on**2)))
+
+
+def strength(off: Setup, on: Setup, drive: Drive) -> float:
+    """Relative difference of the noise-free forces of two setups under one drive."""
+    return relative_difference(
+        ideal_force(simulate(off.damper, drive), off.sensors), ideal_force(simulate(on.damper, drive), on.sensors)
+    )
+
+
+def calibrate(name: str, setup: Setup, drive: Drive, wanted: float, sign: float = 1.0) -> Calibration:
+    """Finds the magnitude at which a phenomenon has the ``wanted`` strength on this record, as near as it comes.
+
+    Strength is taken to grow with magnitude. ``sign`` counts for errors of the measurement chain only. Where the record
+    does not excite the phenomenon enough, the magnitude is the highest that is physical; the reached strength says so.
+
+    Raises:
+        ValueError: where ``wanted`` is not between 0 and 1.
+        KeyError: for a name that is not a phenomenon.
+    """
+    if not 0.0 < wanted < 1.0:
+        raise ValueError(f"strength {wanted:g} is not between 0 and 1")
+    phenomenon = PHENOMENA[name]
+    factor = sign if phenomenon.signed else 1.0
+    reach = _Reach(phenomenon, setup, drive, factor)
+    place, reached = _search(reach, log(phenomenon.lowest), log(phenomenon.highest), log(wanted))
+    return Calibration(name, factor * exp(place), exp(reached))
+
+
+class _Reach:
+    """Logarithm of the strength over that of the magnitude; the off state is simulated anew only where it changes."""
+
+    def __init__(self, phenomenon: Phenomenon, setup: Setup, drive: Drive, factor: float) -> None:
+        self._phenomenon, self._setup, self._drive, self._factor = phenomenon, setup, drive, factor
+        self._truths: dict[Damper, Truth] = {}
+
+    def __call__(self, place: float) -> float:
+        magnitude = self._factor * exp(place)
+        off, on = self._phenomenon.off(self._setup, magnitude), self._phenomenon.on(self._setup, magnitude)
+        without = ideal_force(self._truth(off.damper), off.sensors)
+        again = self._truths[off.damper] if on.damper == off.damper else simulate(on.damper, self._drive)
+        return log(max(relative_difference(without, ideal_force(again, on.sensors)), 1e-12))
+
+    def _truth(self, damper: Damper) -> Truth:
+        if damper not in self._truths:
+            self._truths = {damper: simulate(damper, self._drive)}  # one at a time: a minute takes 50 MB
+        return self._truths[damper]
+
+
+def _search(reach: Callable[[float], float], low: float, high: float, wanted: float) -> tuple[float, float]:
+    """Place and value nearest to ``wanted``: secant steps, and halving where they leave what is still possible."""
+    place, slope, top = 0.0, 1.0, high
+    tried: list[tuple[float, float]] = []
+    for _ in range(MOST_TRIALS):
+        value = reach(place)
+        if tried and place != tried[-1][0]:
+            slope = (value - tried[-1][1]) / (place - tried[-1][0])
+        tried.append((place, value))
+        if abs(value - wanted) < TOLERANCE or (place == top and value < wanted):
+            break
+        low, high = (place, high) if value < wanted else (low, place)
+        guess = place + (wanted - value) / slope if slope > 0.05 else np.inf
+        if guess >= top and high == top:
+            place = top
+        else:
+            place = guess if low < guess < high else 0.5 * (low + high)
+    return min(tried, key=lambda pair: abs(pair[1] - wanted))

@@ -1,0 +1,133 @@
+"""A simulated damper as a whole: its parts, what follows from them, and its state at rest."""
+
+from dataclasses import dataclass, replace
+from math import pi
+from typing import NamedTuple
+
+from damper_estimator.plant.parts import (
+    AMBIENT_PRESSURE,
+    Coil,
+    Gas,
+    Gel,
+    Geometry,
+    Heat,
+    Mount,
+    Oil,
+    Piston,
+    Seal,
+    Stops,
+    Valve,
+)
+
+
+@dataclass(frozen=True)
+class Damper:
+    """Physical parameters of one monotube damper; ``parts`` documents each with its unit.
+
+    ``adjuster`` is the opening of the bleed needle, 0 (hard) to 1 (soft); it scales ``piston.bleed_area`` from 20 % up.
+    ``inertia`` is the mass in kg that moves with the rod or in long passages, as felt by the gauge.
+    """
+
+    name: str
+    geometry: Geometry
+    oil: Oil
+    gas: Gas
+    piston: Piston
+    rebound: Valve
+    compression: Valve
+    seal: Seal
+    gel: Gel = Gel()
+    coil: Coil = Coil()
+    stops: Stops = Stops()
+    mount: Mount = Mount()
+    heat: Heat = Heat()
+    inertia: float = 0.0
+    adjuster: float = 1.0
+
+    def with_part(self, part: str, **values: float) -> "Damper":
+        """The damper with some parameters of one part replaced, such as ``with_part("oil", bulk_modulus=8e8)``."""
+        return replace(self, **{part: getattr(self, part)._replace(**values)})
+
+    @property
+    def rod_step(self) -> float:
+        """Area on which the gas pressure pushes the rod out, m^2: rod less tail rod."""
+        return pi / 4 * self.geometry.rod**2 * (1.0 - self.geometry.tail_rod)
+
+
+class Chambers(NamedTuple):
+    """Areas and volumes at displacement 0; ``*_excess`` is liquid (at zero pressure) less volume."""
+
+    piston_area: float  # m^2
+    rebound_area: float  # m^2
+    compression_area: float  # m^2
+    rebound_volume: float  # m^3
+    compression_volume: float  # m^3
+    gas_volume: float  # m^3
+    rebound_excess: float  # m^3
+    compression_excess: float  # m^3
+
+
+class Parts(NamedTuple):
+    """Everything that the compiled equations read."""
+
+    chambers: Chambers
+    oil: Oil
+    gas: Gas
+    piston: Piston
+    rebound: Valve
+    compression: Valve
+    seal: Seal
+    gel: Gel
+    coil: Coil
+    stops: Stops
+    mount: Mount
+    heat: Heat
+    inertia: float
+
+
+def parts_of(damper: Damper) -> Parts:
+    """The damper's parts with areas and volumes worked out, every number a float (the compiler wants one type)."""
+    needle = damper.piston.bleed_area * (0.2 + 0.8 * damper.adjuster)
+    parts = Parts(
+        chambers=_chambers(damper),
+        oil=damper.oil,
+        gas=damper.gas,
+        piston=damper.piston._replace(bleed_area=needle),
+        rebound=damper.rebound,
+        compression=damper.compression,
+        seal=damper.seal,
+        gel=damper.gel,
+        coil=damper.coil,
+        stops=damper.stops,
+        mount=damper.mount,
+        heat=damper.heat,
+        inertia=float(damper.inertia),
+    )
+    return Parts(*(type(part)(*map(float, part)) if isinstance(part, tuple) else part for part in parts))
+
+
+def _chambers(damper: Damper) -> Chambers:
+    geometry = damper.geometry
+    piston = pi / 4 * geometry.bore**2
+    rod = pi / 4 * geometry.rod**2
+    excess = packed_share(damper.oil, damper.gas.pressure)
+    rebound, compression = (piston - rod) * geometry.rebound_length, piston * geometry.compression_length
+    return Chambers(
+        piston_area=piston,
+        rebound_area=piston - rod,
+        compression_area=piston - rod * geometry.tail_rod,
+        rebound_volume=rebound,
+        compression_volume=compression,
+        gas_volume=piston * damper.gas.length,
+        rebound_excess=rebound * excess,
+        compression_excess=compression * excess,
+    )
+
+
+def packed_share(oil: Oil, pressure: float) -> float:
+    """Liquid beyond the chamber's volume, per volume, that holds ``pressure``: p'/B - free_gas p_ambient / p'.
+
+    p' is the pressure above vapour pressure, B the bulk modulus: liquid compressed, less what isothermal free gas takes.
+    """
+    above = pressure - oil.vapour_pressure
+    return above / oil.bulk_modulus - oil.free_gas * AMBIENT_PRESSURE / above

@@ -1,0 +1,91 @@
+"""Pressures, openings and flows inside the damper, one evaluation each (compiled).
+
+Sources: H. H. Lang, A study of the characteristics of automotive hydraulic dampers at high stroking frequencies (1977),
+for the balance of compressible chambers; J. Duym, Simulation tools, modelling and identification, for an automotive
+shock absorber in the context of vehicle dynamics, Vehicle System Dynamics 33 (2000), for the stages of the valves.
+"""
+
+from math import exp, sqrt
+
+from damper_estimator.compiled import compiled
+from damper_estimator.plant.parts import AMBIENT_PRESSURE
+
+SEAT_PRESSURE = 2000.0
+"""Pa, below which the flow past a disc valve is laminar; keeps its slope finite at zero pressure."""
+
+
+@compiled
+def liquid_pressure(oil, excess, volume):
+    """Pressure of a chamber in Pa from its liquid's excess (m^3 at zero pressure, beyond the volume) and volume.
+
+    Solves p'/B - g p_ambient / p' = excess / volume for p' = p - p_vapour: stiff liquid where it is packed; where it is
+    short of volume the free gas fraction g spreads and the pressure stays at vapour pressure while a void grows.
+    """
+    stress = oil.bulk_modulus * excess / volume
+    product = oil.bulk_modulus * oil.free_gas * AMBIENT_PRESSURE
+    root = sqrt(stress * stress + 4.0 * product)
+    # The small root of the pair is lost to cancellation; it follows from their product.
+    above = 0.5 * (stress + root) if stress > 0.0 else 2.0 * product / (root - stress)
+    return oil.vapour_pressure + above
+
+
+@compiled
+def gas_pressure(gas, rest_volume, piston_volume, warmth):
+    """Polytropic gas: p = p0 warmth (V0 / (V0 - piston_volume))^n; ``warmth`` is absolute temperature over its start."""
+    return gas.pressure * warmth * (rest_volume / (rest_volume - piston_volume)) ** gas.exponent
+
+
+@compiled
+def ramp(excess, width):
+    """Smooth max(excess, 0): (u + sqrt(u^2 + w^2)) / 2, written so that nothing cancels."""
+    root = sqrt(excess * excess + width * width)
+    return 0.5 * (excess + root) if excess > 0.0 else 0.5 * width * width / (root - excess)
+
+
+@compiled
+def lift_area(valve, pressure):
+    """Flow area in m^2 to which the discs lift at ``pressure`` (Pa, in the valve's own direction), without the port."""
+    main = valve.gradient * ramp(pressure - valve.crack, valve.rounding * valve.crack)
+    return main + valve.relief_gradient * ramp(pressure - valve.relief, valve.rounding * valve.relief)
+
+
+@compiled
+def disc_flow(valve, area, pressure, density):
+    """Flow in m^3/s, >= 0, through lifted discs (``area``) and the port behind them: 1/A^2 = 1/area^2 + 1/port^2."""
+    series = area * valve.port / sqrt(area * area + valve.port * valve.port)
+    return series * sqrt(2.0 / density) * pressure / sqrt(sqrt(pressure * pressure + SEAT_PRESSURE * SEAT_PRESSURE))
+
+
+@compiled
+def orifice_flow(area, transition, pressure, viscosity, density):
+    """Flow in m^3/s through a short orifice: the root of R Q + K Q |Q| = pressure.
+
+    K = density / (2 area^2) is the turbulent drop; the laminar R, proportional to ``viscosity`` (relative to 40 deg C), is
+    such that both are equal at the pressure ``transition``.
+    """
+    turbulent = 0.5 * density / (area * area)
+    laminar = viscosity * sqrt(0.5 * turbulent * transition)
+    return 2.0 * pressure / (laminar + sqrt(laminar * laminar + 4.0 * turbulent * abs(pressure)))
+
+
+@compiled
+def groove_area(piston, displacement):
+    """Bypass area in m^2 beside the piston: a smooth hump around the groove's centre."""
+    distance = (displacement - piston.groove_centre) / piston.groove_width
+    return piston.groove_area * exp(-distance * distance * distance * distance)
+
+
+@compiled
+def piston_flow(parts, rebound_area, compression_area, pressure, displacement, viscosity):
+    """Flow in m^3/s from rebound to compression chamber at the pressure difference ``pressure`` (Pa).
+
+    Always open: needle, groove, ring gap. Behind checks: the rebound discs for positive pressure, the compression discs
+    for negative; ``*_area`` is how far each is lifted, in m^2.
+    """
+    piston, density = parts.piston, parts.oil.density
+    flow = pressure * piston.ring_gap / viscosity
+    open_area = piston.bleed_area + groove_area(piston, displacement)
+    flow += orifice_flow(open_area, piston.bleed_transition, pressure, viscosity, density)
+    if pressure > 0.0:
+        return flow + disc_flow(parts.rebound, rebound_area, pressure, density)
+    return flow - disc_flow(parts.compression, compression_area, -pressure, density)
