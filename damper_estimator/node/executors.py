@@ -1,0 +1,46 @@
+"""Chooses what delivers the messages: by events where that works here, else rclpy's default."""
+
+import time
+
+import rclpy
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.impl.rcutils_logger import RcutilsLogger
+
+PROBE_PERIOD = 0.001  # s
+PROBE_TIME = 2.0  # s, far more than one timer needs
+
+
+def make_executor(wanted: str, logger: RcutilsLogger) -> Executor:
+    """An executor that was seen to deliver: ``events`` where it is wanted and works, else ``single`` (and a log line)."""
+    if wanted == "events":
+        executor = _events_executor()
+        if executor is not None and _delivers(executor):
+            return executor
+        logger.warning("executor 'events' does not work in this ROS installation; 'single' is used instead")
+    return SingleThreadedExecutor()
+
+
+def _events_executor() -> Executor | None:
+    try:
+        from rclpy.experimental.events_executor import EventsExecutor
+    except ImportError:
+        return None
+    return EventsExecutor()
+
+
+def _delivers(executor: Executor) -> bool:
+    """Whether a timer reaches its callback; found by trying, since releases of Jazzy differ."""
+    seen: list[bool] = []
+    node = rclpy.create_node(
+        "damper_estimator_probe", enable_rosout=False, start_parameter_services=False, use_global_arguments=False
+    )
+    node.create_timer(PROBE_PERIOD, lambda: seen.append(True), clock=Clock(clock_type=ClockType.STEADY_TIME))
+    executor.add_node(node)
+    end = time.monotonic() + PROBE_TIME
+    while not seen and time.monotonic() < end and rclpy.ok():
+        executor.spin_once(timeout_sec=PROBE_PERIOD)
+    executor.remove_node(node)
+    node.destroy_node()
+    return bool(seen)

@@ -1,0 +1,114 @@
+"""Plays recorded messages to a running node over DDS, as fast as it answers, and keeps what it answers."""
+
+import time
+from collections.abc import Callable, Iterable
+from importlib import import_module
+
+from damper_msgs.msg import DamperForces
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from damper_estimator.errors import InputError
+from damper_estimator.node.health import SUBSCRIBERS
+
+WINDOW = 20  # displacement messages that may be unanswered
+PATIENCE = 0.5  # s, after which an unanswered message counts as one that gives no estimate
+PAUSE = 0.02  # s after a message of a slow channel: topics overtake each other
+DISCOVERY = 20.0  # s
+DEPTH = 1000
+
+
+class Player:
+    """A node that publishes serialised messages and listens to the estimator; final. rclpy must be initialised.
+
+    Attributes:
+        forces: every ``DamperForces`` that came.
+        health: every ``DiagnosticArray`` that came.
+    """
+
+    def __init__(self, estimator: str = "/damper_estimator") -> None:
+        """``estimator``: full name of the node that is played to."""
+        self.forces: list[DamperForces] = []
+        self.health: list[DiagnosticArray] = []
+        self._node = Node("player", start_parameter_services=False)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self._node)
+        self._publishers: dict[str, object] = {}
+        quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        self._node.create_subscription(DamperForces, f"{estimator}/force", self.forces.append, quality)
+        self._node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, quality)
+
+    def connect(self, topics: dict[str, str]) -> None:
+        """Makes a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and waits for the estimator.
+
+        Raises:
+            InputError: where nobody listens on one of them in time.
+        """
+        quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        for topic, kind in topics.items():
+            self._publishers[topic] = self._node.create_publisher(message_type(kind), topic, quality)
+        # Its forces reach us when its publisher, not only our subscription, knows of the other; it says so itself.
+        self.wait(lambda: any(map(_has_subscribers, self.health[-1:])), "the estimator's forces")
+        for topic, publisher in self._publishers.items():
+            self.wait(lambda publisher=publisher: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
+
+    def play(self, messages: Iterable[tuple[str, bytes]], answered: set[str]) -> None:
+        """Publishes (topic, serialised message) in order.
+
+        Args:
+            answered: topics whose messages are answered by forces; never more than ``WINDOW`` of them are unanswered.
+        """
+        sent = given_up = 0
+        start = len(self.forces)
+
+        def unanswered() -> int:
+            return sent - given_up - (len(self.forces) - start)
+
+        for topic, data in messages:
+            is_answered = topic in answered
+            given_up += self._settle(unanswered, WINDOW - 1 if is_answered else 0)
+            self._publishers[topic].publish(data)
+            sent += is_answered
+            if not is_answered:
+                time.sleep(PAUSE)
+        self._settle(unanswered, 0)
+
+    def _settle(self, unanswered: Callable[[], int], allowed: int) -> int:
+        """Listens until at most ``allowed`` are unanswered; how many to give up when nothing comes for ``PATIENCE``."""
+        count, since = len(self.forces), time.monotonic()
+        while unanswered() > allowed:
+            if time.monotonic() - since > PATIENCE:
+                return unanswered()
+            self._executor.spin_once(timeout_sec=PATIENCE / 10)
+            if len(self.forces) != count:
+                count, since = len(self.forces), time.monotonic()
+        return 0
+
+    def wait(self, condition: Callable[[], bool], what: str, patience: float = DISCOVERY) -> None:
+        """Listens until a condition holds.
+
+        Raises:
+            InputError: where it does not hold in time; ``what`` was waited for.
+        """
+        end = time.monotonic() + patience
+        while not condition():
+            if time.monotonic() > end:
+                raise InputError(f"waited {patience:g} s for {what}; is the estimator running with the same ROS_DOMAIN_ID?")
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def close(self) -> None:
+        """Leaves the ROS graph."""
+        self._executor.shutdown()
+        self._node.destroy_node()
+
+
+def _has_subscribers(health: DiagnosticArray) -> bool:
+    return any(pair.key == SUBSCRIBERS and pair.value != "0" for status in health.status for pair in status.values)
+
+
+def message_type(kind: str) -> type:
+    """The Python class of ``package/msg/Name``."""
+    package, folder, name = kind.split("/")
+    return getattr(import_module(f"{package}.{folder}"), name)
