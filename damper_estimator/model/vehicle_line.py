@@ -1,0 +1,115 @@
+"""All dampers of a vehicle, live: channel messages in order of arrival in, contents of damper_msgs/DamperForces out.
+
+Node and ``replay`` share this. One output message answers one displacement message; it holds the dampers that this message
+moved (a sample that is dropped moves none), in the order in which the line was given its dampers (that of the signal map).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.model.estimator import DamperEstimator, Estimates
+from damper_estimator.signals.admission import DUPLICATE
+
+SLOW = ("command", "temperature", "pressure")
+
+
+@dataclass(frozen=True)
+class Arrivals:
+    """Values of one channel in order of arrival.
+
+    Attributes:
+        rank: (n,) int64, place among all messages.
+        stamp: (n,) int64 ns.
+        value: (n,) SI.
+    """
+
+    rank: np.ndarray
+    stamp: np.ndarray
+    value: np.ndarray
+
+
+@dataclass(frozen=True)
+class ForceMessages:
+    """Output messages that hold the same k dampers.
+
+    Attributes:
+        names: the dampers.
+        rank: (m,) int64, of the displacement messages that they answer.
+        stamp: (m,) int64 ns, of those messages.
+        fields: (m, k) by field of damper_msgs/DamperForces.
+    """
+
+    names: tuple[str, ...]
+    rank: np.ndarray
+    stamp: np.ndarray
+    fields: Mapping[str, np.ndarray]
+
+
+class HeldChannel:
+    """A slow channel: the last value that has arrived."""
+
+    def __init__(self) -> None:
+        self.value = float("nan")
+
+    def at(self, rank: np.ndarray, arrivals: Arrivals | None) -> np.ndarray | float:
+        """The value held when the messages of these ranks (n,) came; carries the last one over to the next block."""
+        if arrivals is None or not arrivals.rank.size:
+            return self.value
+        values = np.concatenate([[self.value], arrivals.value])
+        self.value = float(values[-1])
+        return values[np.searchsorted(arrivals.rank, rank, side="right")]
+
+
+class VehicleLine:
+    """The running state of all dampers; blocks of any size, also of one message, give the same forces bit for bit."""
+
+    def __init__(self, estimators: Mapping[str, DamperEstimator]):
+        """``estimators`` by damper, in the order of the output."""
+        self._estimators = dict(estimators)
+        self._held = {name: {role: HeldChannel() for role in SLOW} for name in self._estimators}
+
+    def block(
+        self, displacement: Mapping[str, Arrivals], slow: Mapping[str, Mapping[str, Arrivals]]
+    ) -> tuple[list[ForceMessages], dict[str, Estimates]]:
+        """Runs the next messages.
+
+        Args:
+            displacement: by damper; those without news may be left out.
+            slow: by damper and role (command, temperature, pressure); the same.
+
+        Returns:
+            The messages to send, and the estimates of each damper that had displacements.
+        """
+        estimates, ranks = {}, {}
+        for name, estimator in self._estimators.items():
+            own, given = displacement.get(name), slow.get(name, {})
+            rank = own.rank if own is not None else np.zeros(0, np.int64)
+            held = {role: channel.at(rank, given.get(role)) for role, channel in self._held[name].items()}
+            if own is not None and rank.size:
+                estimates[name] = estimator.block(own.stamp, own.value, **held)
+                ranks[name] = rank[estimates[name].verdict < DUPLICATE]
+        return _messages(estimates, ranks), estimates
+
+
+def _messages(estimates: Mapping[str, Estimates], ranks: Mapping[str, np.ndarray]) -> list[ForceMessages]:
+    messages = []
+    for rank, rows in together(ranks):
+        names = tuple(rows)
+        parts = {name: estimates[name].fields() for name in names}
+        fields = {field: np.stack([parts[n][field][rows[n]] for n in names], axis=1) for field in parts[names[0]]}
+        messages.append(ForceMessages(names, rank, estimates[names[0]].kinematics.stamp[rows[names[0]]], fields))
+    return messages
+
+
+def together(keys: Mapping[str, np.ndarray]) -> Iterator[tuple[np.ndarray, dict[str, np.ndarray]]]:
+    """Brings equal keys of several owners together: rising keys in, and for each set of owners that share keys these keys
+    and their rows in each owner's array."""
+    everything = np.unique(np.concatenate([np.zeros(0, np.int64), *keys.values()]))
+    if not everything.size:
+        return
+    there = np.stack([np.isin(everything, own, assume_unique=True) for own in keys.values()])
+    for pattern in np.unique(there, axis=1).T:
+        shared = everything[np.all(there == pattern[:, None], axis=0)]
+        yield shared, {n: np.searchsorted(keys[n], shared) for n, inside in zip(keys, pattern, strict=True) if inside}

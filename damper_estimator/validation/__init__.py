@@ -1,0 +1,9 @@
+"""How far a model can be trusted: error measures, where it fails, what the data allow."""
+
+from damper_estimator.validation.comparison import Comparison, compare, per_recording
+from damper_estimator.validation.measures import Measures, measures
+from damper_estimator.validation.quality import DataQuality
+from damper_estimator.validation.regions import Region
+from damper_estimator.validation.trace import Trace
+
+__all__ = ["Comparison", "DataQuality", "Measures", "Region", "Trace", "compare", "measures", "per_recording"]
