@@ -2,8 +2,9 @@
 
     F = k a,      k <= 0
 
-k in N s^2/m, a in m/s^2. Compressed oil makes the force lag the velocity, F(v - tau a) = F(v) - c tau a: the constant is
-negative (a positive one would be a mass). No state. Source: Carrera Akutain et al., section 3, filtered mode.
+k in N s^2/m, a in m/s^2. Compressed oil makes the force lag the velocity, F(v - tau a) = F(v) - c tau a: the
+constant is negative (a positive one would be a mass). No state. Source: Carrera Akutain et al., section 3,
+filtered mode.
 """
 
 from damper_estimator.compiled import compiled

@@ -2,8 +2,8 @@
 
     F_measured(t) = F(t - s)
 
-s in s, positive where the force channel is late. Linear between samples; off line only; it is mended by the signal map's ``force.skew``.
-Source: definition of the signal map's force channel.
+s in s, positive where the force channel is late. Linear between samples; off line only; it is mended by the
+signal map's ``force.skew``. Source: definition of the signal map's force channel.
 """
 
 import numpy as np

@@ -2,8 +2,9 @@
 
     tau dI/dt + I = I_command
 
-tau in s, 20 to 30 ms for a magneto-rheological coil. The current enters the force non-linearly, so the current is lagged and not the
-force. The command is held between samples, for which the lag is exact. One state; exact. Source: Lozoya-Santos et al., section 5.
+tau in s, 20 to 30 ms for a magneto-rheological coil. The current enters the force non-linearly, so the
+current is lagged and not the force. The command is held between samples, for which the lag is exact. One
+state; exact. Source: Lozoya-Santos et al., section 5.
 """
 
 from math import exp

@@ -5,12 +5,13 @@ The kernel works on a block of samples, in place:
     kernel(parameters, settings, kinematics, state, force)
 
 with contiguous float64 arrays ``parameters`` (p,), ``settings`` (s,), ``kinematics`` (8, n) in the rows of
-``signals.layout``, ``state`` (z,) zero at the start and carried from block to block, ``force`` (n,) in N. A sample with
-step 0 is the first after a reset. Live, a block has one sample; the same kernel serves both.
+``signals.layout``, ``state`` (z,) zero at the start and carried from block to block, ``force`` (n,) in N. A
+sample with step 0 is the first after a reset. Live, a block has one sample; the same kernel serves both.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Literal
 
 import numpy as np
@@ -23,7 +24,7 @@ KINDS: dict[str, str] = {
     "source": "adds force",
     "modifier": "rewrites the force of what stands before it",
     "input": "rewrites the motion or the slow channels for what follows in its path",
-    "series": "wraps a path behind a compliance; its kernel is the compliance's force over rows X and V of its deflection",
+    "series": "wraps a path behind a compliance; the kernel is its force over deflection (X) and deflection rate (V)",
     "channel": "acts on the recording, off line only; it is mended in the signal map",
     "path": "a force of its own, added to its parent",
 }
@@ -35,7 +36,7 @@ class Parameter:
 
     Attributes:
         linear: the effect's force is proportional to the effect's linear parameters taken together.
-        size: name of the list setting that gives a vector parameter its length; None for a scalar.
+        size: the list setting whose length a vector parameter has, or several for a grid; None for a scalar.
     """
 
     name: str
@@ -45,7 +46,14 @@ class Parameter:
     upper: float
     meaning: str
     linear: bool = False
-    size: str | None = None
+    size: str | tuple[str, ...] | None = None
+
+    def length(self, settings: Values) -> int | None:
+        """Number of elements, given the settings by name; None for a scalar."""
+        if self.size is None:
+            return None
+        names = (self.size,) if isinstance(self.size, str) else self.size
+        return prod(len(settings[name]) for name in names)
 
 
 @dataclass(frozen=True)

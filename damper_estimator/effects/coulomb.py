@@ -2,8 +2,8 @@
 
     F = F_c tanh(v / v_s)
 
-F_c in N, v in m/s; v_s (m/s) is the width of the transition: a true jump would make noise of velocity into noise of force.
-No state. Source: Gao et al., eq. (1), with the sign of eq. (2).
+F_c in N, v in m/s; v_s (m/s) is the width of the transition: a true jump would make noise of velocity into
+noise of force. No state. Source: Gao et al., eq. (1), with the sign of eq. (2).
 """
 
 from math import tanh

@@ -2,8 +2,8 @@
 
     F_measured = (1 + g) F
 
-g without unit. Off line only; it is mended by the signal map's ``force.scale``.
-Source: definition of the signal map's force channel.
+g without unit. Off line only; it is mended by the signal map's ``force.scale``. Source: definition of the
+signal map's force channel.
 """
 
 from damper_estimator.compiled import compiled

@@ -2,8 +2,9 @@
 
     tau dF/dt + F = F_in
 
-tau in s. F_in is taken as linear between samples and the lag is exact for it, so it is right for any step. One state pair
-(last F, last F_in); second order in the step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2.
+tau in s. F_in is taken as linear between samples and the lag is exact for it, so it is right for any step.
+One state pair (last F, last F_in); second order in the step. Source: first-order valve dynamics,
+Lozoya-Santos et al., section 2.
 """
 
 from math import exp

@@ -2,8 +2,8 @@
 
     F_measured = F + F_0
 
-F_0 in N. Off line only; it is mended by the signal map's ``force.offset``.
-Source: definition of the signal map's force channel.
+F_0 in N. Off line only; it is mended by the signal map's ``force.offset``. Source: definition of the signal
+map's force channel.
 """
 
 from damper_estimator.compiled import compiled

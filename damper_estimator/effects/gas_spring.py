@@ -2,8 +2,9 @@
 
     F = -F_static (V / (V + A_rod x))^n,      n = 1.4
 
-F_static in N, V in m^3 the gas volume at x = 0, A_rod in m^2, x in m (positive in extension, which expands the gas: in
-compression the gas pushes the rod out, hence the sign). No state. Source: Carrera Akutain et al., eqs. (6) to (10), in our signs.
+F_static in N, V in m^3 the gas volume at x = 0, A_rod in m^2, x in m (positive in extension, which expands
+the gas: in compression the gas pushes the rod out, hence the sign). No state. Source: Carrera Akutain et al.,
+eqs. (6) to (10), in our signs.
 """
 
 from damper_estimator.compiled import compiled

@@ -5,9 +5,9 @@
     F_blow = F_preload + K_spring |v|         (5)
     F = sign(v) [ F_leak F_blow / (F_leak^Ktr + F_blow^Ktr)^(1/Ktr) + F_port ]      (2)
 
-v in m/s, nu in mm^2/s, forces in N, K_leak and K_port in kg/(mm^0.5 m^0.75), K_spring in N s/m, Ktr without unit. Leak and
-blow-off share one pressure: one effect. Below 7 mm/s the blow-off force is taken as very large, so that the leak alone
-acts. No state. Source: Carrera Akutain et al., eqs. (2) to (5), Table 1.
+v in m/s, nu in mm^2/s, forces in N, K_leak and K_port in kg/(mm^0.5 m^0.75), K_spring in N s/m, Ktr without
+unit. Leak and blow-off share one pressure: one effect. Below 7 mm/s the blow-off force is taken as very
+large, so that the leak alone acts. No state. Source: Carrera Akutain et al., eqs. (2) to (5), Table 1.
 """
 
 from damper_estimator.compiled import compiled

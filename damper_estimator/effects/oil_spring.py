@@ -2,8 +2,9 @@
 
     F = k_r d  for d > 0,      k_c d  for d <= 0,      F = F_path(v - d')
 
-k in N/m, d in m the deflection. A monotube's two chambers differ in volume and so in stiffness. Solved implicitly, backward Euler:
-first order in the step, stable for any stiffness. Source: Maxwell element; Lang 1977.
+k in N/m, d in m the deflection. A monotube's two chambers differ in volume and so in stiffness. Solved
+implicitly, backward Euler: first order in the step, stable for any stiffness. Source: Maxwell element; Lang
+1977.
 """
 
 from damper_estimator.compiled import compiled

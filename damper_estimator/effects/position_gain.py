@@ -2,8 +2,9 @@
 
     F <- F (1 + g (x - x_0)^2 / s^2)
 
-g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting). Acts on what stands before it in its path; the gain never falls below
-zero. No state. Source: position-sensitive dampers, e.g. Lee and Moon 2005.
+g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting). Acts on what stands before it
+in its path; the gain never falls below zero. No state. Source: position-sensitive dampers, e.g. Lee and Moon
+2005.
 """
 
 from damper_estimator.compiled import compiled

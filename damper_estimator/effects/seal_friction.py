@@ -2,7 +2,8 @@
 
     F = F_f v / v_s  for |v| < v_s,      F = F_f sign(v)  beyond,      v_s = 7 mm/s
 
-F_f in N, of its own in rebound and compression. No state. Source: Carrera Akutain et al., section 3 and figure 5.
+F_f in N, of its own in rebound and compression. No state. Source: Carrera Akutain et al., section 3 and
+figure 5.
 """
 
 from damper_estimator.compiled import compiled

@@ -2,8 +2,8 @@
 
     F_measured = F + k x
 
-k in N/m, x in m. Off line only; it is mended by the signal map's ``force.spring_rate``.
-Source: definition of the signal map's force channel.
+k in N/m, x in m. Off line only; it is mended by the signal map's ``force.spring_rate``. Source: definition of
+the signal map's force channel.
 """
 
 from damper_estimator.compiled import compiled

@@ -2,7 +2,8 @@
 
     F = F_0
 
-F in N. No state. Source: Carrera Akutain et al., section 5: the offset that the user sets to level model and gauge.
+F in N. No state. Source: Carrera Akutain et al., section 5: the offset that the user sets to level model and
+gauge.
 """
 
 from damper_estimator.compiled import compiled

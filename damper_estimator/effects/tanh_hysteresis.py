@@ -2,8 +2,8 @@
 
     F = F_y tanh(s (v + h a))
 
-F_y in N (yield force), s in s/m (steepness), h in s (shift). No state. Source: the hysteresis term common to the Kwok and
-Guo forms (Lozoya-Santos et al., eqs. (1), (2)), here over velocity and acceleration.
+F_y in N (yield force), s in s/m (steepness), h in s (shift). No state. Source: the hysteresis term common to
+the Kwok and Guo forms (Lozoya-Santos et al., eqs. (1), (2)), here over velocity and acceleration.
 """
 
 from math import tanh
@@ -30,5 +30,5 @@ EFFECT = Effect(
         Parameter("shift", "s", 0.0, -0.05, 0.05, "shift of the step per acceleration"),
     ),
     shows="the F-v loop is open about zero velocity and closes at high velocity",
-    separate="the same peak velocity at two frequencies: a lag grows with the frequency, memory of displacement does not",
+    separate="the same peak velocity at two frequencies: a lag grows with it, memory of displacement does not",
 )

@@ -2,8 +2,8 @@
 
     F = F_k + (F_{k+1} - F_k) (v - v_k) / (v_{k+1} - v_k),      v_k <= v < v_{k+1}
 
-Settings: knots v_k in m/s, strictly increasing. Parameters: one force F_k in N per knot. No state.
-Source: the look-up curve of measured peaks in Gao et al., section 3.1, and of any damper data sheet.
+Settings: knots v_k in m/s, strictly increasing. Parameters: one force F_k in N per knot. No state. Source:
+the look-up curve of measured peaks in Gao et al., section 3.1, and of any damper data sheet.
 """
 
 from damper_estimator.compiled import compiled

@@ -49,7 +49,7 @@ def make_element(
         faults.append("its path is empty")
     settings = {s.name: _checked_setting(s, given.get(s.name, s.default), faults) for s in effect.settings}
     parameters = {
-        p.name: _checked_parameter(p, given.get(p.name), settings.get(p.size) if p.size else None, faults)
+        p.name: _checked_parameter(p, given.get(p.name), p.length(settings), faults)
         for p in effect.parameters
     }
     if faults:
@@ -83,15 +83,15 @@ def _checked_setting(setting, value: object, faults: list[str]) -> Value:
     return numbers if listed else numbers[0]
 
 
-def _checked_parameter(parameter: Parameter, value: object, sized_by: Value | None, faults: list[str]) -> Value:
-    length = len(sized_by) if isinstance(sized_by, tuple) else None
+def _checked_parameter(parameter: Parameter, value: object, length: int | None, faults: list[str]) -> Value:
     default = parameter.default if length is None else (parameter.default,) * length
     numbers = _numbers(default if value is None else value)
     if numbers is None or (length is None and isinstance(value, list | tuple)):
         faults.append(f"{parameter.name} = {value!r} is not a number")
         return default
     if length is not None and len(numbers) != length:
-        faults.append(f"{parameter.name} has {len(numbers)} values, {parameter.size} has {length}")
+        sized_by = parameter.size if isinstance(parameter.size, str) else " x ".join(parameter.size or ())
+        faults.append(f"{parameter.name} has {len(numbers)} values, {sized_by} has {length}")
     for number in numbers:
         if not parameter.lower <= number <= parameter.upper:
             faults.append(

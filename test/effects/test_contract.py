@@ -11,6 +11,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.model import make_element, parse_model
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.model.files import model_yaml
+from damper_estimator.model.program import packed
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
 
 EFFECTS = all_effects()
@@ -41,6 +42,10 @@ def block_of(size, seed=0, wild=1.0):
     return block
 
 
+def default_length(effect, parameter):
+    return parameter.length({setting.name: setting.default for setting in effect.settings})
+
+
 def random_values(effect, seed):
     """Values inside the bounds, not at them; near the default where the range is wide."""
     random = np.random.default_rng(seed)
@@ -48,7 +53,7 @@ def random_values(effect, seed):
     for parameter in effect.parameters:
         low = max(parameter.lower, min(0.3 * parameter.default, 3.0 * parameter.default) - 0.1 * (parameter.default == 0))
         high = min(parameter.upper, max(0.3 * parameter.default, 3.0 * parameter.default) + 0.1 * (parameter.default == 0))
-        size = next((len(s.default) for s in effect.settings if s.name == parameter.size), None)
+        size = default_length(effect, parameter)
         drawn = random.uniform(low, high, size)
         values[parameter.name] = drawn.tolist() if size else float(drawn)
     return values
@@ -73,7 +78,7 @@ def test_declares_itself_fully(name):
     for parameter in effect.parameters:
         assert parameter.lower <= parameter.default <= parameter.upper
         assert parameter.lower < parameter.upper and parameter.unit and parameter.meaning
-        assert parameter.size is None or parameter.size in {s.name for s in effect.settings}
+        assert default_length(effect, parameter) in (None, *range(1, 1000))
     for setting in effect.settings:
         assert setting.unit and setting.meaning
 
@@ -104,7 +109,7 @@ def test_block_stream_and_ragged_splits_agree_bit_for_bit(name):
 def test_compiled_equals_plain_python(name):
     effect = EFFECTS[name]
     element = make_element(effect, random_values(effect, 2), (make_element(find_effect("coulomb")),) * (effect.kind == "series"))
-    parameters = np.concatenate([np.atleast_1d(value) for value in element.parameters.values()])
+    parameters = packed(element)
     settings = effect.prepare(element.parameters, element.settings)
     forces, motions = [], []
     for kernel in (effect.kernel, plain(effect.kernel)):
@@ -121,10 +126,10 @@ def test_force_is_finite_at_every_bound_and_for_wild_motion(name):
     effect = EFFECTS[name]
     corners = [{}]
     for parameter in effect.parameters:
-        size = next((len(s.default) for s in effect.settings if s.name == parameter.size), None)
+        size = default_length(effect, parameter)
         corners += [{parameter.name: [b] * size if size else b} for b in (parameter.lower, parameter.upper)]
     for side in ("lower", "upper"):
-        sizes = {p.name: next((len(s.default) for s in effect.settings if s.name == p.size), None) for p in effect.parameters}
+        sizes = {p.name: default_length(effect, p) for p in effect.parameters}
         corners.append({p.name: [getattr(p, side)] * sizes[p.name] if sizes[p.name] else getattr(p, side) for p in effect.parameters})
     for values in corners:
         for wild in (0.0, 1.0, 30.0):
@@ -171,7 +176,7 @@ def test_unknown_names_and_values_out_of_bounds_are_all_reported_at_once(name):
     path = (make_element(find_effect("coulomb")),) * (effect.kind == "series")
     wrong = {"no_such_value": 1.0}
     for parameter in effect.parameters:
-        size = next((len(s.default) for s in effect.settings if s.name == parameter.size), None)
+        size = default_length(effect, parameter)
         wrong[parameter.name] = [parameter.upper * 2 + 1] * size if size else parameter.upper * 2 + 1
     with pytest.raises(InputError) as caught:
         make_element(effect, wrong, path)

@@ -1,0 +1,41 @@
+"""Bouc-Wen hysteresis over a shifted velocity, for loops that cross about zero velocity.
+
+    F = alpha z,      z' = (delta - (beta + gamma sgn(z w)) |z|^n) w,      w = v - mu sgn(v)
+
+mu in m/s; the other symbols as in ``bouc_wen``. Over a step the shifted way is dx - mu sgn(dx) dt. States: z
+and the last displacement; first order in the step, from the jump of w where v changes sign. Source: Gao et
+al., eqs. (4), (5); Kwok et al. 2007.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.bouc_wen import PARAMETERS, moved
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import DT, X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += alpha z."""
+    for i in range(force.size):
+        x, dt = kinematics[X, i], kinematics[DT, i]
+        if dt <= 0.0:
+            state[0] = 0.0
+        else:
+            move = x - state[1]
+            shift = parameters[5] * dt
+            move -= shift if move > 0.0 else -shift
+            state[0] = moved(state[0], move, parameters[1], parameters[2], parameters[3], parameters[4])
+        state[1] = x
+        force[i] += parameters[0] * state[0]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="hysteresis",
+    parameters=(*PARAMETERS, Parameter("mu", "m/s", 0.0, 0.0, 0.01, "shift of the velocity")),
+    states=2,
+    order=1,
+    shows="F-v loops whose branches cross about zero velocity",
+    separate="the same amplitude at two frequencies: this hysteresis hardly changes",
+)

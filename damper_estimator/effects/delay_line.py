@@ -1,0 +1,53 @@
+"""A ring of past samples from which delayed values are read; the memory of the delay effects, no effect itself.
+
+The state holds the clock, the count, the newest position, and pairs (time, value). A sample that follows its predecessor
+by less than ``SPACING`` gives way to the next one, so that the ring always covers the longest delay, however high the rate.
+"""
+
+from damper_estimator.compiled import compiled
+
+CAPACITY = 256
+SPACING = 0.0008  # s: 256 samples then hold at least MAX_DELAY
+MAX_DELAY = 0.2  # s
+_CLOCK, _COUNT, _NEWEST, _PAIRS = range(4)
+STATES = _PAIRS + 2 * CAPACITY
+
+
+@compiled
+def delayed(state, dt, value, delay):
+    """Puts ``value`` in and returns the value of ``delay`` seconds ago, linear between samples.
+
+    Before the line is filled it returns the first value; ``dt`` <= 0 empties the line.
+    """
+    if dt <= 0.0:
+        state[_CLOCK] = state[_COUNT] = state[_NEWEST] = 0.0
+    else:
+        state[_CLOCK] += dt
+    _put(state, value)
+    wanted = state[_CLOCK] - delay
+    newest, count = int(state[_NEWEST]), int(state[_COUNT])
+    late_time, late_value = state[_CLOCK], value
+    for k in range(count):
+        slot = _PAIRS + 2 * ((newest - k) % CAPACITY)
+        time, past = state[slot], state[slot + 1]
+        if time <= wanted:
+            share = (wanted - time) / (late_time - time) if late_time > time else 0.0
+            return past + share * (late_value - past)
+        late_time, late_value = time, past
+    return late_value
+
+
+@compiled
+def _put(state, value):
+    """Appends a sample, or replaces the newest one where that stands too close to its predecessor."""
+    newest, count = int(state[_NEWEST]), int(state[_COUNT])
+    head = _PAIRS + 2 * newest
+    before = _PAIRS + 2 * ((newest - 1) % CAPACITY)
+    crowded = count > 1 and state[head] - state[before] < SPACING
+    if count > 0 and not crowded:
+        newest = (newest + 1) % CAPACITY
+        head = _PAIRS + 2 * newest
+    if not crowded:
+        state[_COUNT] = float(min(count + 1, CAPACITY))
+    state[_NEWEST] = float(newest)
+    state[head], state[head + 1] = state[_CLOCK], value

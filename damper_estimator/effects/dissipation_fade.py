@@ -1,0 +1,41 @@
+"""Fade with the heat that the damper itself makes, where no temperature is measured.
+
+    d(theta)/dt = F v / C - theta / tau,      F <- F_in (1 - kappa theta)
+
+theta in K above the surroundings, C in J/K (setting), tau in s, kappa in 1/K; F v is the power of the force
+as it leaves. The gain stays between 0.1 and 1. One state, theta; first order in the step. Source: energy
+balance; Lion and Loose 2002.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.signals.layout import DT, V
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F *= 1 - kappa theta, theta from the power so far."""
+    for i in range(force.size):
+        dt = kinematics[DT, i]
+        if dt <= 0.0:
+            state[0] = 0.0
+        force[i] *= min(max(1.0 - parameters[0] * state[0], 0.1), 1.0)
+        power = max(force[i] * kinematics[V, i], 0.0)
+        state[0] = (state[0] + dt * power / settings[0]) / (1.0 + dt / parameters[1])
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="modifier",
+    phenomenon="temperature_fade",
+    parameters=(
+        Parameter("fade", "1/K", 0.003, 0.0, 0.03, "loss of force per kelvin"),
+        Parameter("cooling", "s", 600.0, 10.0, 1e4, "time constant of cooling"),
+    ),
+    settings=(Setting("capacity", "J/K", 800.0, "heat capacity of damper and oil", lower=10.0),),
+    states=1,
+    linear=False,
+    order=1,
+    shows="the force at the same motion falls during hard driving and recovers in pauses",
+    separate="a pause of some minutes in the middle of a hard run",
+)

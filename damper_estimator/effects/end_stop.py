@@ -1,0 +1,38 @@
+"""Bump stop and top-out: progressive springs beyond a stroke position.
+
+    F = -k_b (x_b - x)^p  for x < x_b,      F = k_t (x - x_t)^p  for x > x_t
+
+x in m (positive in extension), k in N/m^p, p without unit (setting). The bump stop pushes the rod out
+(negative force), the top-out holds it back. No state. Source: Dixon 2008, progressive bump stops.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.signals.layout import X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += top-out - bump stop."""
+    for i in range(force.size):
+        x = kinematics[X, i]
+        if x < parameters[1]:
+            force[i] -= parameters[0] * (parameters[1] - x) ** settings[0]
+        if x > parameters[3]:
+            force[i] += parameters[2] * (x - parameters[3]) ** settings[0]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="end_stop",
+    parameters=(
+        Parameter("bump_stiffness", "N/m^p", 0.0, 0.0, 1e9, "stiffness of the bump stop", linear=True),
+        Parameter("bump_position", "m", -0.05, -0.5, -0.005, "displacement at which the bump stop touches"),
+        Parameter("top_out_stiffness", "N/m^p", 0.0, 0.0, 1e9, "stiffness of the top-out", linear=True),
+        Parameter("top_out_position", "m", 0.05, 0.005, 0.5, "displacement at which the top-out touches"),
+    ),
+    settings=(Setting("exponent", "1", 2.0, "1 linear, 2 progressive", lower=1.0, upper=4.0),),
+    shows="the force runs away near the ends of the stroke, whatever the velocity",
+    separate="a slow stroke into the stops",
+)

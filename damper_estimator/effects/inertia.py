@@ -1,0 +1,27 @@
+"""Inertia of the parts that move between displacement sensor and strain gauge.
+
+    F = m a
+
+m in kg, a in m/s^2. No state. Source: Newton; the virtual mass of Lozoya-Santos et al., eq. (9).
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import A
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += m a."""
+    for i in range(force.size):
+        force[i] += parameters[0] * kinematics[A, i]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="inertia",
+    parameters=(Parameter("mass", "kg", 0.5, 0.0, 100.0, "moving mass", linear=True),),
+    shows="more force while accelerating; at the reversals, where v = 0, the force follows the acceleration",
+    separate="shake the unloaded gauge: only inertia is left",
+)

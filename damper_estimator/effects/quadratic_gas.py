@@ -1,0 +1,33 @@
+"""Gas force as a parabola over displacement.
+
+    F = A x^2 + B x + C
+
+A in N/m^2, B in N/m, C in N, x in m. The source counts x positive in compression and in mm: its B = -0.25
+N/mm is +250 N/m here. No state. Source: Gao et al., eq. (6).
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += A x^2 + B x + C."""
+    for i in range(force.size):
+        x = kinematics[X, i]
+        force[i] += (parameters[0] * x + parameters[1]) * x + parameters[2]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="gas_spring",
+    parameters=(
+        Parameter("square", "N/m^2", 0.0, -1e6, 1e6, "A", linear=True),
+        Parameter("slope", "N/m", 250.0, -5e4, 5e4, "B", linear=True),
+        Parameter("constant", "N", -150.0, -20000.0, 20000.0, "C, the preload", linear=True),
+    ),
+    shows="the force changes over displacement, whatever the velocity",
+    separate="a slow stroke over the whole travel",
+)

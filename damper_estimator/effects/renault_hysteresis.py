@@ -1,0 +1,108 @@
+"""Bouc-Wen hysteresis with a switch in fast compression and a compensation of what it adds to the peaks.
+
+    F = s(v) alpha z - c(v),      z as in ``bouc_wen_shifted``
+    s(v) = 1 above -v_off, 0 below -(v_off + w), straight between
+    c(v): table of s alpha z at the peak velocities of sines, which the measured peaks of the viscous curve already hold
+
+alpha in N, delta, beta, gamma in 1/m, mu, v_off and w in m/s. Switch and compensation follow from the
+hysteresis' own parameters, so the three are one effect. The table is made by running the hysteresis itself
+through sines of one frequency (setting), third cycle. States: z and the last displacement; first order in the
+step. Source: Gao et al., section 3.1.3; the values of figures 9 and 10 are not published.
+"""
+
+from math import cos, pi, sin
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.bouc_wen import PARAMETERS, moved
+from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
+from damper_estimator.signals.layout import DT, V, X
+
+_STEPS = 120  # per cycle
+_CYCLES = 3
+
+
+@compiled
+def opening(v, switch, width):
+    """The switch: 1 open, 0 shut in fast compression."""
+    return min(max((v + switch + width) / width, 0.0), 1.0)
+
+
+@compiled
+def peak_forces(parameters, velocities, frequency, switch, width):
+    """What switch and hysteresis give at the rebound and compression peaks of sines of the given peak velocities."""
+    omega = 2.0 * pi * frequency
+    dt = 1.0 / (frequency * _STEPS)
+    peaks = np.zeros((2, velocities.size))
+    for k in range(velocities.size):
+        z, last = 0.0, 0.0
+        amplitude = velocities[k] / omega
+        for i in range(1, _CYCLES * _STEPS + 1):
+            x = amplitude * sin(omega * i * dt)
+            move = x - last
+            shift = parameters[5] * dt
+            move -= shift if move > 0.0 else -shift
+            z = moved(z, move, parameters[1], parameters[2], parameters[3], parameters[4])
+            last = x
+            velocity = velocities[k] * cos(omega * i * dt)
+            hysteresis = opening(velocity, switch, width) * parameters[0] * z
+            if i == (_CYCLES - 1) * _STEPS:
+                peaks[0, k] = hysteresis
+            elif i == (_CYCLES - 1) * _STEPS + _STEPS // 2:
+                peaks[1, k] = hysteresis
+    return peaks
+
+
+def prepare(parameters: Values, settings: Values) -> np.ndarray:
+    """The switch, then the compensation as a table over velocity, knots first."""
+    # The switch bends the curve, so its two ends are knots as well.
+    ends = [settings["switch"], settings["switch"] + settings["width"]]
+    speeds = np.unique(np.concatenate([settings["velocity"], ends]))
+    speeds = speeds[speeds > 0.0]
+    numbers = np.array([float(value) for value in parameters.values()])
+    rebound, compression = peak_forces(numbers, speeds, settings["frequency"], settings["switch"], settings["width"])
+    knots = np.concatenate([-speeds[::-1], [0.0], speeds])
+    table = np.concatenate([compression[::-1], [0.0], rebound])
+    return np.concatenate([[settings["switch"], settings["width"], knots.size], knots, table])
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += s(v) alpha z - c(v)."""
+    count = int(settings[2])
+    knots, table = settings[3 : 3 + count], settings[3 + count : 3 + 2 * count]
+    for i in range(force.size):
+        x, v, dt = kinematics[X, i], kinematics[V, i], kinematics[DT, i]
+        if dt <= 0.0:
+            state[0] = 0.0
+        else:
+            move = x - state[1]
+            shift = parameters[5] * dt
+            move -= shift if move > 0.0 else -shift
+            state[0] = moved(state[0], move, parameters[1], parameters[2], parameters[3], parameters[4])
+        state[1] = x
+        compensation = np.interp(v, knots, table)
+        force[i] += opening(v, settings[0], settings[1]) * parameters[0] * state[0] - compensation
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="hysteresis",
+    parameters=(*PARAMETERS, Parameter("mu", "m/s", 0.0, 0.0, 0.01, "shift of the velocity")),
+    settings=(
+        Setting("switch", "m/s", 0.2, "compression speed beyond which the hysteresis closes", lower=0.0),
+        Setting("width", "m/s", 0.05, "width of the switch", lower=1e-4),
+        Setting("frequency", "Hz", 1.5, "frequency of the sines behind the compensation", lower=0.01),
+        Setting(
+            "velocity", "m/s", (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2), "peak velocities of those sines",
+            lower=1e-4, increasing=True,
+        ),
+    ),
+    prepare=prepare,
+    states=2,
+    order=1,
+    shows="the F-v loop is open in rebound and slow compression and closed in fast compression",
+    separate="the same peak velocity at two frequencies",
+)  # fmt: skip

@@ -1,0 +1,32 @@
+"""Rubber mount in series with the damper, with loss.
+
+    F = k d + c d',      F = F_path(v - d')
+
+k in N/m, c in N s/m, d in m. Solved implicitly, backward Euler: first order in the step. Source: Kelvin-Voigt
+element.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import V, X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """Force of the mount over its deflection X and deflection rate V."""
+    for i in range(force.size):
+        force[i] += parameters[0] * kinematics[X, i] + parameters[1] * kinematics[V, i]
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="series",
+    phenomenon="mount_compliance",
+    parameters=(
+        Parameter("stiffness", "N/m", 1e6, 5e4, 1e9, "stiffness of the mount"),
+        Parameter("loss", "N s/m", 500.0, 0.0, 2e4, "damping of the mount"),
+    ),
+    order=1,
+    shows="the F-v loop opens with frequency, evenly in rebound and compression",
+    separate="repeat the test with a solid joint, or measure the mount alone",
+)

@@ -1,0 +1,35 @@
+"""Parabola over velocity with one linear coefficient and a square of its own per direction, in the units of its source.
+
+    F = x_1 + x_2 w + x_3 w^2  for w > 0,      F = x_1 + x_2 w - x_4 w^2  for w <= 0,      w = 1000 v
+
+F in N, w in mm/s. No state. Source: first bracket of the black-box models (3) to (10) and, by Table 2's eight
+values, of (12).
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import V
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += parabola(w)."""
+    for i in range(force.size):
+        w = 1000.0 * kinematics[V, i]
+        square = parameters[2] if w > 0.0 else -parameters[3]
+        force[i] += parameters[0] + w * (parameters[1] + w * square)
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="asymmetry",
+    parameters=(
+        Parameter("constant", "N", 0.0, -5000.0, 5100.0, "x_1", linear=True),
+        Parameter("linear", "N s/mm", 1.0, -5000.0, 5100.0, "x_2", linear=True),
+        Parameter("square_rebound", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_3, for w > 0", linear=True),
+        Parameter("square_compression", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_4, for w <= 0", linear=True),
+    ),
+    shows="F-v bends, and differently in rebound and compression",
+    separate="speeds over the whole range in both directions",
+)

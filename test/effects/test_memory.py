@@ -1,0 +1,166 @@
+"""Effects with memory: their limits, laws and declared order of convergence."""
+
+import numpy as np
+import pytest
+
+from damper_estimator.effects.delay_line import STATES, delayed
+from damper_estimator.effects.discovery import all_effects, find_effect
+from damper_estimator.model import make_element
+from damper_estimator.model.damper_model import DamperModel
+from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
+
+STATEFUL = [n for n, e in all_effects().items() if e.order > 0 and e.kind != "channel"]
+
+
+def sine(rate, seconds=1.0, amplitude=0.02, frequency=2.0, jitter=0.0):
+    """Exact kinematics of a sine that starts in the middle."""
+    time = np.arange(round(seconds * rate) + 1) / rate
+    omega = 2 * np.pi * frequency
+    block = np.full((ROWS, time.size), np.nan)
+    block[T], block[DT] = time, np.diff(time, prepend=0.0)
+    block[X] = amplitude * np.sin(omega * time)
+    block[V] = amplitude * omega * np.cos(omega * time)
+    block[A] = -(omega**2) * block[X]
+    block[COMMAND] = 0.5 + 0.5 * np.sin(3.0 * time)
+    block[TEMPERATURE], block[PRESSURE] = 40.0, 2e6
+    return block
+
+
+def force(name, block, before=(), **values):
+    return DamperModel("m", "", (*before, make_element(find_effect(name), values))).force(block)
+
+
+@pytest.mark.parametrize("name", STATEFUL)
+def test_error_falls_with_the_step_at_least_as_the_declared_order_says(name):
+    """Against the effect itself at a 64 times finer step; in the mean over the record, since reversals fall between samples."""
+    effect = find_effect(name)
+    base = make_element(find_effect("linear_viscous"))
+    values = {"linear_viscous": {}, "cavitation_limit": {"limit": 200.0}}.get(name, {})
+    own = make_element(effect, values, (base,) if effect.kind == "series" else ())
+    effects = {"input": (own, make_element(find_effect("semi_active_squash")), base), "modifier": (base, own)}.get(effect.kind, (own,))
+    model = DamperModel("m", "", effects)
+    rates = (500, 1000, 2000)
+    fine = model.force(sine(64 * rates[0], frequency=1.7))
+    scale = np.abs(fine).max()
+    errors = []
+    for rate in rates:
+        step = 64 * rates[0] // rate
+        coarse = model.force(sine(rate, frequency=1.7))
+        errors.append(np.mean(np.abs(coarse - fine[::step][: coarse.size])[5:]) / scale)
+    if errors[-1] < 1e-5:
+        return  # exact, but for a delay line's samples, which stand no closer than 0.8 ms
+    slope = np.polyfit(np.log(1.0 / np.array(rates)), np.log(np.array(errors) + 1e-15), 1)[0]
+    assert slope > effect.order - 0.35, errors
+
+
+def test_dahl_becomes_coulomb_as_its_stiffness_grows():
+    block = sine(1000)
+    sliding = (np.abs(block[V]) > 0.05) & (block[T] > 0.1)
+    errors = [
+        np.abs(force("dahl", block, force=100.0, stiffness=k) - 100.0 * np.sign(block[V]))[sliding].max()
+        for k in (1e4, 1e5, 1e6)
+    ]
+    assert errors[0] > errors[1] > errors[2] and errors[2] < 1.0
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.5, 2.0])
+def test_dahl_follows_its_closed_form_over_a_monotone_way(exponent):
+    way = np.linspace(0.0, 0.004, 200)
+    block = sine(1000, 0.199)
+    block[X] = way
+    block[V] = 0.02
+    own = force("dahl", block, force=80.0, stiffness=5e4, exponent=exponent)
+    y, h = 1.0, way[1] / 200
+    expected = [0.0]
+    for _ in range(199):
+        for _ in range(200):
+            y = max(y - h * 5e4 / 80.0 * y**exponent, 0.0)
+        expected.append(80.0 * (1.0 - y))
+    assert own == pytest.approx(expected, abs=0.1)
+
+
+def test_dahl_does_not_depend_on_the_rate():
+    slow, fast = sine(1000, 2.0, frequency=1.0), sine(1000, 2.0, frequency=1.0)
+    fast[DT] /= 10.0
+    fast[V] *= 10.0
+    assert np.array_equal(force("dahl", slow), force("dahl", fast))
+
+
+@pytest.mark.parametrize("n", [1.0, 1.5, 3.0, 8.0])
+def test_bouc_wen_saturates_at_its_limit(n):
+    values = {"alpha": 150.0, "delta": 400.0, "beta": 180.0, "gamma": 90.0, "n": n}
+    own = force("bouc_wen", sine(1000, 2.0, amplitude=0.05), **values)
+    limit = 150.0 * (400.0 / 270.0) ** (1.0 / n)
+    assert np.abs(own).max() == pytest.approx(limit, rel=1e-3)
+
+
+def test_bouc_wens_scale_of_z_is_redundant_with_alpha():
+    block, n, c = sine(1000), 2.0, 3.0
+    one = force("bouc_wen", block, alpha=100.0, delta=300.0, beta=200.0, gamma=50.0, n=n)
+    other = force("bouc_wen", block, alpha=100.0 / c, delta=300.0 * c, beta=200.0 * c ** (1 - n), gamma=50.0 * c ** (1 - n), n=n)
+    assert one == pytest.approx(other, abs=1e-6 * np.abs(one).max())
+
+
+def test_shifted_bouc_wen_without_shift_is_bouc_wen():
+    block = sine(700)
+    assert force("bouc_wen_shifted", block, mu=0.0) == pytest.approx(force("bouc_wen", block), abs=1e-12)
+
+
+def test_renault_hysteresis_leaves_the_peaks_of_its_sines_alone_and_closes_in_fast_compression():
+    """At the peak velocity of a sine of the table's frequency the compensation takes away all that the hysteresis gives."""
+    frequency, peak = 1.5, 0.4
+    values = {"alpha": 120.0, "delta": 600.0, "beta": 300.0, "gamma": 70.0, "n": 3.0, "frequency": frequency}
+    block = sine(6000, 2.0, peak / (2 * np.pi * frequency), frequency)
+    own = force("renault_hysteresis", block, **values)
+    last_cycle = slice(-4001, None)
+    rebound_peak = np.argmax(block[V][last_cycle])
+    assert own[last_cycle][rebound_peak] == pytest.approx(0.0, abs=0.02 * 120.0)
+    fast_compression = block[V][last_cycle] < -0.3
+    assert np.abs(own[last_cycle][fast_compression]).max() < 1e-9
+
+
+def test_lugre_slides_at_coulombs_force_plus_viscous():
+    block = sine(2000, 0.1)
+    block[V] = 0.2
+    own = force("lugre", block, force=60.0, excess=0.0, stiffness=2e5, viscous=100.0)
+    assert own[-1] == pytest.approx(60.0 + 20.0, rel=1e-6)
+
+
+def test_a_zero_delay_changes_nothing_and_a_delay_shifts():
+    block = sine(1000)
+    base = make_element(find_effect("linear_viscous"), {"rebound": 1.0, "compression": 1.0})
+    plain = DamperModel("m", "", (base,)).force(block)
+    assert np.array_equal(force("force_delay", block, before=(base,), delay=0.0), plain)
+    late = force("force_delay", block, before=(base,), delay=0.0155)
+    assert late[100:] == pytest.approx(np.interp(block[T] - 0.0155, block[T], plain)[100:], abs=1e-12)
+    moved = DamperModel("m", "", (make_element(find_effect("velocity_delay"), {"delay": 0.0155}), base)).force(block)
+    assert moved == pytest.approx(late, abs=1e-12)
+
+
+@pytest.mark.parametrize("rate", [200, 1000, 4000, 20000])
+def test_the_longest_delay_fits_at_any_rate(rate):
+    state, time = np.zeros(STATES), np.arange(2 * rate) / rate
+    out = [delayed(state, 0.0 if i == 0 else 1.0 / rate, t, 0.2) for i, t in enumerate(time)]
+    after = time > 0.25
+    assert np.array(out)[after] == pytest.approx(time[after] - 0.2, abs=1e-9)
+    assert not np.array(out)[time < 0.15].any()
+
+
+def test_cavitation_cuts_compression_and_delays_rebound():
+    block = sine(1000, 2.0)
+    base = make_element(find_effect("linear_viscous"), {"rebound": 3000.0, "compression": 3000.0})
+    plain = DamperModel("m", "", (base,)).force(block)
+    own = force("cavitation_limit", block, before=(base,), limit=200.0, loss=1.0)
+    assert own.min() == pytest.approx(-200.0)
+    rebound = (plain > 1.0) & (block[T] > 0.6)
+    assert (own[rebound] <= plain[rebound]).all() and (own[rebound] == 0.0).any()
+
+
+def test_heat_fades_the_force_and_a_cold_damper_does_not():
+    block = sine(200, 60.0, amplitude=0.05)
+    base = make_element(find_effect("linear_viscous"), {"rebound": 3000.0, "compression": 3000.0})
+    plain = DamperModel("m", "", (base,)).force(block)
+    own = force("dissipation_fade", block, before=(base,), fade=0.01, capacity=200.0)
+    share = own[np.abs(plain) > 10] / plain[np.abs(plain) > 10]
+    assert share[0] == pytest.approx(1.0, abs=1e-3)
+    assert share[-1] < 0.9 and (np.diff(share) < 1e-3).all()
