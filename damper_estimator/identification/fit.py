@@ -1,0 +1,209 @@
+"""Identification: the parameters with which a model agrees best with what was measured."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import NoReturn
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.identification.knots import with_placed_knots
+from damper_estimator.identification.methods.contract import Solution, find_method
+from damper_estimator.identification.problem import Problem
+from damper_estimator.identification.record import fit_record
+from damper_estimator.identification.rows import Rows, excerpts, pooled_error, rows_of, usable
+from damper_estimator.identification.selection import free_slots
+from damper_estimator.identification.start import SPREAD, candidates
+from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
+
+SKETCH_SAMPLES = 12000  # on about so many the starts are tried out
+_ROWS_PER_PARAMETER = 3
+_FEWEST_ROWS = 20
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """One identified number.
+
+    Attributes:
+        name: address, such as ``coulomb.force``.
+        value: in ``unit``.
+        standard_error: of the value; NaN at a bound, and where the data do not determine it.
+        at_bound: the fit stopped at the declared bound.
+    """
+
+    name: str
+    value: float
+    standard_error: float
+    unit: str
+    at_bound: bool
+
+
+@dataclass(frozen=True)
+class Fit:
+    """An identified model, and how far it can be trusted.
+
+    Attributes:
+        model: with the new values and its ``fit`` record.
+        parameters: those that were identified.
+        rmse_n, esr: error in band over all judged samples of all recordings, N and 1.
+        rmse_before_n, esr_before: the same of the model as it was given.
+        samples: judged samples.
+        seconds: time taken.
+        evaluations: runs of the model, or a part of it, over all data.
+        converged: whether the search met its criterion.
+        undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence on the force.
+        warnings: for the user, one sentence each.
+    """
+
+    model: DamperModel
+    parameters: tuple[FittedParameter, ...]
+    rmse_n: float
+    esr: float
+    rmse_before_n: float
+    esr_before: float
+    samples: int
+    seconds: float
+    evaluations: int
+    converged: bool
+    undetermined: tuple[tuple[str, ...], ...]
+    warnings: tuple[str, ...]
+
+
+def fit(
+    model: DamperModel,
+    measurements: Sequence[Measurement],
+    free: Iterable[str] = (),
+    fix: Iterable[str] = (),
+    method: str = "least_squares",
+    seed: int = 0,
+    weights: Sequence[float | np.ndarray] | None = None,
+    starts: int = SPREAD,
+) -> Fit:
+    """Identifies a model's free parameters on all measurements together.
+
+    Args:
+        free, fix: see ``selection.free_slots``.
+        seed: of what is drawn at random; equal seeds give equal results.
+        weights: of the squared error, per measurement a number or (n,); equal for all samples where left out.
+        starts: start points beside the model's own values; 0 to begin there alone.
+
+    Raises:
+        InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no recording has.
+    """
+    began = perf_counter()
+    chosen = find_method(method)
+    given = list(measurements) or _refuse("there are no recordings to fit to")
+    rows = _rows(model, given, [1.0] * len(given) if weights is None else weights)
+    used = [own.measurement for own in rows]
+    placed = with_placed_knots(model, used)
+    problem = Problem(placed, rows, free_slots(placed, free, fix))
+    _check_enough(problem)
+    starts_at, size = candidates(problem, used, seed, starts)
+    solution = chosen.search(problem, _sketch(problem), starts_at, size, seed)
+    if not np.isfinite(solution.point.cost):
+        raise InputError(f"model {model.name}: gives no finite force from any start value; mend its values or fix some parameters")
+    known = uncertainty(problem, solution.point, size)
+    return _result(model, problem, solution, known, used, perf_counter() - began, _lost(given, used))
+
+
+def _refuse(reason: str) -> NoReturn:
+    raise InputError(reason)
+
+
+def _rows(model: DamperModel, given: Sequence[Measurement], weights: Sequence[float | np.ndarray]) -> list[Rows]:
+    """The rows of the usable parts of all measurements."""
+    rows = []
+    for measurement, weight in zip(given, weights, strict=True):
+        parts = usable(model, measurement)
+        whole = rows_of(measurement, weight)
+        rows += [whole] if parts == [slice(0, whole.weight.size)] else [whole.part(part) for part in parts]
+    rows = [own for own in rows if own.picks.size]
+    if not rows:
+        _refuse(f"{', '.join(m.recording for m in given)}: too short, no sample can be judged; record longer or widen the window")
+    return rows
+
+
+def _check_enough(problem: Problem) -> None:
+    count, free = problem.target.size, len(problem.free)
+    needed = max(_FEWEST_ROWS, _ROWS_PER_PARAMETER * free)
+    if count < needed:
+        where = ", ".join(dict.fromkeys(own.measurement.recording for own in problem.rows))
+        _refuse(f"{where}: only {count} independent samples for {free} parameters, {needed} are needed; record longer or fix some parameters")
+
+
+def _sketch(problem: Problem) -> Problem:
+    """The same problem on excerpts of its data, in equal shares of the samples; itself where it is small."""
+    total = sum(len(own.measurement.kinematics) for own in problem.rows)
+    if total <= SKETCH_SAMPLES:
+        return problem
+    rows = []
+    for own in problem.rows:
+        share = SKETCH_SAMPLES * len(own.measurement.kinematics) // total
+        rows += [own.part(part) for part in excerpts(own.measurement, share)]
+    rows = [own for own in rows if own.picks.size]
+    return Problem(problem.model, rows, problem.free) if rows else problem
+
+
+def _lost(given: list[Measurement], used: list[Measurement]) -> int:
+    return sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
+
+
+def _result(
+    model: DamperModel,
+    problem: Problem,
+    solution: Solution,
+    known: Uncertainty,
+    used: list[Measurement],
+    seconds: float,
+    lost: int,
+) -> Fit:
+    began = perf_counter()
+    vector = problem.vector(solution.point.searched, solution.point.solved)
+    fitted = problem.model.with_vector(vector)
+    slots = [problem.model.slots[i] for i in problem.free]
+    parameters = tuple(
+        FittedParameter(slot.address, float(vector[i]), float(error), slot.parameter.unit, bool(bound))
+        for slot, i, error, bound in zip(slots, problem.free, known.standard_error, known.at_bound, strict=True)
+    )
+    rmse_before, esr_before, _ = pooled_error(model, used)
+    rmse, esr, samples = pooled_error(fitted, used)
+    record = fit_record(used, rmse, {p.name: p.standard_error for p in parameters})
+    return Fit(
+        model=replace(fitted, fit=record),
+        parameters=parameters,
+        rmse_n=rmse,
+        esr=esr,
+        rmse_before_n=rmse_before,
+        esr_before=esr_before,
+        samples=samples,
+        seconds=seconds + perf_counter() - began,
+        evaluations=solution.evaluations,
+        converged=solution.converged,
+        undetermined=known.undetermined,
+        warnings=_warnings(parameters, solution, known, used, lost),
+    )
+
+
+def _warnings(
+    parameters: tuple[FittedParameter, ...], solution: Solution, known: Uncertainty, used: list[Measurement], lost: int
+) -> tuple[str, ...]:
+    said = [solution.remark] if solution.remark else []
+    if not solution.converged:
+        said.append("the search did not converge; the values are the best that were found")
+    bounded = [p.name for p in parameters if p.at_bound]
+    if bounded:
+        said.append(f"at a bound: {', '.join(bounded)}; no standard error can be given there")
+    for group in known.undetermined:
+        if len(group) == 1:
+            said.append(f"{group[0]} cannot be determined: it has next to no influence on these data; fix it")
+        else:
+            said.append(f"{' and '.join(group)} trade off: these data cannot tell them apart; fix {'one' if len(group) == 2 else 'some'} of them")
+    if lost:
+        said.append(f"{lost} samples were left out, where a channel that the model needs was not recorded yet")
+    if len({(m.cutoff, m.band) for m in used}) > 1:
+        said.append("the recordings were filtered differently; the file records the first one's cutoff")
+    return tuple(said)

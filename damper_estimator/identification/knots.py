@@ -1,0 +1,75 @@
+"""Lays the knots of look-up curves over the range of the recording, where the model file left the effect's own.
+
+An effect with a rising list setting that gives a vector parameter its length is a curve, and the setting's unit tells its axis (m/s: velocity, m:
+displacement, m/s^2: acceleration, A: command, deg C: temperature). Its default knots are stretched, each side of zero by itself, so that the outer ones
+stand at the 0.5 and 99.5 percentiles; 0 stays where it is; a knot is left out where a neighbouring interval would hold too few
+samples to determine it. Knots that a model file gives are never moved.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from damper_estimator.effects.contract import Setting
+from damper_estimator.model import DamperModel, Element
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, V, X
+
+AXES = {"m/s": V, "m": X, "m/s^2": A, "A": COMMAND, "deg C": TEMPERATURE}
+OUTER = (0.5, 99.5)  # percentiles
+FEWEST = 30  # samples between two knots, and a thousandth of all
+
+
+def with_placed_knots(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
+    """The model with its default knots laid over the judged samples of the measurements; values are interpolated."""
+    return replace(model, effects=tuple(_placed(element, measurements) for element in model.effects))
+
+
+def _placed(element: Element, measurements: Sequence[Measurement]) -> Element:
+    element = replace(element, path=tuple(_placed(inner, measurements) for inner in element.path))
+    for setting in element.effect.settings:
+        sized = [p.name for p in element.effect.parameters if p.size == setting.name]
+        row = AXES.get(setting.unit)
+        if not (setting.increasing and sized and row is not None and element.settings[setting.name] == setting.default):
+            continue
+        values = np.concatenate([m.kinematics.block[row, m.judged] for m in measurements])
+        knots = _knots(setting, values[np.isfinite(values)])
+        curves = {
+            name: tuple(np.interp(knots, element.settings[setting.name], element.parameters[name]).tolist()) for name in sized
+        }
+        element = replace(
+            element,
+            settings={**element.settings, setting.name: tuple(knots)},
+            parameters={**element.parameters, **curves},
+        )
+    return element
+
+
+def _knots(setting: Setting, values: np.ndarray) -> list[float]:
+    """Stretched knots that have enough samples around them; the default ones where the values do not spread."""
+    default = np.asarray(setting.default)
+    if values.size == 0 or values.min() == values.max():
+        return default.tolist()
+    low, high = np.percentile(values, OUTER)
+    if default[0] < 0.0 < default[-1] and low < 0.0 < high:
+        stretched = np.where(default < 0.0, default * low / default[0], default * high / default[-1])
+    else:
+        stretched = low + (default - default[0]) * (high - low) / (default[-1] - default[0])
+    kept = _populated(stretched.tolist(), np.sort(values), max(FEWEST, values.size // 1000))
+    return kept if len(kept) > 1 else default.tolist()
+
+
+def _populated(knots: list[float], ordered: np.ndarray, fewest: int) -> list[float]:
+    """Knots without those that close an interval of fewer than ``fewest`` samples; 0 and the ends go last."""
+    while len(knots) > 2:
+        counts = np.diff(np.searchsorted(ordered, knots))
+        thin = int(np.argmin(counts))
+        if counts[thin] >= fewest:
+            break
+        pair = [i for i in (thin, thin + 1) if 0 < i < len(knots) - 1]
+        movable = [i for i in pair if knots[i] != 0.0] or pair
+        # Of the two, the one whose other interval is the poorer.
+        gone = min(movable, key=lambda i: counts[i - 1] + counts[i])
+        knots = knots[:gone] + knots[gone + 1 :]
+    return [float(f"{knot:.6g}") for knot in knots]

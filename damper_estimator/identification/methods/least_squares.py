@@ -1,0 +1,98 @@
+"""Trust-region least squares between bounds, with the linear parameters solved for (variable projection).
+
+    minimise  sum over rows of (c(q) + Phi(q) p - F)^2,      lower <= q, p <= upper
+
+Each step solves the linearised problem in q and p together inside a box: the bounds, cut by a trust region that is proportional to each
+parameter's size; p is then solved for exactly at the new q. Several starts are tried on excerpts of the data until two
+of them agree; the best is finished on all of it. Source: Golub and Pereyra 2003 (variable projection), Kaufman 1975 (the step);
+Lozoya-Santos et al. identify by the trust region as well.
+"""
+
+import numpy as np
+
+from damper_estimator.identification.bounded import bounded_least_squares, triangle
+from damper_estimator.identification.methods.contract import Method, Solution
+from damper_estimator.identification.problem import Point, Problem
+
+_ITERATIONS = 60
+_GAIN = 1e-9  # of the cost: a promised gain below this is a hundredth of a standard error or less
+_MOVE = 1e-7  # of a parameter's size
+_PERFECT = 1e-22  # of the force's square: rounding
+_STARTS = 5
+_AGREE = 1e-3  # of the cost: two ends are the same
+_SKETCH_ITERATIONS = 25
+
+
+def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, seed: int) -> Solution:
+    """See the module; deterministic, so ``seed`` has done its work in the candidates."""
+    if problem.searched.size == 0:
+        return Solution(problem.point(problem.start), True, problem.evaluations)
+    start = _best_start(sketch, candidates, size)
+    point, converged = refine(problem, problem.clipped(start), size)
+    share = sketch.target.size / problem.target.size
+    evaluations = problem.evaluations + round(sketch.evaluations * share)
+    return Solution(point, converged, evaluations)
+
+
+def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Where the best of several searches on the excerpts ended; the model's own values are always tried."""
+    if len(candidates) == 1:
+        return candidates[0]
+    costs = np.array([sketch.point(candidate).cost for candidate in candidates])
+    order = [0, *(int(i) for i in np.argsort(costs, kind="stable") if i != 0)]
+    ends: list[Point] = []
+    for i in order[:_STARTS]:
+        if np.isfinite(costs[i]):
+            ends.append(refine(sketch, candidates[i], size, _SKETCH_ITERATIONS)[0])
+        ends.sort(key=lambda end: end.cost)
+        if len(ends) > 1 and ends[1].cost <= ends[0].cost * (1.0 + _AGREE):
+            break
+    return ends[0].searched if ends else candidates[0]
+
+
+def refine(problem: Problem, start: np.ndarray, size: np.ndarray, iterations: int = _ITERATIONS) -> tuple[Point, bool]:
+    """The local minimum that is reached from ``start``, and whether it was.
+
+    Args:
+        start: (q,) between the bounds.
+        size: (q,) magnitude of each parameter; below a tenth of it a parameter moves as if it were that large.
+    """
+    point = problem.point(start)
+    if not np.isfinite(point.cost):
+        return point, False
+    perfect = _PERFECT * float(problem.target @ problem.target)
+    radius = 1.0
+    for _ in range(iterations):
+        own_size = np.maximum(np.abs(point.searched), 0.1 * size)
+        jacobian = np.column_stack([problem.jacobian(point, own_size), point.columns])
+        if not np.isfinite(jacobian).all():
+            return point, False
+        reduced = triangle(np.column_stack([jacobian, point.residual]))
+        while True:
+            step, promised = _step(problem, point, reduced, radius * own_size)
+            length = float(np.max(np.abs(step) / own_size))
+            if promised <= _GAIN * point.cost or point.cost <= perfect or length <= _MOVE:
+                return point, True
+            trial = problem.point(problem.clipped(point.searched + step))
+            ratio = (point.cost - trial.cost) / promised
+            if ratio < 0.25:
+                radius = 0.25 * min(radius, length)
+            elif ratio > 0.7 and length > 0.9 * radius:
+                radius *= 3.0
+            if ratio > 1e-4:
+                point = trial
+                break
+    return point, False
+
+
+def _step(problem: Problem, point: Point, reduced: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, float]:
+    """Step (q,) of the searched parameters within ``reach``, and the gain in cost that the linearised problem promises."""
+    lower = np.concatenate([np.maximum(problem.lower[problem.searched] - point.searched, -reach), problem.lower[problem.solved] - point.solved])
+    upper = np.concatenate([np.minimum(problem.upper[problem.searched] - point.searched, reach), problem.upper[problem.solved] - point.solved])
+    count = lower.size
+    step = bounded_least_squares(reduced[:, :count], -reduced[:, count], lower, upper, np.clip(np.zeros(count), lower, upper))
+    left = reduced[:, :count] @ step + reduced[:, count]
+    return step[: point.searched.size], 0.5 * float(reduced[:, count] @ reduced[:, count] - left @ left)
+
+
+METHOD = Method(search=search)

@@ -1,0 +1,124 @@
+"""Turns forces over a recording into the rows of the least-squares problem: in the comparison band, judged, thinned.
+
+The error is compared behind a zero-phase low-pass at ``band``, so neighbouring samples repeat each other: about four
+rows per period of the band carry all there is. The reported error measures use every sample.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
+
+ROWS_PER_BAND = 4.0  # rows per second over the band's frequency
+SLOW_CHANNELS = {COMMAND: "command", TEMPERATURE: "temperature", PRESSURE: "pressure"}
+_PROBE = 50  # samples at the end of a recording on which a model is tried
+_SHORTEST = 0.5  # s; what is left of a recording between holes must last at least this long
+
+
+@dataclass(frozen=True)
+class Rows:
+    """One measurement as rows.
+
+    Attributes:
+        measurement: where they come from.
+        weight: (n,) weight of each sample's squared error.
+        picks: (r,) int, the samples that are rows.
+        target: (r,) measured force in band, N times root weight.
+        rate: Hz, rows per second.
+    """
+
+    measurement: Measurement
+    weight: np.ndarray
+    picks: np.ndarray
+    target: np.ndarray
+    rate: float
+
+    def of(self, force: np.ndarray) -> np.ndarray:
+        """(r,) rows of a force (n,) over the whole measurement."""
+        return self.measurement.in_band(force)[self.picks] * np.sqrt(self.weight[self.picks])
+
+    def part(self, part: slice) -> "Rows":
+        """The rows of a part of the measurement, as a recording of its own."""
+        return rows_of(self.measurement.part(part.start, part.stop), self.weight[part])
+
+
+def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0) -> Rows:
+    """The rows of a measurement; ``weight`` of the squared error, one number or (n,)."""
+    rate, band = measurement.kinematics.rate, measurement.band
+    stride = max(1, int(rate / (ROWS_PER_BAND * band))) if band > 0.0 and np.isfinite(rate) else 1
+    on_grid = np.arange(measurement.judged.size) % stride == 0
+    picks = np.flatnonzero(measurement.judged & on_grid)
+    weight = np.broadcast_to(np.asarray(weight, float), measurement.judged.shape)
+    rows = Rows(measurement, weight, picks, np.zeros(0), rate / stride)
+    return replace(rows, target=rows.of(measurement.force))
+
+
+def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
+    """The parts of a measurement over which the model gives a force; most often one, the whole.
+
+    A slow channel that begins late (its first message comes some seconds into the recording) costs the samples before it.
+
+    Raises:
+        InputError: where the force was not measured, or the model needs a channel that was not recorded.
+    """
+    if measurement.force is None:
+        raise InputError(f"{measurement.recording}: has no measured force of damper {measurement.damper!r}; this verb needs one")
+    if not np.isfinite(measurement.force[measurement.judged]).all():
+        raise InputError(f"{measurement.recording}: the measured force of damper {measurement.damper!r} is not a number in places; clean the recording")
+    kinematics = measurement.kinematics
+    if not np.isfinite(model.force(np.ascontiguousarray(kinematics.block[:, -_PROBE:]))).all():
+        raise InputError(f"{measurement.recording}: {_reason(model, kinematics.block)}")
+    # The force before the first and after the last sample of the gauge need not be a number.
+    good = np.isfinite(model.force(kinematics.block)) & np.isfinite(measurement.force)
+    edges = np.flatnonzero(np.diff(good, prepend=False, append=False)).reshape(-1, 2).tolist()
+    if good.all():
+        return [slice(0, good.size)]
+    return [slice(a, b) for a, b in edges if kinematics.time[b - 1] - kinematics.time[a] >= _SHORTEST]
+
+
+def _reason(model: DamperModel, block: np.ndarray) -> str:
+    """Why a model gives no number at the end of a recording."""
+    absent = [row for row in SLOW_CHANNELS if np.isnan(block[row, -_PROBE:]).any()]
+    filled = np.array(block[:, -_PROBE:])
+    needed = []
+    for row in absent:
+        filled[:] = block[:, -_PROBE:]
+        filled[[other for other in absent if other != row]] = 0.0
+        if not np.isfinite(model.force(filled)).all():
+            needed.append(SLOW_CHANNELS[row])
+    if needed:
+        return f"has no {' and no '.join(needed)}, which model {model.name} needs; name the topic in the signal map or choose another model"
+    return f"model {model.name} gives no finite force with the values it has; mend its values"
+
+
+def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> list[slice]:
+    """Parts of ``length`` seconds, evenly spread over a measurement, of about ``samples`` in all; the whole where it is shorter."""
+    size = len(measurement.kinematics)
+    each = max(int(length * measurement.kinematics.rate), 2)
+    if size <= max(samples, 2 * each):
+        return [slice(0, size)]
+    count = max(samples // each, 1)
+    starts = np.linspace(0, size - each, count).astype(int).tolist()
+    return [slice(first, first + each) for first in starts]
+
+
+def pooled_error(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[float, float, int]:
+    """``rmse_n`` (N), ``esr`` and number of judged samples over all measurements together, at full rate."""
+    errors, forces = [], []
+    for measurement in measurements:
+        measured = measurement.in_band(measurement.force)[measurement.judged]
+        modelled = measurement.in_band(model.force(measurement.kinematics.block))[measurement.judged]
+        errors.append(modelled - measured)
+        forces.append(measured)
+    error, force = np.concatenate(errors), np.concatenate(forces)
+    variance = float(force.var())
+    return (
+        float(np.sqrt(np.mean(error**2))),
+        float(error.var() / variance) if variance > 0.0 else float("nan"),
+        error.size,
+    )

@@ -1,0 +1,48 @@
+"""Which numbers of a model a fit may change: the model file's own word, then ``--fix``, then ``--free``."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel, Slot
+
+
+def free_slots(model: DamperModel, free: Iterable[str] = (), fix: Iterable[str] = ()) -> tuple[int, ...]:
+    """Positions in ``model.slots`` of the parameters that are identified.
+
+    The later word wins: what the model file fixes, then ``fix``, then ``free``; so ``fix=["*"], free=["coulomb"]`` identifies
+    friction alone.
+
+    Args:
+        free, fix: addresses (``bouc_wen#2.alpha``, ``viscous_curve.force[3]``), a whole vector (``viscous_curve.force``), a whole effect
+            (``bouc_wen#2``), a parameter's bare name, or a pattern of these with ``*`` and ``?``.
+
+    Raises:
+        InputError: names every name that the model does not have, or says that nothing is left to identify.
+    """
+    free, fix = list(free), list(fix)
+    _check_names(model, [*free, *fix])
+    chosen = []
+    for position, slot in enumerate(model.slots):
+        fixed = slot.fixed or _named(slot, fix)
+        if not fixed or _named(slot, free):
+            chosen.append(position)
+    if not chosen:
+        raise InputError(f"model {model.name}: all its parameters are fixed; free some with --free NAME")
+    return tuple(chosen)
+
+
+def _check_names(model: DamperModel, names: list[str]) -> None:
+    unknown = [name for name in names if not any(_named(slot, [name]) for slot in model.slots)]
+    if unknown:
+        addresses = [slot.address for slot in model.slots]
+        near = get_close_matches(unknown[0], addresses, n=3, cutoff=0.4) or addresses
+        raise InputError(f"model {model.name}: has no parameter {', '.join(unknown)}; did you mean {', '.join(near)}?")
+
+
+def _named(slot: Slot, names: list[str]) -> bool:
+    vector = slot.address.split("[")[0]
+    known = (slot.address, vector, vector.rpartition(".")[0], slot.parameter.name)
+    # Brackets are part of an address, so only * and ? are patterns here.
+    return any(word in known or any(fnmatchcase(k, word.replace("[", "[[]")) for k in known) for word in names)

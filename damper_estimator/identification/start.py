@@ -1,0 +1,106 @@
+"""Where a search begins: the model's own values, values of the data's size, and points spread evenly around them.
+
+A parameter's size follows from its unit: a force is measured by the recording's rms force, a length by its rms displacement and a time by
+the ratio of that to the rms velocity, so ``N s/m`` becomes rms force over rms velocity. Only parameters with a force or a velocity in their unit
+are sized so; times, gains and volumes belong to the damper and not to the recording, and keep the model's values.
+"""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from damper_estimator.identification.problem import Problem
+from damper_estimator.model import Slot
+from damper_estimator.signals import Measurement
+
+SPREAD = 40  # points around the start
+_DECADE = 10.0  # factor up and down in which a parameter of known size is looked for
+_NARROW = 5.0  # the same for one that keeps the model's value
+_LEAST = 1e-4  # of the distance of the bounds: no parameter is smaller
+_UNIT = re.compile(r"([A-Za-z]+)(?:\^(-?[0-9.]+))?")
+# Exponents of force, length and time, and how many of the unit make one SI unit.
+_BASE = {
+    "N": (1.0, 0.0, 0.0, 1.0),
+    "m": (0.0, 1.0, 0.0, 1.0),
+    "mm": (0.0, 1.0, 0.0, 1e3),
+    "s": (0.0, 0.0, 1.0, 1.0),
+    "kg": (1.0, -1.0, 2.0, 1.0),
+}
+
+
+def candidates(problem: Problem, measurements: Sequence[Measurement], seed: int, count: int = SPREAD) -> tuple[np.ndarray, np.ndarray]:
+    """Start points (s, q), the model's own values first, and the size (q,) of each searched parameter.
+
+    ``count`` points are spread with low discrepancy; ``seed`` shifts them. With ``count`` 0 the model's values are all there is.
+    """
+    slots = [problem.model.slots[i] for i in problem.searched]
+    natural = _natural_sizes(measurements)
+    sized = np.array([_from_unit(slot.parameter.unit, natural) for slot in slots])
+    own = problem.start
+    known = np.isfinite(sized)
+    # A parameter between negative bounds has a negative size.
+    sign = np.array([-1.0 if slot.parameter.upper <= 0.0 else 1.0 for slot in slots])
+    centre = problem.clipped(np.where(known, sign * np.where(known, sized, 0.0), own)) if slots else own
+    spans = np.array([slot.parameter.upper - slot.parameter.lower for slot in slots])
+    size = np.maximum.reduce([np.abs(own), np.abs(centre), _LEAST * spans]) if slots else own
+    if count == 0 or not slots:
+        return own[None, :], size
+    shares = _low_discrepancy(count, len(slots), seed)
+    spread = np.array([_placed(slot, centre[j], known[j], shares[:, j]) for j, slot in enumerate(slots)]).T
+    return np.vstack([own, centre, problem.clipped(spread)]), size
+
+
+def _natural_sizes(measurements: Sequence[Measurement]) -> tuple[float, float, float]:
+    """Force (N), length (m) and time (s) of a recording: rms over the judged samples, each about its mean."""
+
+    def spread(name: str) -> float:
+        values = [getattr(m if name == "force" else m.kinematics, name)[m.judged] for m in measurements]
+        return float(np.concatenate(values).std())
+
+    force, length, velocity = spread("force"), spread("displacement"), spread("velocity")
+    return force, length, length / velocity if velocity > 0.0 else float("nan")
+
+
+def _from_unit(unit: str, natural: tuple[float, float, float]) -> float:
+    """Size of a parameter from its unit; NaN where the recording does not tell it."""
+    top, _, bottom = unit.partition("/")
+    exponents, factor = np.zeros(3), 1.0
+    for text, sign in ((top, 1.0), (bottom, -1.0)):
+        for symbol, power in _UNIT.findall(text):
+            if symbol not in _BASE:
+                return float("nan")
+            power = sign * float(power or 1.0)
+            exponents += power * np.array(_BASE[symbol][:3])
+            factor *= _BASE[symbol][3] ** power
+    force, length, time = exponents
+    velocity = force == 0.0 and length != 0.0 and length == -time
+    with np.errstate(all="ignore"):
+        size = factor * float(np.prod(np.array(natural) ** exponents))
+    return size if (force != 0.0 or velocity) and np.isfinite(size) and size > 0.0 else float("nan")
+
+
+def _low_discrepancy(count: int, dimensions: int, seed: int) -> np.ndarray:
+    """(count, dimensions) points in the unit cube: Roberts' additive recurrence, shifted at random by the seed."""
+    golden = 2.0
+    for _ in range(60):
+        golden = (1.0 + golden) ** (1.0 / (dimensions + 1))
+    steps = golden ** -np.arange(1.0, dimensions + 1)
+    shift = np.random.default_rng(seed).uniform(size=dimensions)
+    return (shift + np.outer(np.arange(1, count + 1), steps)) % 1.0
+
+
+def _placed(slot: Slot, centre: float, known: bool, shares: np.ndarray) -> np.ndarray:
+    """Values of a parameter at shares (s,) of the range in which it is looked for: by ratio where it has one sign, else evenly."""
+    lower, upper = slot.parameter.lower, slot.parameter.upper
+    if lower < 0.0 < upper:
+        reach = max(5.0 * abs(centre), 0.2 * min(-lower, upper))
+        low, high = max(lower, -reach), min(upper, reach)
+        return low + shares * (high - low)
+    sign = -1.0 if upper <= 0.0 else 1.0
+    smallest, largest = sorted((abs(lower), abs(upper)))
+    middle = abs(centre) if centre != 0.0 else max(smallest, 0.01 * largest)
+    factor = _DECADE if known else _NARROW
+    low = max(middle / factor, smallest, _LEAST * largest if smallest == 0.0 else 0.0)
+    high = min(middle * factor, largest)
+    return sign * low * (high / low) ** shares

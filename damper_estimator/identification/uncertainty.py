@@ -1,0 +1,117 @@
+"""How well the data determine the parameters: standard errors, and parameters that trade off against each other.
+
+The covariance is that of least squares with correlated residuals,
+
+    C = (J'J)^-1 (J' R J) (J'J)^-1 m_e / (m_e - k)
+
+with J (m, k) the derivative of the rows by the free parameters that are not at a bound, and R the residual's autocovariance (Toeplitz), estimated for each
+recording up to ``MEMORY`` seconds with Parzen's taper. Band-limited residuals repeat themselves: R counts only what is new. m_e, the effective number
+of samples, is m over the residual's correlation length; the last factor is the usual correction for k fitted parameters. The residual is taken as stationary;
+where a model lacks an effect, it is not noise alone, and the errors are those of this excitation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.identification.bounded import triangle
+from damper_estimator.identification.problem import Point, Problem
+
+MEMORY = 1.0  # s, longest correlation of the residual that is looked at
+_SINGULAR = 1e-5  # smallest over largest singular value of the scaled Jacobian: below it a direction has no influence
+_WEAK = 0.1  # directions below this are asked whether the noise hides them
+_HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
+_TAKES_PART = 0.3  # of the largest share in a direction
+_FLOOR = 0.02  # of the force: a contribution is not taken as smaller
+_AT_BOUND = 1e-9  # of the distance of the bounds
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """What the data say about the free parameters.
+
+    Attributes:
+        standard_error: (free,) in order of ``Problem.free``; NaN at a bound and where the data say nothing.
+        at_bound: (free,) bool.
+        undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence.
+    """
+
+    standard_error: np.ndarray
+    at_bound: np.ndarray
+    undetermined: tuple[tuple[str, ...], ...]
+
+
+def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty:
+    """Standard errors and trade-offs at the end of a search; ``size`` (q,) as for the search."""
+    free = np.array(problem.free)
+    values = problem.vector(point.searched, point.solved)[free]
+    low, high = problem.lower[free], problem.upper[free]
+    at_bound = np.minimum(values - low, high - values) <= _AT_BOUND * (high - low)
+    searched = problem.jacobian(point, np.maximum(np.abs(point.searched), 0.1 * size))
+    order = np.concatenate([problem.searched, problem.solved])
+    jacobian = np.column_stack([searched, point.columns])[:, [int(np.flatnonzero(order == slot)[0]) for slot in free]]
+    inner = np.flatnonzero(~at_bound)
+    error = np.full(free.size, np.nan)
+    if inner.size == 0:
+        return Uncertainty(error, at_bound, ())
+    norms = np.sqrt((jacobian[:, inner] ** 2).sum(axis=0))
+    scale = np.where(norms > 0.0, norms, 1.0)
+    _, singular, directions = np.linalg.svd(triangle(jacobian[:, inner] / scale))
+    told = singular > _SINGULAR * singular[0]
+    # Covariance of the amounts along the directions the data tell about, of parameters in units of their column's norm.
+    scores = (jacobian[:, inner] / scale) @ (directions[told].T / singular[told] ** 2)
+    covariance = _covariance(problem, point.residual, scores, inner.size)
+    spread = np.sqrt((directions[told].T @ covariance * directions[told].T).sum(axis=1)) / scale
+    blind = (np.abs(directions[~told]) > _TAKES_PART * np.abs(directions[~told]).max(axis=1, keepdims=True)).any(axis=0)
+    error[inner] = np.where(blind | (norms == 0.0), np.nan, spread)
+    deviations = np.where(told, 0.0, np.inf)
+    deviations[told] = np.sqrt(np.diag(covariance))
+    contributions = np.maximum(np.abs(values[inner]) * norms, _FLOOR * np.linalg.norm(problem.target))
+    groups = _undetermined(singular, directions, deviations, contributions)
+    return Uncertainty(error, at_bound, tuple(tuple(problem.model.slots[free[inner[i]]].address for i in group) for group in groups))
+
+
+def _covariance(problem: Problem, residual: np.ndarray, scores: np.ndarray, count: int) -> np.ndarray:
+    """(d, d) covariance of scores' * residual for a residual that is stationary within each recording."""
+    total = np.zeros((scores.shape[1], scores.shape[1]))
+    effective, first = 0.0, 0
+    for own in problem.rows:
+        part = slice(first, first + own.picks.size)
+        first += own.picks.size
+        if own.picks.size < 2:
+            continue
+        spectrum, correlation = _spectrum(residual[part], own.rate)
+        transformed = np.fft.rfft(scores[part], 2 * own.picks.size, axis=0)
+        # The half spectrum stands for both halves; its two ends are there once.
+        weight = np.full(spectrum.size, 2.0)
+        weight[0] = weight[-1] = 1.0
+        total += ((transformed.conj() * (weight * spectrum)[:, None]).T @ transformed).real / (2 * own.picks.size)
+        effective += own.picks.size / correlation
+    return total * effective / max(effective - count, 1.0)
+
+
+def _spectrum(residual: np.ndarray, rate: float) -> tuple[np.ndarray, float]:
+    """Power spectrum (n + 1,) of a residual's tapered autocovariance, for transforms of 2 n, and its correlation length in rows."""
+    size = residual.size
+    power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2 / size
+    covariance = np.fft.irfft(power, 2 * size)
+    reach = max(1, min(round(MEMORY * rate), size // 4))
+    lag = np.minimum(np.arange(2 * size), 2 * size - np.arange(2 * size)) / reach
+    parzen = np.where(lag <= 0.5, 1.0 - 6.0 * lag**2 * (1.0 - lag), np.where(lag <= 1.0, 2.0 * (1.0 - lag) ** 3, 0.0))
+    tapered = covariance * parzen
+    correlation = tapered.sum() / covariance[0] if covariance[0] > 0.0 else 1.0
+    return np.maximum(np.fft.rfft(tapered).real, 0.0), max(float(correlation), 1.0)
+
+
+def _undetermined(
+    singular: np.ndarray, directions: np.ndarray, deviations: np.ndarray, contributions: np.ndarray
+) -> list[list[int]]:
+    """Groups of parameters along whose common direction the data say nothing, or less than the noise; the worst first."""
+    groups: list[list[int]] = []
+    for i in np.argsort(singular):
+        share = np.abs(directions[i])
+        group = np.flatnonzero(share > _TAKES_PART * share.max()).tolist()
+        hidden = bool((deviations[i] * share > _HIDDEN * contributions)[group].any())
+        if (np.isinf(deviations[i]) or (hidden and singular[i] < _WEAK * singular[0])) and group not in groups:
+            groups.append(group)
+    return groups
