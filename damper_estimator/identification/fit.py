@@ -14,12 +14,12 @@ from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, excerpts, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots
-from damper_estimator.identification.start import SPREAD, candidates
+from damper_estimator.identification.start import candidates
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
-SKETCH_SAMPLES = 12000  # on about so many the starts are tried out
+SKETCH_SAMPLES = 8000  # on about so many the starts are tried out
 _ROWS_PER_PARAMETER = 3
 _FEWEST_ROWS = 20
 
@@ -81,7 +81,7 @@ def fit(
     method: str = "least_squares",
     seed: int = 0,
     weights: Sequence[float | np.ndarray] | None = None,
-    starts: int = SPREAD,
+    starts: int | None = None,
 ) -> Fit:
     """Identifies a model's free parameters on all measurements together.
 
@@ -89,7 +89,7 @@ def fit(
         free, fix: see ``selection.free_slots``.
         seed: of what is drawn at random; equal seeds give equal results.
         weights: of the squared error, per measurement a number or (n,); equal for all samples where left out.
-        starts: start points beside the model's own values; 0 to begin there alone.
+        starts: start points that are spread out beside the model's own values; 0 to begin there alone.
 
     Raises:
         InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no recording has.
@@ -197,11 +197,12 @@ def _warnings(
     bounded = [p.name for p in parameters if p.at_bound]
     if bounded:
         said.append(f"at a bound: {', '.join(bounded)}; no standard error can be given there")
+    silent = [group[0] for group in known.undetermined if len(group) == 1]
+    if silent:
+        said.append(f"{', '.join(silent)} cannot be determined: next to no influence on these data; fix what cannot be told")
     for group in known.undetermined:
-        if len(group) == 1:
-            said.append(f"{group[0]} cannot be determined: it has next to no influence on these data; fix it")
-        else:
-            said.append(f"{' and '.join(group)} trade off: these data cannot tell them apart; fix {'one' if len(group) == 2 else 'some'} of them")
+        if len(group) > 1:
+            said.append(f"{', '.join(group[:-1])} and {group[-1]} trade off: these data cannot tell them apart; fix {'one' if len(group) == 2 else 'some'} of them")
     if lost:
         said.append(f"{lost} samples were left out, where a channel that the model needs was not recorded yet")
     if len({(m.cutoff, m.band) for m in used}) > 1:

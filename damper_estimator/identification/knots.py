@@ -1,18 +1,19 @@
 """Lays the knots of look-up curves over the range of the recording, where the model file left the effect's own.
 
-An effect with a rising list setting that gives a vector parameter its length is a curve, and the setting's unit tells its axis (m/s: velocity, m:
+An effect with a rising list setting that gives a vector parameter its length is a curve (with several such, a surface), and the setting's unit tells its axis (m/s: velocity, m:
 displacement, m/s^2: acceleration, A: command, deg C: temperature). Its default knots are stretched, each side of zero by itself, so that the outer ones
 stand at the 0.5 and 99.5 percentiles; 0 stays where it is; a knot is left out where a neighbouring interval would hold too few
 samples to determine it. Knots that a model file gives are never moved.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from damper_estimator.effects.contract import Setting
+from damper_estimator.effects.contract import Parameter, Setting
 from damper_estimator.model import DamperModel, Element
+from damper_estimator.model.element import Value
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, V, X
 
@@ -28,22 +29,32 @@ def with_placed_knots(model: DamperModel, measurements: Sequence[Measurement]) -
 
 def _placed(element: Element, measurements: Sequence[Measurement]) -> Element:
     element = replace(element, path=tuple(_placed(inner, measurements) for inner in element.path))
+    axes = {}
     for setting in element.effect.settings:
-        sized = [p.name for p in element.effect.parameters if p.size == setting.name]
         row = AXES.get(setting.unit)
-        if not (setting.increasing and sized and row is not None and element.settings[setting.name] == setting.default):
-            continue
-        values = np.concatenate([m.kinematics.block[row, m.judged] for m in measurements])
-        knots = _knots(setting, values[np.isfinite(values)])
-        curves = {
-            name: tuple(np.interp(knots, element.settings[setting.name], element.parameters[name]).tolist()) for name in sized
-        }
-        element = replace(
-            element,
-            settings={**element.settings, setting.name: tuple(knots)},
-            parameters={**element.parameters, **curves},
-        )
-    return element
+        own = any(setting.name in _axes(p) for p in element.effect.parameters)
+        if own and setting.increasing and row is not None and element.settings[setting.name] == setting.default:
+            values = np.concatenate([m.kinematics.block[row, m.judged] for m in measurements])
+            axes[setting.name] = tuple(_knots(setting, values[np.isfinite(values)]))
+    moved = [p for p in element.effect.parameters if any(name in axes for name in _axes(p))]
+    given = [p for p in moved if len(_axes(p)) > 1 and len(set(element.parameters[p.name])) > 1]
+    if not axes or given:  # a surface with values is the user's own
+        return element
+    settings = {**element.settings, **axes}
+    curves = {p.name: _interpolated(p, element, settings) for p in moved}
+    return replace(element, settings=settings, parameters={**element.parameters, **curves})
+
+
+def _axes(parameter: Parameter) -> tuple[str, ...]:
+    """Names of the settings that give a parameter its length."""
+    return (parameter.size,) if isinstance(parameter.size, str) else parameter.size or ()
+
+
+def _interpolated(parameter: Parameter, element: Element, settings: Mapping[str, Value]) -> tuple[float, ...]:
+    values = element.parameters[parameter.name]
+    if not isinstance(parameter.size, str):
+        return values[:1] * (parameter.length(settings) or 0)
+    return tuple(np.interp(settings[parameter.size], element.settings[parameter.size], values).tolist())
 
 
 def _knots(setting: Setting, values: np.ndarray) -> list[float]:

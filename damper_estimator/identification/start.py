@@ -14,7 +14,8 @@ from damper_estimator.identification.problem import Problem
 from damper_estimator.model import Slot
 from damper_estimator.signals import Measurement
 
-SPREAD = 40  # points around the start
+SPREAD = 6  # points around the start per searched parameter
+MOST = 40  # points in all
 _DECADE = 10.0  # factor up and down in which a parameter of known size is looked for
 _NARROW = 5.0  # the same for one that keeps the model's value
 _LEAST = 1e-4  # of the distance of the bounds: no parameter is smaller
@@ -29,26 +30,33 @@ _BASE = {
 }
 
 
-def candidates(problem: Problem, measurements: Sequence[Measurement], seed: int, count: int = SPREAD) -> tuple[np.ndarray, np.ndarray]:
+def candidates(problem: Problem, measurements: Sequence[Measurement], seed: int, count: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Start points (s, q), the model's own values first, and the size (q,) of each searched parameter.
 
-    ``count`` points are spread with low discrepancy; ``seed`` shifts them. With ``count`` 0 the model's values are all there is.
+    ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts them. With ``count`` 0 the model's values are all there is.
     """
+    own = problem.start
     slots = [problem.model.slots[i] for i in problem.searched]
+    if not slots:
+        return own[None, :], own
     natural = _natural_sizes(measurements)
     sized = np.array([_from_unit(slot.parameter.unit, natural) for slot in slots])
-    own = problem.start
-    known = np.isfinite(sized)
-    # A parameter between negative bounds has a negative size.
-    sign = np.array([-1.0 if slot.parameter.upper <= 0.0 else 1.0 for slot in slots])
-    centre = problem.clipped(np.where(known, sign * np.where(known, sized, 0.0), own)) if slots else own
     spans = np.array([slot.parameter.upper - slot.parameter.lower for slot in slots])
-    size = np.maximum.reduce([np.abs(own), np.abs(centre), _LEAST * spans]) if slots else own
-    if count == 0 or not slots:
+    size = np.fmax(np.maximum(np.abs(own), _LEAST * spans), sized)
+    if count == 0:
         return own[None, :], size
+    # The sign of a parameter that may have either is not told by its size.
+    signs = np.array([-1.0 if slot.parameter.upper <= 0.0 else 1.0 for slot in slots])
+    told = np.isfinite(sized) & np.array([not _either_sign(slot) for slot in slots])
+    centre = problem.clipped(np.where(told, signs * np.nan_to_num(sized), own))
+    count = min(SPREAD * len(slots), MOST) if count is None else count
     shares = _low_discrepancy(count, len(slots), seed)
-    spread = np.array([_placed(slot, centre[j], known[j], shares[:, j]) for j, slot in enumerate(slots)]).T
+    spread = np.array([_placed(slot, own[j], sized[j], shares[:, j]) for j, slot in enumerate(slots)]).T
     return np.vstack([own, centre, problem.clipped(spread)]), size
+
+
+def _either_sign(slot: Slot) -> bool:
+    return slot.parameter.lower < 0.0 < slot.parameter.upper
 
 
 def _natural_sizes(measurements: Sequence[Measurement]) -> tuple[float, float, float]:
@@ -90,17 +98,17 @@ def _low_discrepancy(count: int, dimensions: int, seed: int) -> np.ndarray:
     return (shift + np.outer(np.arange(1, count + 1), steps)) % 1.0
 
 
-def _placed(slot: Slot, centre: float, known: bool, shares: np.ndarray) -> np.ndarray:
+def _placed(slot: Slot, own: float, sized: float, shares: np.ndarray) -> np.ndarray:
     """Values of a parameter at shares (s,) of the range in which it is looked for: by ratio where it has one sign, else evenly."""
     lower, upper = slot.parameter.lower, slot.parameter.upper
-    if lower < 0.0 < upper:
-        reach = max(5.0 * abs(centre), 0.2 * min(-lower, upper))
+    known = np.isfinite(sized)
+    if _either_sign(slot):
+        reach = max(5.0 * abs(own), 3.0 * sized if known else 0.2 * min(-lower, upper))
         low, high = max(lower, -reach), min(upper, reach)
         return low + shares * (high - low)
-    sign = -1.0 if upper <= 0.0 else 1.0
     smallest, largest = sorted((abs(lower), abs(upper)))
-    middle = abs(centre) if centre != 0.0 else max(smallest, 0.01 * largest)
+    middle = sized if known else abs(own) if own != 0.0 else max(smallest, 0.01 * largest)
     factor = _DECADE if known else _NARROW
-    low = max(middle / factor, smallest, _LEAST * largest if smallest == 0.0 else 0.0)
-    high = min(middle * factor, largest)
-    return sign * low * (high / low) ** shares
+    middle = min(max(middle, smallest, _LEAST * largest), largest)
+    low, high = max(middle / factor, smallest), min(middle * factor, largest)
+    return (-1.0 if upper <= 0.0 else 1.0) * low * (high / low) ** shares

@@ -21,7 +21,8 @@ MEMORY = 1.0  # s, longest correlation of the residual that is looked at
 _SINGULAR = 1e-5  # smallest over largest singular value of the scaled Jacobian: below it a direction has no influence
 _WEAK = 0.1  # directions below this are asked whether the noise hides them
 _HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
-_TAKES_PART = 0.3  # of the largest share in a direction
+_TAKES_PART = 0.2  # of the largest share in a direction: enough to be named
+_INCIDENTAL = 1e-3  # of the largest share: below, rounding
 _FLOOR = 0.02  # of the force: a contribution is not taken as smaller
 _AT_BOUND = 1e-9  # of the distance of the bounds
 
@@ -62,13 +63,18 @@ def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty
     scores = (jacobian[:, inner] / scale) @ (directions[told].T / singular[told] ** 2)
     covariance = _covariance(problem, point.residual, scores, inner.size)
     spread = np.sqrt((directions[told].T @ covariance * directions[told].T).sum(axis=1)) / scale
-    blind = (np.abs(directions[~told]) > _TAKES_PART * np.abs(directions[~told]).max(axis=1, keepdims=True)).any(axis=0)
-    error[inner] = np.where(blind | (norms == 0.0), np.nan, spread)
+    error[inner] = np.where(_untold(directions[~told], norms), np.nan, spread)
     deviations = np.where(told, 0.0, np.inf)
     deviations[told] = np.sqrt(np.diag(covariance))
     contributions = np.maximum(np.abs(values[inner]) * norms, _FLOOR * np.linalg.norm(problem.target))
     groups = _undetermined(singular, directions, deviations, contributions)
     return Uncertainty(error, at_bound, tuple(tuple(problem.model.slots[free[inner[i]]].address for i in group) for group in groups))
+
+
+def _untold(silent: np.ndarray, norms: np.ndarray) -> np.ndarray:
+    """(k,) bool: parameters without influence, or that take part in one of the directions (s, k) without influence."""
+    taking = np.abs(silent) > _INCIDENTAL * np.abs(silent).max(axis=1, keepdims=True, initial=0.0)
+    return taking.any(axis=0) | (norms == 0.0)
 
 
 def _covariance(problem: Problem, residual: np.ndarray, scores: np.ndarray, count: int) -> np.ndarray:
@@ -109,9 +115,11 @@ def _undetermined(
     """Groups of parameters along whose common direction the data say nothing, or less than the noise; the worst first."""
     groups: list[list[int]] = []
     for i in np.argsort(singular):
-        share = np.abs(directions[i])
-        group = np.flatnonzero(share > _TAKES_PART * share.max()).tolist()
-        hidden = bool((deviations[i] * share > _HIDDEN * contributions)[group].any())
-        if (np.isinf(deviations[i]) or (hidden and singular[i] < _WEAK * singular[0])) and group not in groups:
+        # How much of itself each parameter must give up to move along the direction.
+        amount = np.abs(directions[i])
+        share = amount / contributions
+        group = np.flatnonzero((share > _TAKES_PART * share.max()) | (amount > _TAKES_PART * amount.max())).tolist()
+        hidden = deviations[i] * share.max() > _HIDDEN and singular[i] < _WEAK * singular[0]
+        if (np.isinf(deviations[i]) or hidden) and group not in groups:
             groups.append(group)
     return groups

@@ -1,0 +1,61 @@
+"""Put an effect into a model.
+
+The effect goes where its kind belongs: sources before what acts on the force, modifiers after it, a compliance around the
+sources. Its values are the effect's defaults, or those given with --set; identify them with fit.
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from damper_estimator.cli.common import add_models
+from damper_estimator.effects.contract import Effect
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel, Element, load_model, make_element, save_model
+from damper_estimator.model.element import labels
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the verb's arguments."""
+    parser.add_argument("effect", metavar="EFFECT", help="an effect's name; damper-estimator effects lists them")
+    add_models(parser)
+    parser.add_argument("-o", "--output", metavar="MODEL.yaml", type=Path, required=True, help="where the changed model goes")
+    parser.add_argument("--set", dest="values", metavar="NAME=VALUE", action="append", default=[], help="a value of the effect; may be repeated")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Writes the model with the effect, and says what it consists of now."""
+    effect = find_effect(arguments.effect)
+    if effect.kind == "path":
+        raise InputError("path: is no effect; write it into the model file by hand")
+    if effect.kind == "channel":
+        title = effect.description.strip().partition("\n")[0].rstrip(".")
+        raise InputError(f"{effect.name}: {title} belongs to the measurement chain; mend it in the signal map, not in a model")
+    model = load_model(arguments.model)
+    changed = model.with_effect(new_element(effect, model, _values(arguments.values)))
+    save_model(changed, arguments.output)
+    print(f"{changed.name}: {' -> '.join(label for label, _ in labels(changed.effects))}; written to {arguments.output}")
+    return 0
+
+
+def new_element(effect: Effect, model: DamperModel, values: dict[str, object]) -> Element:
+    """The entry to add; a series effect wraps what ``DamperModel.with_effect`` finds in front of it."""
+    if effect.kind != "series":
+        return make_element(effect, values)
+    return replace(make_element(effect, values, model.effects), path=())
+
+
+def _values(pairs: list[str]) -> dict[str, object]:
+    """Values by name from ``name=1.5`` or ``name=1,2,3``."""
+    values: dict[str, object] = {}
+    for pair in pairs:
+        name, found, text = pair.partition("=")
+        try:
+            numbers = [float(part) for part in text.split(",")]
+        except ValueError:
+            found = ""
+        if not found:
+            raise InputError(f"--set {pair}: is not NAME=VALUE with a number, or numbers between commas")
+        values[name.strip()] = numbers if "," in text else numbers[0]
+    return values
