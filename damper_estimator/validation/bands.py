@@ -21,6 +21,7 @@ class Bands:
         edges: (k + 1,) rising; the outer ones may be infinite.
         words: (low, high) to words.
         inside: (n,) bool, the samples that the bands are about.
+        within: whether a band must stand out among these samples too, not only among all.
     """
 
     axis: str
@@ -29,6 +30,7 @@ class Bands:
     edges: np.ndarray
     words: Callable[[float, float], str]
     inside: np.ndarray
+    within: bool = False
 
 
 def all_bands(pool: Pool) -> list[Bands]:
@@ -90,7 +92,7 @@ def _reversals(pool: Pool, direction: str, inside: np.ndarray) -> list[Bands]:
             return f"{direction}, more than {1e3 * low:.3g} ms after a reversal"
         return f"{direction}, {1e3 * low:.3g} to {1e3 * high:.3g} ms after a reversal"
 
-    return [Bands("reversal", direction, since, np.unique(edges), words, inside)]
+    return [Bands("reversal", direction, since, np.unique(edges), words, inside, within=True)]
 
 
 def _command(pool: Pool, inside: np.ndarray) -> list[Bands]:
@@ -110,6 +112,8 @@ def _command(pool: Pool, inside: np.ndarray) -> list[Bands]:
 
 def _range(subject: str, unit: str, factor: float = 1.0) -> Callable[[float, float], str]:
     def words(low: float, high: float) -> str:
+        if not np.isfinite(high) and low == 0.0:
+            return subject
         if not np.isfinite(high):
             return f"{subject} above {factor * low:.3g} {unit}"
         if not np.isfinite(low) or (low == 0.0 and subject != "displacement"):

@@ -61,6 +61,7 @@ def find_regions(pool: Pool) -> tuple[Region, ...]:
 
     Neighbouring bands that are both concentrated are one region. A band counts where its mean square exceeds the whole's by more
     than what independent samples of its number would scatter (2 band independent samples a second), so noise alone gives none.
+    A passage after reversals must stand out within its own direction, too.
     """
     square = pool.residual**2
     total = float(square.sum())
@@ -79,7 +80,8 @@ def _regions(cut: Bands, pool: Pool, share: np.ndarray) -> list[Region]:
     seconds = np.bincount(band[known], pool.dt[known], count)
     independent = np.maximum(2.0 * pool.band * seconds if pool.band > 0.0 else samples * share.size, 1.0)
     least = LEAST_CONCENTRATION * (1.0 + _CERTAINTY * np.sqrt(2.0 / independent))
-    worse = errors > least * samples
+    level = float(share[cut.inside].sum() / cut.inside.mean()) if cut.within else 1.0
+    worse = errors > least * samples * max(level, 1.0)
     regions = []
     for first, last in _runs(worse):
         if errors[first:last].sum() >= LEAST_SHARE:

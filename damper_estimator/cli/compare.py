@@ -1,0 +1,154 @@
+"""How well a model agrees with the measurement, and where it fails.
+
+Measured and modelled force pass the same filters; judged from 0.2 s after each reset on. Several recordings are pooled and
+also told one by one; several models (-m repeated) stand side by side.
+"""
+
+import argparse
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from damper_estimator.cli.common import (
+    add_bags,
+    add_html,
+    add_json,
+    add_models,
+    add_signals,
+    add_window,
+    progress,
+    write_json,
+)
+from damper_estimator.errors import InputError
+from damper_estimator.files import write_text
+from damper_estimator.model import load_model
+from damper_estimator.recordings import Bag, open_bag
+from damper_estimator.signals import Measurement, SignalMap, load_signal_map, measure
+from damper_estimator.signals.channels import signals_for
+from damper_estimator.validation import Comparison, compare, per_recording
+
+_REGIONS = 5
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """``BAG... -m MODEL [-m MODEL]`` and what is common."""
+    add_bags(parser)
+    add_models(parser, several=True)
+    add_signals(parser)
+    add_window(parser)
+    add_json(parser)
+    add_html(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compares; see the module's docstring."""
+    records: dict[str, object] = {}
+    sections = []
+    with ExitStack() as stack:
+        bags = [stack.enter_context(open_bag(path)) for path in arguments.bags]
+        chosen = _dampers(bags, load_signal_map(arguments.signals), arguments.dampers)
+        for name, own in chosen.items():
+            measurements = _measurements(own, name, arguments)
+            if not measurements:
+                continue
+            comparisons = [compare(load_model(model, name), *measurements) for model in arguments.models]
+            records[name] = _record(comparisons, arguments.models)
+            if arguments.json != "-":
+                _print(name, comparisons)
+            if arguments.html:
+                from damper_estimator.report import damper_section
+
+                sections.append(damper_section(comparisons, len(chosen)))
+    if not records:
+        raise InputError(f"{arguments.bags[0]}: no damper has a measured force; compare needs one (name its topic in a signal map)")
+    write_json(arguments.json, {"bags": [str(path) for path in arguments.bags], "models": arguments.models, "dampers": records})
+    if arguments.html:
+        _write_page(arguments, sections)
+    return 0
+
+
+def _write_page(arguments: argparse.Namespace, sections: Sequence) -> None:
+    from damper_estimator.report import comparison_page
+
+    models = " and ".join(Path(model).stem for model in arguments.models)
+    bags = arguments.bags[0].name if len(arguments.bags) == 1 else f"{len(arguments.bags)} recordings"
+    write_text(arguments.html, comparison_page(sections, f"{models} against {bags}"))
+    progress(f"wrote {arguments.html}")
+
+
+def _dampers(bags: Sequence[Bag], signal_map: SignalMap, wanted: Sequence[str]) -> dict[str, list[tuple[Bag, SignalMap]]]:
+    """The bags that have each damper, in order of appearance, and the map to read it by.
+
+    Raises:
+        InputError: where a wanted damper is in none of the bags.
+    """
+    found: dict[str, list[tuple[Bag, SignalMap]]] = {}
+    maps = [signals_for(bag, signal_map) for bag in bags]
+    for bag, own in zip(bags, maps, strict=True):
+        for name in own.dampers:
+            if not wanted or name in wanted:
+                found.setdefault(name, []).append((bag, own))
+    for name in wanted:
+        if name not in found:
+            signals_for(bags[0], maps[0], name)
+    return found
+
+
+def _measurements(bags: Sequence[tuple[Bag, SignalMap]], name: str, arguments: argparse.Namespace) -> list[Measurement]:
+    """The damper in all its bags; none where nobody asked for it by name and its force was not measured."""
+    start = 0.0 if arguments.start is None else arguments.start
+    end = float("inf") if arguments.stop is None else arguments.stop
+    asked = name in arguments.dampers
+    measurements = [measure(bag, own, name, start, end, force_wanted=asked) for bag, own in bags]
+    with_force = [m for m in measurements if m.force is not None]
+    for m in measurements:
+        if m.force is None:
+            progress(f"{m.recording}: the force of {name} was not measured; left out")
+    return with_force
+
+
+def _record(comparisons: Sequence[Comparison], models: Sequence[str]) -> dict[str, object]:
+    """The first model's record; all models under ``models``, and where there are several bags each under ``bags``."""
+    records = []
+    for comparison, model in zip(comparisons, models, strict=True):
+        record = comparison.record() | {"model_file": model}
+        if len(comparison.traces) > 1:
+            record["bags"] = [own.record() | {"bag": own.recordings[0]} for own in per_recording(comparison)]
+        records.append(record)
+    return records[0] | ({"models": records} if len(records) > 1 else {})
+
+
+def _print(name: str, comparisons: Sequence[Comparison]) -> None:
+    print(f"{name}  ({comparisons[0].measures.samples} samples of {len(comparisons[0].traces)} recording(s))")
+    width = max(len(c.model.name) for c in comparisons)
+    print(f"  {'model':{width}}  rms error  of force     ESR     fit  correlation  energy  bias")
+    for c in comparisons:
+        _print_row(c.model.name, width, c.measures.record())
+        if len(c.traces) > 1:
+            for own in per_recording(c):
+                _print_row(f"  {Path(own.recordings[0]).name}", width, own.measures.record())
+    for c in comparisons:
+        for warning in c.warnings:
+            print(f"  note: {warning}")
+    for c in comparisons:
+        _print_regions(c, len(comparisons) > 1)
+
+
+def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
+    print(
+        f"  {label:{width}}  {m['rmse_n']:7.4g} N  {100 * m['nrmse']:6.1f} %  {m['esr']:6.4f}  {m['fit_percent']:4.0f} %"
+        f"  {m['correlation']:11.4f}  {100 * m['energy_error']:+4.0f} %  {m['bias_n']:+.4g} N"
+    )
+
+
+def _print_regions(comparison: Comparison, named: bool) -> None:
+    of = f" of {comparison.model.name}" if named else ""
+    floor = comparison.noise_floor_n
+    if floor == floor:
+        print(f"  noise floor{of}: {floor:.3g} N")
+    if not comparison.regions:
+        print(f"  the error{of} is spread evenly over the operation")
+        return
+    print(f"  where the error{of} is:")
+    for region in comparison.regions[:_REGIONS]:
+        print(f"    {region.sentence}")

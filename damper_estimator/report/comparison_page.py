@@ -1,0 +1,142 @@
+"""The page of ``compare``: measured and modelled force, where the model fails, what its effects contribute, data quality."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+from jinja2 import Environment, PackageLoader
+
+from damper_estimator.report.figures import coherence_figure, error_map, passage
+from damper_estimator.report.wording import (
+    MEASURES,
+    headline,
+    measure_text,
+    number,
+    quality_rows,
+    recording_name,
+)
+from damper_estimator.validation import Comparison, per_recording
+
+POINTS = 120_000  # samples of all recordings and dampers together: about 5 MB with two models
+_FEWEST = 2_000
+_REGIONS = 8
+
+
+@dataclass(frozen=True)
+class Section:
+    """One damper of the page, reduced to what is shown.
+
+    Attributes:
+        text: what the template fills in.
+        figures: what the page's script draws.
+    """
+
+    text: dict[str, object]
+    figures: dict[str, object]
+
+
+def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Section:
+    """The part of the page about one damper.
+
+    Args:
+        comparisons: one per model, all over the same measurements.
+        sections: how many dampers share the page and its size.
+    """
+    models = list(comparisons)
+    first = models[0]
+    recordings = range(len(first.traces))
+    most = max(POINTS // (sections * len(recordings) * max(len(models) // 2, 1)), _FEWEST)
+    figures = {
+        "models": [c.model.name for c in models],
+        "recordings": [passage(models, index, most) | {"name": recording_name(first.recordings[index])} for index in recordings],
+        "maps": [error_map(c) for c in models],
+        "coherence": coherence_figure(models),
+    }
+    text = {
+        "damper": first.damper,
+        "headline": headline(models),
+        "warnings": list(dict.fromkeys(w for c in models for w in c.warnings)),
+        "models": [_model_text(c) for c in models],
+        "recordings": [recording_name(path) for path in first.recordings],
+        "by_recording": [_by_recording(c) for c in models] if len(recordings) > 1 else [],
+        "quality": quality_rows(first),
+        "chain": _chain(first),
+    }
+    return Section(text, figures)
+
+
+def _model_text(comparison: Comparison) -> dict[str, object]:
+    record = comparison.measures.record()
+    largest = max(comparison.contributions.values(), default=0.0) or 1.0
+    return {
+        "name": comparison.model.name,
+        "source": comparison.model.source,
+        "samples": comparison.measures.samples,
+        "measures": [
+            {"name": label, "text": measure_text(key, record[key]), "unit": unit, "meaning": meaning}
+            for key, label, unit, meaning in MEASURES
+        ],
+        "regions": [
+            {
+                "where": region.where,
+                "what": region.what,
+                "error": round(100.0 * region.share_of_squared_error, 1),
+                "samples": round(100.0 * region.share_of_samples, 1),
+                "recording": region.recording,
+                "time": region.time,
+            }
+            for region in comparison.regions[:_REGIONS]
+        ],
+        "contributions": [
+            {"name": label, "text": number(rms), "width": round(100.0 * rms / largest, 1)}
+            for label, rms in comparison.contributions.items()
+        ],
+    }
+
+
+def _by_recording(comparison: Comparison) -> dict[str, object]:
+    rows = []
+    for own in per_recording(comparison):
+        record = own.measures.record()
+        cells = [measure_text(key, record[key]) for key, *_ in MEASURES]
+        rows.append({"name": recording_name(own.recordings[0]), "cells": cells})
+    return {"model": comparison.model.name, "rows": rows}
+
+
+def _chain(comparison: Comparison) -> str:
+    measurement = comparison.traces[0].measurement
+    cutoff = f"{measurement.cutoff:g} Hz" if measurement.cutoff else "none"
+    band = f"{measurement.band:g} Hz" if measurement.band else "none"
+    return f"filter before the model: {cutoff}; both forces are compared below: {band}; judged from 0.2 s after each reset on"
+
+
+def comparison_page(sections: Sequence[Section], title: str) -> str:
+    """The whole page as HTML; it needs nothing else, no network either."""
+    data = [section.figures for section in sections]
+    return _environment().get_template("page.html").render(
+        title=title,
+        sections=[section.text for section in sections],
+        measures=[{"name": label, "unit": unit, "meaning": meaning} for _, label, unit, meaning in MEASURES],
+        style=_asset("page.css"),
+        script=_asset("page.js"),
+        plotly=_plotly(),
+        # Inside a script element only "<" could end it early.
+        data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+    )
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+
+
+def _asset(name: str) -> str:
+    return resources.files("damper_estimator.report").joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def _plotly() -> str:
+    """The library's text; read from plotly's installed files, since importing plotly takes a second."""
+    return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text(encoding="utf-8")

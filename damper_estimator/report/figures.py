@@ -1,0 +1,102 @@
+"""Figures as plain plotly objects and packed arrays; colours are named by role and given by the page's theme."""
+
+import base64
+from collections.abc import Sequence
+
+import numpy as np
+
+from damper_estimator.report.decimation import min_max_rows
+from damper_estimator.validation import Comparison
+
+MAP_COLUMNS, MAP_ROWS = 30, 18
+_LEAST_IN_CELL = 5
+
+
+def packed(values: np.ndarray, kind: str = "f4") -> dict[str, str]:
+    """An array in plotly's own form for typed arrays: ``f4`` or ``f8``, little endian, base64."""
+    raw = np.ascontiguousarray(values, dtype=f"<{kind}").tobytes()
+    return {"dtype": kind, "bdata": base64.b64encode(raw).decode("ascii")}
+
+
+def passage(comparisons: Sequence[Comparison], index: int, most: int) -> dict[str, object]:
+    """One recording for the time trace and the clouds: at most ``most`` samples of motion, measured and modelled forces.
+
+    Modelled forces are shown where they are judged; a row of NaN separates stretches. Models must have been compared on
+    the same measurements.
+    """
+    first = comparisons[0].traces[index]
+    kinematics = first.measurement.kinematics
+    modelled = [np.where(c.traces[index].judged, c.traces[index].modelled, np.nan) for c in comparisons]
+    rows = min_max_rows([first.measured, *(own - first.measured for own in modelled)], most)
+    breaks = np.flatnonzero(kinematics.dt[1:] <= 0.0) + 1
+    places = np.searchsorted(rows, breaks)
+
+    def column(values: np.ndarray) -> np.ndarray:
+        return np.insert(values[rows], places, np.nan)
+
+    time = first.time - first.time[0]
+    # A break needs a time of its own, between its neighbours.
+    own_time = np.insert(time[rows], places, (time[breaks] + time[breaks - 1]) / 2.0)
+    return {
+        "time": packed(own_time, "f8"),
+        "measured": packed(column(first.measured)),
+        "modelled": [packed(column(own)) for own in modelled],
+        "motion": {
+            "displacement": packed(column(1e3 * kinematics.displacement)),
+            "velocity": packed(column(kinematics.velocity)),
+            "acceleration": packed(column(kinematics.acceleration)),
+        },
+        "thinned": rows.size < time.size,
+    }
+
+
+def error_map(comparison: Comparison) -> dict[str, object]:
+    """RMS residual over velocity and displacement, as a heat map; empty where hardly anything was measured."""
+    pool = comparison.pool
+    speed = float(np.quantile(np.abs(pool.velocity), 0.998)) or 1.0
+    low, high = (1e3 * float(np.quantile(pool.displacement, q)) for q in (0.001, 0.999))
+    edges = [np.linspace(-speed, speed, MAP_COLUMNS + 1), np.linspace(low, max(high, low + 1e-3), MAP_ROWS + 1)]
+    place = (pool.velocity, 1e3 * pool.displacement)
+    count = np.histogram2d(*place, bins=edges)[0]
+    square = np.histogram2d(*place, bins=edges, weights=pool.residual**2)[0]
+    rms = np.sqrt(square / np.maximum(count, 1.0))
+    middles = [(e[1:] + e[:-1]) / 2.0 for e in edges]
+    return {
+        "data": [
+            {
+                "type": "heatmap",
+                "x": np.round(middles[0], 5).tolist(),
+                "y": np.round(middles[1], 4).tolist(),
+                "z": [[float(f"{v:.4g}") if n >= _LEAST_IN_CELL else None for v, n in zip(*row, strict=True)] for row in zip(rms.T, count.T, strict=True)],
+                "colorscale": "Cividis",
+                "colorbar": {"title": {"text": "rms error in N", "side": "right"}, "thickness": 12},
+                "hovertemplate": "%{x:.3g} m/s, %{y:.3g} mm: %{z:.3g} N<extra></extra>",
+            }
+        ],
+        "layout": {"xaxis": {"title": {"text": "velocity in m/s"}}, "yaxis": {"title": {"text": "displacement in mm"}}},
+    }
+
+
+def coherence_figure(comparisons: Sequence[Comparison]) -> dict[str, object] | None:
+    """Coherence of measured and modelled force over frequency; None where the recording is too short for it."""
+    curves = [
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "role": f"model{index}",
+            "name": c.model.name,
+            "x": np.round(c.coherence.frequency, 4).tolist(),
+            "y": [float(f"{v:.4g}") if np.isfinite(v) else None for v in c.coherence.value],
+            "hovertemplate": "%{x:.3g} Hz: %{y:.3f}<extra>%{fullData.name}</extra>",
+        }
+        for index, c in enumerate(comparisons)
+        if c.coherence.frequency.size
+    ]
+    if not curves:
+        return None
+    layout = {
+        "xaxis": {"title": {"text": "frequency in Hz"}},
+        "yaxis": {"title": {"text": "coherence (1)"}, "range": [0.0, 1.03]},
+        "showlegend": len(curves) > 1,
+    }
+    return {"data": curves, "layout": layout}

@@ -1,0 +1,70 @@
+"""What the page says in words: the headline, the measures with their units, the quality of the data."""
+
+from pathlib import Path
+
+import numpy as np
+
+from damper_estimator.validation import Comparison
+
+MEASURES = (
+    ("rmse_n", "rms error", "N", "root mean square of modelled - measured force"),
+    ("nrmse", "relative", "%", "rms error over rms force"),
+    ("esr", "ESR", "", "error variance over force variance"),
+    ("fit_percent", "fit", "%", "100 (1 - |e| / |F - mean F|)"),
+    ("correlation", "correlation", "", "of modelled and measured force"),
+    ("peak_error_n", "peak error", "N", "largest |e|"),
+    ("energy_error", "energy error", "%", "dissipated energy, modelled - measured over measured"),
+    ("bias_n", "bias", "N", "mean error"),
+)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Three digits, or a dash where it is not known."""
+    if not np.isfinite(value):
+        return "–"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text
+
+
+def measure_text(name: str, value: float) -> str:
+    """A measure as the page shows it, without its unit."""
+    if name in ("correlation", "esr"):
+        return f"{value:.4f}" if np.isfinite(value) else number(value)
+    return number(100.0 * value if name in ("nrmse", "energy_error") else value)
+
+
+def headline(comparisons: list[Comparison]) -> str:
+    """The verdict in one sentence, for the best of the models."""
+    best = min(comparisons, key=lambda c: c.measures.rmse_n)
+    m = best.measures
+    head = f"{best.model.name} is " if len(comparisons) == 1 else f"{best.model.name} is the closest: it is "
+    text = f"{head}{number(m.rmse_n)} N rms off, {number(100.0 * m.nrmse)} % of a force of {number(m.force_rms_n)} N rms"
+    if np.isfinite(best.noise_floor_n) and m.rmse_n <= 1.3 * best.noise_floor_n:
+        return f"{text}: that is the noise of the measurement."
+    if best.regions:
+        return f"{text}; it fails most in {best.regions[0].where}: {best.regions[0].what}."
+    return f"{text}; the error is spread evenly over the operation."
+
+
+def quality_rows(comparison: Comparison) -> list[dict[str, str]]:
+    """Data quality by name, with what is suspicious marked."""
+    q = comparison.data_quality
+    rows = [("samples", f"{q.samples}", False), ("rate", f"{number(q.rate_hz, 4)} Hz", False)]
+    counts = {
+        "gaps": q.gaps,
+        "steps back in time": q.steps_back,
+        "older stamps": q.inversions,
+        "equal stamps": q.duplicates,
+        "not finite": q.non_finite,
+        "saturated": q.saturated,
+    }
+    rows += [(name, f"{count}", count > 0) for name, count in counts.items()]
+    skew = f"{1e3 * q.skew_s:.2f} ms" if np.isfinite(q.skew_s) else "not determined"
+    rows.append(("force late by", skew, np.isfinite(q.skew_s) and abs(q.skew_s) > 1e-3))
+    rows.append(("noise floor", f"{number(comparison.noise_floor_n)} N" if np.isfinite(comparison.noise_floor_n) else "not determined", False))
+    return [{"name": name, "text": text, "bad": bad} for name, text, bad in rows]
+
+
+def recording_name(path: str) -> str:
+    """Short name of a recording."""
+    return Path(path).name
