@@ -1,0 +1,138 @@
+"""Plays the inputs of a replayed recording to the live node and holds its forces against those of ``replay``, bit for bit.
+
+    damper-estimator replay bag.mcap -m model.yaml -o replayed.mcap
+    python -m damper_estimator.node.rehearsal replayed.mcap -m model.yaml
+"""
+
+import argparse
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import rclpy
+
+from damper_estimator.errors import InputError
+from damper_estimator.node.live_damper import SLOW
+from damper_estimator.node.player import Player
+from damper_estimator.recordings import Bag, open_bag
+from damper_estimator.signals import SignalMap, load_signal_map
+from damper_estimator.signals.channels import find_topic, signals_for
+
+FORCE = "/damper_estimator/force"
+EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
+FIELDS = (
+    "displacement", "velocity", "acceleration", "force", "force_stddev", "force_min", "force_max",
+    "dforce_dvelocity", "dforce_dcurrent", "status",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How live and replayed forces compare.
+
+    Attributes:
+        replayed, live: messages on each side.
+        unequal: messages that differ in stamp, names or any bit of a number.
+        largest: N, largest difference of force where stamp and names agree.
+    """
+
+    replayed: int
+    live: int
+    unequal: int
+    largest: float
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether both sides have the same messages."""
+        return self.replayed == self.live and not self.unequal
+
+
+def rehearse(player: Player, replayed: Path, signal_map: SignalMap) -> Outcome:
+    """Plays to a node that is running already.
+
+    Args:
+        player: fresh, on the node's ROS domain.
+        replayed: what ``replay`` wrote with the node's model and signal map.
+        signal_map: the node's.
+
+    Raises:
+        InputError: where the recording is unusable or nobody listens.
+    """
+    with open_bag(replayed) as bag:
+        displacement, slow = _inputs(bag, signal_map)
+        kinds = {topic.name: topic.type for topic in bag.topics if topic.name in displacement | slow}
+        player.connect(kinds)
+        player.play(_messages(bag, kinds), displacement)
+        expected = [message for batch in bag.batches([FORCE]) for _, message in batch.messages(FORCE)]
+    return compared(expected, player.forces)
+
+
+def compared(replayed: Sequence[object], live: Sequence[object]) -> Outcome:
+    """Holds two series of ``DamperForces`` against each other, message by message."""
+    unequal, largest = 0, 0.0
+    for ours, theirs in zip(replayed, live, strict=False):
+        if _key(ours) != _key(theirs):
+            unequal += 1
+        elif any(_bits(ours, field) != _bits(theirs, field) for field in FIELDS):
+            unequal += 1
+            largest = max(largest, float(np.nanmax(np.abs(np.subtract(ours.force, theirs.force)), initial=0.0)))
+    return Outcome(len(replayed), len(live), unequal, largest)
+
+
+def _key(message: object) -> tuple:
+    return message.header.stamp.sec, message.header.stamp.nanosec, *message.name
+
+
+def _bits(message: object, field: str) -> bytes:
+    return np.asarray(getattr(message, field), np.uint8 if field == "status" else np.float64).tobytes()
+
+
+def _inputs(bag: Bag, signal_map: SignalMap) -> tuple[set[str], set[str]]:
+    """The bag's topics of displacement, and of the slow channels."""
+    signals = signals_for(bag, signal_map).dampers.values()
+    displacement = {find_topic(bag, own.displacement.topic) for own in signals}
+    slow = {find_topic(bag, getattr(own, role).topic) for own in signals for role in SLOW}
+    return displacement - {None}, slow - {None}
+
+
+def _messages(bag: Bag, topics: Sequence[str]) -> Iterator[tuple[str, bytes]]:
+    for batch in bag.batches(list(topics)):
+        for connection, _, data in batch.raw():
+            yield connection.topic, data
+
+
+def main() -> int:
+    """Starts a node, plays to it, says how the forces compare; the exit status is 1 where they differ."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("replayed", type=Path, help="what damper-estimator replay wrote")
+    parser.add_argument("-m", "--model", required=True, help="the model that it was replayed with")
+    parser.add_argument("-s", "--signals", default="", help="the signal map that it was replayed with")
+    arguments = parser.parse_args()
+    command = [EXECUTABLE, "--ros-args", "-p", f"model:={arguments.model}", "-p", f"signals:={arguments.signals}"]
+    node = subprocess.Popen(command)
+    rclpy.init()
+    player = Player()
+    try:
+        outcome = rehearse(player, arguments.replayed, load_signal_map(arguments.signals or None))
+    except InputError as error:
+        print(f"rehearsal: {error}", file=sys.stderr)
+        return 1
+    finally:
+        player.close()
+        rclpy.shutdown()
+        node.terminate()
+        node.wait()
+    print(
+        f"live node against replay: {outcome.live} of {outcome.replayed} messages came over DDS, "
+        f"{outcome.unequal} differ, largest difference {outcome.largest:g} N: "
+        + ("live equals offline, bit for bit" if outcome.is_equal else "live and offline are NOT equal")
+    )
+    return 0 if outcome.is_equal else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

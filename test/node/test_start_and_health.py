@@ -1,0 +1,133 @@
+"""What the node refuses to start with, how it stops, and what it says of its health."""
+
+import re
+import signal
+
+import numpy as np
+import pytest
+
+from damper_estimator.recordings import joint_states
+from damper_estimator.signals import load_signal_map
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
+ENDED_WITHIN = 60.0  # s, far more than a refusal needs on a busy machine
+HEALTH_WITHIN = 20.0  # s
+
+REFUSED = [
+    ({}, "", "parameter model is not set"),
+    ({"model": "nonsense"}, "", "nonsense: is neither a model file nor a model's name"),
+    ({"model": "broken.yaml"}, "effects: [{viscous_nonsense: {}}]", "broken.yaml: .*viscous_nonsense"),
+    ({"model": "broken.yaml"}, "effects: [{linear_viscous: {rebound: -1.0e9}}]", "broken.yaml: .*rebound"),
+    ({"model": "coulomb", "signals": "missing.yaml"}, "", "missing.yaml: cannot be read"),
+    ({"model": "coulomb", "signals": "broken.yaml"}, "dampers: {left: {displacment: {}}}", "broken.yaml: .*displacment"),
+    (
+        {"model": "coulomb", "signals": "broken.yaml"},
+        "dampers: {left: {displacement: {field: 'height[left]'}}}",
+        "displacement on .*height.*position",
+    ),
+    ({"model": "coulomb", "signals": "broken.yaml", "dampers": "[right]"}, "dampers: {left: {}}", "dampers: right not in .*left"),
+    ({"model": "coulomb", "executor": "fast"}, "", "executor is 'fast'; allowed are events, single"),
+    ({"model": "coulomb", "qos_reliability": "maybe"}, "", "qos_reliability is 'maybe'; allowed are best_effort, reliable"),
+    ({"model": "coulomb", "qos_depth": 0}, "", "qos_depth: must be between 1 and"),
+    ({"model": "coulomb", "cutoff": 60}, "", r"cutoff: must be .* written with a point \(60.0\)"),
+    ({"model": "coulomb", "max_gap": -1.0}, "", "max_gap: must be between"),
+]
+
+
+@pytest.mark.parametrize("parameters, content, reason", REFUSED)
+def test_what_it_cannot_run_with_is_refused_in_one_line(parameters, content, reason, start, tmp_path, monkeypatch):
+    (tmp_path / "broken.yaml").write_text(content)
+    monkeypatch.chdir(tmp_path)
+    process = start(**parameters)
+    said = process.communicate(timeout=ENDED_WITHIN)[1]
+    assert process.returncode == 1
+    lines = [line for line in said.splitlines() if not line.startswith("[")]  # those are the log's
+    assert len(lines) == 1, said
+    assert lines[0].startswith("estimator_node: ")
+    assert re.search(reason, lines[0]), lines[0]
+
+
+def test_a_missing_parameter_file_is_refused_in_one_line(start):
+    process = start("--params-file", "missing.yaml", model="coulomb")
+    said = process.communicate(timeout=ENDED_WITHIN)[1]
+    assert process.returncode == 1
+    (line,) = [line for line in said.splitlines() if not line.startswith("[")]
+    assert line.startswith("estimator_node: ") and "missing.yaml" in line
+
+
+def level(player, ending: str) -> bytes | None:
+    """Level of the status whose name ends so, in the last report; None where there is none."""
+    statuses = player.health[-1].status if player.health else ()
+    return next((bytes(s.level) for s in statuses if s.name.endswith(ending)), None)
+
+
+def test_health_follows_the_input(start, player):
+    start(model="coulomb", dampers="[left, right]")
+    told = "input /suspension/displacement"
+    player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet", HEALTH_WITHIN)
+    assert level(player, ": left") == WARN
+    player.connect({"/suspension/displacement": JOINT_STATE})
+    stamps = np.arange(10**18, 10**18 + 10**8, 10**6)
+    messages = joint_states(["left", "stranger"], stamps, position=np.zeros((stamps.size, 2)))
+    for first in range(0, stamps.size, 10):
+        part = [("/suspension/displacement", message) for message in messages[first : first + 10]]
+        player.play(part, {"/suspension/displacement"})
+        seen = len(player.health)
+        player.wait(lambda seen=seen: len(player.health) > seen, "diagnostics", HEALTH_WITHIN)
+        if level(player, told) == OK:
+            break
+    assert level(player, ": left") == OK
+    assert level(player, ": right") == ERROR
+    status = next(s for s in player.health[-1].status if s.name.endswith(told))
+    assert {pair.key: pair.value for pair in status.values}["names not estimated"] == "stranger"
+    player.wait(lambda: level(player, told) == ERROR, "an error that the input has stopped", HEALTH_WITHIN)
+
+
+def test_a_publisher_that_cannot_be_heard_is_reported(start, player):
+    import rclpy
+    from rclpy.qos import qos_profile_sensor_data
+    from sensor_msgs.msg import JointState
+
+    start(model="coulomb", qos_reliability="reliable")
+    node = rclpy.create_node("unreliable")
+    node.create_publisher(JointState, "/suspension/displacement", qos_profile_sensor_data)
+    player.wait(lambda: level(player, "input /suspension/displacement") == ERROR, "an error", HEALTH_WITHIN)
+    node.destroy_node()
+    status = next(s for s in player.health[-1].status if "input" in s.name)
+    assert "quality of service" in status.message
+
+
+def test_namespace_and_remapping_move_the_relative_topics(start, tmp_path):
+    import rclpy
+
+    from damper_estimator.node.player import Player
+
+    start("-r", "__ns:=/car_7", "-r", "suspension/displacement:=sensors/stroke", model="coulomb")
+    rclpy.init()
+    player = Player("/car_7/damper_estimator")
+    player.connect({"/car_7/sensors/stroke": JOINT_STATE})
+    (message,) = joint_states(["left"], np.array([7_000_000_001]), position=np.zeros((1, 1)))
+    player.play([("/car_7/sensors/stroke", message)], {"/car_7/sensors/stroke"})
+    player.close()
+    rclpy.shutdown()
+    (answer,) = player.forces
+    assert (answer.header.stamp.sec, answer.header.stamp.nanosec, list(answer.name)) == (7, 1, ["left"])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_without_complaint(number, start, player):
+    process = start(model="coulomb", dampers="[left]")
+    player.wait(lambda: player.health, "diagnostics", HEALTH_WITHIN)
+    process.send_signal(number)
+    said = process.communicate(timeout=ENDED_WITHIN)[1]
+    assert process.returncode == 0
+    assert "Traceback" not in said and "rror" not in said.replace("damper_estimator", ""), said
+
+
+def test_the_shipped_parameter_file_starts_it(start, player):
+    from damper_estimator.share import share_path
+
+    start("--params-file", str(share_path("config/node.yaml")))
+    player.wait(lambda: level(player, "input /suspension/displacement") == WARN, "diagnostics", HEALTH_WITHIN)
+    assert load_signal_map(None).cutoff == 60.0  # the comment in the file says so
