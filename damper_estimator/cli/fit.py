@@ -6,6 +6,8 @@ coulomb.force identifies friction alone). Names may be whole effects, whole vect
 """
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import asdict, fields
 from pathlib import Path
 
 from damper_estimator.cli.common import (
@@ -19,8 +21,9 @@ from damper_estimator.cli.common import (
     write_json,
 )
 from damper_estimator.errors import InputError
-from damper_estimator.identification import Fit, all_methods, fit
-from damper_estimator.model import load_model, save_model
+from damper_estimator.identification import Fit, FittedParameter, all_methods, fit
+from damper_estimator.model import DamperModel, load_model, save_model
+from damper_estimator.model.element import labels
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, SignalMap, load_signal_map, measure
 from damper_estimator.signals.channels import signals_for
@@ -44,8 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Fits every damper, then writes all model files."""
-    signal_map = load_signal_map(arguments.signals)
-    measurements = read(arguments, signal_map)
+    measurements = read(arguments.bags, load_signal_map(arguments.signals), arguments.dampers, arguments.start, arguments.stop)
     targets = output_paths(arguments.output, list(measurements))
     fits = {}
     for damper, own in measurements.items():
@@ -55,26 +57,37 @@ def run(arguments: argparse.Namespace) -> int:
     for damper, result in fits.items():
         targets[damper].parent.mkdir(parents=True, exist_ok=True)
         save_model(result.model, targets[damper])
-    if arguments.json != STANDARD_OUTPUT:
-        for damper, result in fits.items():
+        if arguments.json != STANDARD_OUTPUT:
             print(table(damper, result, targets[damper]))
-    results = {damper: as_json(damper, result, targets[damper]) for damper, result in fits.items()}
-    write_json(arguments.json, next(iter(results.values())) if len(results) == 1 else {"dampers": results})
+    records = {damper: as_json(result, targets[damper]) for damper, result in fits.items()}
+    write_json(arguments.json, {"bags": arguments.bags, "model": arguments.model, "dampers": records})
     return 0
 
 
-def read(arguments: argparse.Namespace, signal_map: SignalMap) -> dict[str, list[Measurement]]:
-    """Measurements of every wanted damper, one per bag; a damper that one of the bags lacks is an error there."""
-    start = 0.0 if arguments.start is None else arguments.start
-    stop = float("inf") if arguments.stop is None else arguments.stop
-    measurements: dict[str, list[Measurement]] = {damper: [] for damper in arguments.dampers}
-    for path in arguments.bags:
+def read(
+    paths: Sequence[Path], signal_map: SignalMap, wanted: Sequence[str], start: float | None, stop: float | None
+) -> dict[str, list[Measurement]]:
+    """Measurements by damper, one for every bag that has it.
+
+    A damper whose force was not measured is left out, unless it is asked for by name: then it is an error.
+
+    Raises:
+        InputError: where a wanted damper, or the force of all, is missing.
+    """
+    window = (0.0 if start is None else start, float("inf") if stop is None else stop)
+    found: dict[str, list[Measurement]] = {}
+    for path in paths:
         with open_bag(path) as bag:
-            if not measurements:
-                measurements = {damper: [] for damper in signals_for(bag, signal_map).dampers}
-            for damper, own in measurements.items():
-                own.append(measure(bag, signal_map, damper, start, stop))
-    return measurements
+            there = signals_for(bag, signal_map).dampers
+            for damper in wanted or there:
+                measurement = measure(bag, signal_map, damper, *window, force_wanted=damper in wanted)
+                if measurement.force is None:
+                    progress(f"{path}: the force of {damper} was not measured; left out")
+                else:
+                    found.setdefault(damper, []).append(measurement)
+    if not found:
+        raise InputError(f"{paths[0]}: no damper has a measured force; fit needs one (name its topic in a signal map)")
+    return found
 
 
 def output_paths(output: Path, dampers: list[str]) -> dict[str, Path]:
@@ -93,43 +106,39 @@ def output_paths(output: Path, dampers: list[str]) -> dict[str, Path]:
 def table(damper: str, result: Fit, target: Path) -> str:
     """The result for people."""
     width = max(len(parameter.name) for parameter in result.parameters)
+    knots = _knots(result.model)
     lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
     for p in result.parameters:
-        error = "  at its bound" if p.at_bound else f"± {p.standard_error:.2g}" if p.standard_error == p.standard_error else "± unknown"
-        lines.append(f"  {p.name:<{width}}  {p.value:>12.6g} {error:<12} {p.unit}".rstrip())
+        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {p.unit if p.unit != '1' else ''}{knots.get(p.name, '')}"
+        lines.append(row.rstrip())
     lines += [
         f"  rms error  {result.rmse_before_n:.4g} N -> {result.rmse_n:.4g} N",
         f"  ESR        {result.esr_before:.4g} -> {result.esr:.4g}",
-        *(f"  warning: {warning}" for warning in result.warnings),
+        *(f"  note: {warning}" for warning in result.warnings),
         f"  {result.seconds:.1f} s, {result.evaluations} evaluations; written to {target}",
     ]
     return "\n".join(lines)
 
 
-def as_json(damper: str, result: Fit, target: Path) -> dict[str, object]:
-    """The result for programs."""
-    return {
-        "damper": damper,
-        "model": result.model.name,
-        "file": target,
-        "rmse_n": result.rmse_n,
-        "esr": result.esr,
-        "rmse_before_n": result.rmse_before_n,
-        "esr_before": result.esr_before,
-        "samples": result.samples,
-        "parameters": [
-            {
-                "name": p.name,
-                "value": p.value,
-                "standard_error": p.standard_error,
-                "unit": p.unit,
-                "at_bound": p.at_bound,
-            }
-            for p in result.parameters
-        ],
-        "undetermined": result.undetermined,
-        "converged": result.converged,
-        "warnings": result.warnings,
-        "seconds": result.seconds,
-        "evaluations": result.evaluations,
-    }
+def _uncertainty(parameter: FittedParameter) -> str:
+    if parameter.at_bound:
+        return "at its bound"
+    return f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
+
+
+def _knots(model: DamperModel) -> dict[str, str]:
+    """Where on its curve each entry of a vector stands, by address."""
+    places = {}
+    elements = labels(model.effects)
+    for slot in model.slots:
+        _, element = elements[slot.entry]
+        if isinstance(slot.parameter.size, str):
+            unit = {setting.name: setting.unit for setting in element.effect.settings}[slot.parameter.size]
+            places[slot.address] = f" at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
+    return places
+
+
+def as_json(result: Fit, target: Path) -> dict[str, object]:
+    """The result for programs: the fields of ``Fit``, with the model's name and file."""
+    plain = {field.name: getattr(result, field.name) for field in fields(result) if field.name not in ("model", "parameters")}
+    return {"model": result.model.name, "file": target, **plain, "parameters": [asdict(p) for p in result.parameters]}

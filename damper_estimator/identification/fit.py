@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification.knots import with_placed_knots
+from damper_estimator.identification.knots import moved_knots, with_placed_knots
 from damper_estimator.identification.methods.contract import Solution, find_method
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
@@ -184,14 +184,15 @@ def _result(
         evaluations=solution.evaluations,
         converged=solution.converged,
         undetermined=known.undetermined,
-        warnings=_warnings(parameters, solution, known, used, lost),
+        warnings=_warnings(parameters, solution, known, used, lost, moved_knots(model, problem.model)),
     )
 
 
 def _warnings(
-    parameters: tuple[FittedParameter, ...], solution: Solution, known: Uncertainty, used: list[Measurement], lost: int
+    parameters: tuple[FittedParameter, ...], solution: Solution, known: Uncertainty, used: list[Measurement], lost: int, moved: list[str]
 ) -> tuple[str, ...]:
     said = [solution.remark] if solution.remark else []
+    said += [f"the knots of {label} were laid out anew over the recordings" for label in moved]
     if not solution.converged:
         said.append("the search did not converge; the values are the best that were found")
     bounded = [p.name for p in parameters if p.at_bound]

@@ -13,7 +13,7 @@ import numpy as np
 
 from damper_estimator.effects.contract import Parameter, Setting
 from damper_estimator.model import DamperModel, Element
-from damper_estimator.model.element import Value
+from damper_estimator.model.element import Value, labels
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, V, X
 
@@ -25,6 +25,12 @@ FEWEST = 30  # samples between two knots, and a thousandth of all
 def with_placed_knots(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
     """The model with its default knots laid over the judged samples of the measurements; values are interpolated."""
     return replace(model, effects=tuple(_placed(element, measurements) for element in model.effects))
+
+
+def moved_knots(before: DamperModel, after: DamperModel) -> list[str]:
+    """Labels of the entries whose settings differ."""
+    pairs = zip(labels(before.effects), labels(after.effects), strict=True)
+    return [label for (label, old), (_, new) in pairs if old.settings != new.settings]
 
 
 def _placed(element: Element, measurements: Sequence[Measurement]) -> Element:
