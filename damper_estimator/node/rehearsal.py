@@ -5,6 +5,7 @@
 """
 
 import argparse
+import json
 import subprocess
 import sys
 import sysconfig
@@ -16,6 +17,7 @@ import numpy as np
 import rclpy
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.domain import own_domain
 from damper_estimator.node.live_damper import SLOW
 from damper_estimator.node.player import Player
 from damper_estimator.recordings import Bag, open_bag
@@ -105,27 +107,37 @@ def _messages(bag: Bag, topics: Sequence[str]) -> Iterator[tuple[str, bytes]]:
             yield connection.topic, data
 
 
-def main() -> int:
-    """Starts a node, plays to it, says how the forces compare; the exit status is 1 where they differ."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("replayed", type=Path, help="what damper-estimator replay wrote")
-    parser.add_argument("-m", "--model", required=True, help="the model that it was replayed with")
-    parser.add_argument("-s", "--signals", default="", help="the signal map that it was replayed with")
-    arguments = parser.parse_args()
-    command = [EXECUTABLE, "--ros-args", "-p", f"model:={arguments.model}", "-p", f"signals:={arguments.signals}"]
-    node = subprocess.Popen(command)
+def _rehearse_with_own_node(replayed: Path, model: str, signals: Path | None) -> Outcome:
+    signal_map = load_signal_map(signals)
+    with open_bag(replayed) as bag:
+        dampers = list(signals_for(bag, signal_map).dampers)
+    parameters = {"model": model, "dampers": json.dumps(dampers)} | ({"signals": signals} if signals else {})
+    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
+    node = subprocess.Popen([EXECUTABLE, "--ros-args", *words])
     rclpy.init()
     player = Player()
     try:
-        outcome = rehearse(player, arguments.replayed, load_signal_map(arguments.signals or None))
-    except InputError as error:
-        print(f"rehearsal: {error}", file=sys.stderr)
-        return 1
+        return rehearse(player, replayed, signal_map)
     finally:
         player.close()
         rclpy.shutdown()
         node.terminate()
         node.wait()
+
+
+def main() -> int:
+    """Starts a node, plays to it, says how the forces compare; the exit status is 1 where they differ."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("replayed", type=Path, help="what damper-estimator replay wrote")
+    parser.add_argument("-m", "--model", required=True, help="the model that it was replayed with")
+    parser.add_argument("-s", "--signals", type=Path, help="the signal map that it was replayed with")
+    arguments = parser.parse_args()
+    try:
+        with own_domain():
+            outcome = _rehearse_with_own_node(arguments.replayed, arguments.model, arguments.signals)
+    except InputError as error:
+        print(f"rehearsal: {error}", file=sys.stderr)
+        return 1
     print(
         f"live node against replay: {outcome.live} of {outcome.replayed} messages came over DDS, "
         f"{outcome.unequal} differ, largest difference {outcome.largest:g} N: "

@@ -1,7 +1,6 @@
 """A real estimator process on real DDS; skipped, with the reason, where ROS is not installed."""
 
 import os
-import socket
 import subprocess
 import sysconfig
 from collections.abc import Callable, Iterator
@@ -27,20 +26,11 @@ def ros() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def own_domain(ros, tmp_path_factory) -> Iterator[None]:
-    """A ROS domain that no other test run on this machine uses, reserved as long as this one lasts; local traffic only."""
-    reserved = socket.socket(socket.AF_UNIX)
-    for domain in range(20, 100):
-        try:
-            reserved.bind(f"\0damper_estimator_test_domain_{domain}")
-            break
-        except OSError:
-            continue
-    else:
-        pytest.fail("no free ROS domain")
-    with reserved, pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_DOMAIN_ID", str(domain))
-        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def domain(ros, tmp_path_factory) -> Iterator[None]:
+    """A ROS domain that nothing else on this machine uses, and a folder for ROS's logs."""
+    from damper_estimator.node.domain import own_domain
+
+    with pytest.MonkeyPatch.context() as patch, own_domain():
         patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros_log")))
         yield
 
@@ -74,7 +64,7 @@ def stop(process: subprocess.Popen) -> None:
 
 
 @pytest.fixture
-def player(own_domain) -> Iterator[object]:
+def player(domain) -> Iterator[object]:
     """Plays to an estimator of the default name."""
     import rclpy
 
