@@ -13,7 +13,7 @@ LEAST_SECONDS = 0.5
 _HOP = 0.1  # s
 _LEAST_SAMPLES = 12
 _NOISE_FACTOR = 1.6
-_RANGE_SHARES = (0.003, 0.01)  # of displacement and force: hum and creep that third differences do not see
+_RANGE_SHARES = (0.0005, 0.01)  # of displacement and force: hum and creep that third differences do not see
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,92 @@
+"""Where it fails: a planted error is found where it was planted, and noise is no region."""
+
+import numpy as np
+import pytest
+
+from damper_estimator.validation import compare
+
+
+def words(comparison):
+    return [region.where for region in comparison.regions]
+
+
+def plant(where, size=150.0):
+    """The model's force and an error beside it where ``where(kinematics)`` holds."""
+    return lambda k: 1500.0 * k.velocity + size * np.sign(k.velocity) * where(k)
+
+
+def test_a_planted_speed_band_comes_first_in_words(viscous, motion, measured):
+    speeds = plant(lambda k: (k.velocity > 0.1) & (k.velocity < 0.2))
+    c = compare(viscous, measured(*motion(60.0, rms=0.03), speeds))
+    first = c.regions[0]
+    assert first.where == "rebound between 0.1 and 0.2 m/s"
+    assert first.direction == "rebound" and (first.low, first.high) == (0.1, 0.2)
+    assert first.share_of_squared_error > 0.8 and first.share_of_samples < 0.3
+    assert "too soft" in first.what and "N too soft" in first.sentence
+
+
+def test_a_model_that_gives_too_much_is_too_stiff(viscous, motion, measured):
+    c = compare(viscous, measured(*motion(), plant(lambda k: k.velocity < -0.05, -150.0)))
+    assert "compression" in c.regions[0].where and "too stiff" in c.regions[0].what
+
+
+@pytest.mark.parametrize(
+    ("axis", "where"),
+    [
+        ("displacement", lambda k: k.displacement > np.quantile(k.displacement, 0.8)),
+        ("time", lambda k: k.time > 30.0),
+        ("acceleration", lambda k: abs(k.acceleration) > np.quantile(abs(k.acceleration), 0.8)),
+        ("temperature", lambda k: k.temperature > 43.0),
+        ("command", lambda k: k.command == 1.5),
+    ],
+)  # fmt: skip
+def test_a_planted_error_is_found_on_its_own_axis(axis, where, viscous, motion, measured):
+    time, x = motion()
+    slow = {"temperature": 40.0 + 5.0 * np.sin(time), "command": np.round(2 * np.mod(time / 7.0, 1.5)) / 2 + 0.5}
+    c = compare(viscous, measured(time, x, plant(where), **slow))
+    own = [region for region in c.regions if region.axis == axis]
+    assert own and own[0].share_of_squared_error > 0.6
+    assert own[0].excess >= 0.7 * c.regions[0].excess
+
+
+def test_an_error_after_reversals_is_told_from_slow_motion(viscous, motion, measured):
+    def late(k):
+        since = k.time % 0.25
+        return 1500.0 * k.velocity + 200.0 * (since < 0.02) * np.sign(k.velocity)
+
+    time = np.arange(20000) / 500.0
+    c = compare(viscous, measured(time, -0.01 * np.cos(4 * np.pi * time), late))
+    assert any("after a reversal" in where and "first" in where for where in words(c))
+
+
+def test_noise_alone_is_no_region(viscous, motion, measured):
+    for seed in range(5):
+        noise = np.random.default_rng(seed)
+        c = compare(viscous, measured(*motion(30.0, seed=seed), lambda k: 1500.0 * k.velocity + 30.0 * noise.standard_normal(len(k))))
+        assert words(c) == []
+
+
+def test_regions_are_worst_first_and_carry_more_error_than_time(viscous, motion, measured):
+    c = compare(viscous, measured(*motion(), lambda k: 2500.0 * k.velocity))
+    excess = [region.excess for region in c.regions]
+    assert excess == sorted(excess, reverse=True) and min(excess) > 0.0
+
+
+def test_a_regions_numbers_are_those_of_its_samples(viscous, motion, measured):
+    c = compare(viscous, measured(*motion(60.0), plant(lambda k: k.velocity > 0.05)))
+    region, pool = next(r for r in c.regions if r.axis == "velocity"), c.pool
+    own = pool.residual[(pool.velocity >= region.low) & (pool.velocity < region.high)]
+    assert region.rmse_n == pytest.approx(np.sqrt(np.mean(own**2)), rel=1e-12)
+    assert region.bias_n == pytest.approx(own.mean(), rel=1e-12)
+    assert region.share_of_squared_error == pytest.approx(np.sum(own**2) / np.sum(pool.residual**2), rel=1e-9)
+    assert abs(pool.residual[np.argmin(abs(pool.elapsed - region.time))]) == pytest.approx(abs(own).max())
+
+
+def test_bands_follow_the_datas_own_range(viscous, motion, measured):
+    """The same shape of motion and error, ten times smaller, gives bands ten times smaller."""
+    large, small = (
+        compare(viscous, measured(*motion(60.0, rms=rms), plant(lambda k, v=rms * 5.0: k.velocity > v)))
+        for rms in (0.05, 0.005)
+    )
+    low = [next(r.low for r in c.regions if r.axis == "velocity") for c in (large, small)]
+    assert low[0] == pytest.approx(10 * low[1], rel=1e-6)
