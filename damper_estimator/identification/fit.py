@@ -200,7 +200,7 @@ def _warnings(
         said.append(f"at a bound: {', '.join(bounded)}; no standard error can be given there")
     silent = [group[0] for group in known.undetermined if len(group) == 1]
     if silent:
-        said.append(f"{', '.join(silent)} cannot be determined: next to no influence on these data; fix what cannot be told")
+        said.append(f"{', '.join(silent)} cannot be determined from these data; fix what they do not tell, or record what excites it")
     for group in known.undetermined:
         if len(group) > 1:
             said.append(f"{', '.join(group[:-1])} and {group[-1]} trade off: these data cannot tell them apart; fix {'one' if len(group) == 2 else 'some'} of them")

@@ -18,6 +18,8 @@ from damper_estimator.model import DamperModel
 _KEPT = 4  # settings of the parameters for which a term's columns are remembered
 _STEP = 1e-5  # of a parameter's size: well above the tolerance to which compliances are solved
 
+_SILENT = 1e-7  # of the measured force
+
 
 @dataclass(frozen=True)
 class Point:
@@ -101,6 +103,8 @@ class Problem:
     def jacobian(self, point: Point, size: np.ndarray) -> np.ndarray:
         """(m, q) derivative of the rows by the searched parameters, the linear ones held; one-sided differences.
 
+        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero: the rest is rounding.
+
         Args:
             size: (q,) magnitude of each parameter, to which the step is in proportion.
         """
@@ -118,6 +122,8 @@ class Problem:
             for term, force in zip(self._terms, before, strict=True):
                 if slot in term.searched:
                     derivative[:, j] += (self._run(term, changed) - force) / step
+        silent = np.linalg.norm(derivative, axis=0) * size < _SILENT * np.linalg.norm(self.target)
+        derivative[:, silent] = 0.0
         return derivative
 
     def _force_at(self, i: int, term: Term, point: Point) -> np.ndarray:

@@ -16,7 +16,8 @@ from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
 
 ROWS_PER_BAND = 4.0  # rows per second over the band's frequency
 SLOW_CHANNELS = {COMMAND: "command", TEMPERATURE: "temperature", PRESSURE: "pressure"}
-_PROBE = 50  # samples at the end of a recording on which a model is tried
+_PROBE = 50  # samples at the end of a recording on which a model must give a force
+_TRIAL = 2000  # samples on which it is tried whether a channel matters
 _SHORTEST = 0.5  # s; what is left of a recording between holes must last at least this long
 
 
@@ -59,41 +60,42 @@ def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0) -> Rows:
 
 
 def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
-    """The parts of a measurement over which the model gives a force; most often one, the whole.
+    """The parts of a measurement that a model can be fitted to; most often one, the whole.
 
-    A slow channel that begins late (its first message comes some seconds into the recording) costs the samples before it.
+    Where a slow channel that the model uses begins late (its first message comes some seconds into the recording), the samples before are left out:
+    without it, effects give no force, which is right live but would be fitted as if it were the damper's.
 
     Raises:
-        InputError: where the force was not measured, or the model needs a channel that was not recorded.
+        InputError: where the force was not measured, a channel that the model uses was not recorded, or its force is no number.
     """
+    where, block = measurement.recording, measurement.kinematics.block
     if measurement.force is None:
-        raise InputError(f"{measurement.recording}: has no measured force of damper {measurement.damper!r}; this verb needs one")
+        raise InputError(f"{where}: has no measured force of damper {measurement.damper!r}; this verb needs one")
     if not np.isfinite(measurement.force[measurement.judged]).all():
-        raise InputError(f"{measurement.recording}: the measured force of damper {measurement.damper!r} is not a number in places; clean the recording")
-    kinematics = measurement.kinematics
-    if not np.isfinite(model.force(np.ascontiguousarray(kinematics.block[:, -_PROBE:]))).all():
-        raise InputError(f"{measurement.recording}: {_reason(model, kinematics.block)}")
+        raise InputError(f"{where}: the measured force of damper {measurement.damper!r} is not a number in places; clean the recording")
+    used = [row for row in SLOW_CHANNELS if np.isnan(block[row]).any() and _depends(model, block, row)]
+    missing = [SLOW_CHANNELS[row] for row in used if np.isnan(block[row]).all()]
+    if missing:
+        raise InputError(
+            f"{where}: has no {' and no '.join(missing)}, which model {model.name} uses; name the topic in the signal map or choose another model"
+        )
     # The force before the first and after the last sample of the gauge need not be a number.
-    good = np.isfinite(model.force(kinematics.block)) & np.isfinite(measurement.force)
-    edges = np.flatnonzero(np.diff(good, prepend=False, append=False)).reshape(-1, 2).tolist()
+    good = np.isfinite(measurement.force) & np.isfinite(block[used]).all(axis=0)
+    if not np.isfinite(model.force(np.ascontiguousarray(block[:, good][:, -_PROBE:]))).all():
+        raise InputError(f"{where}: model {model.name} gives no finite force with the values it has; mend its values")
     if good.all():
         return [slice(0, good.size)]
-    return [slice(a, b) for a, b in edges if kinematics.time[b - 1] - kinematics.time[a] >= _SHORTEST]
+    edges = np.flatnonzero(np.diff(good, prepend=False, append=False)).reshape(-1, 2).tolist()
+    time = measurement.kinematics.time
+    return [slice(a, b) for a, b in edges if time[b - 1] - time[a] >= _SHORTEST]
 
 
-def _reason(model: DamperModel, block: np.ndarray) -> str:
-    """Why a model gives no number at the end of a recording."""
-    absent = [row for row in SLOW_CHANNELS if np.isnan(block[row, -_PROBE:]).any()]
-    filled = np.array(block[:, -_PROBE:])
-    needed = []
-    for row in absent:
-        filled[:] = block[:, -_PROBE:]
-        filled[[other for other in absent if other != row]] = 0.0
-        if not np.isfinite(model.force(filled)).all():
-            needed.append(SLOW_CHANNELS[row])
-    if needed:
-        return f"has no {' and no '.join(needed)}, which model {model.name} needs; name the topic in the signal map or choose another model"
-    return f"model {model.name} gives no finite force with the values it has; mend its values"
+def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
+    """Whether the model's force changes with a slow channel, tried in the middle of a recording."""
+    first = max(0, block.shape[1] // 2 - _TRIAL // 2)
+    low, high = (np.array(block[:, first : first + _TRIAL], order="C") for _ in range(2))
+    low[row], high[row] = 0.3, 1.7
+    return not np.array_equal(model.force(low), model.force(high), equal_nan=True)
 
 
 def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> list[slice]:

@@ -21,7 +21,8 @@ MEMORY = 1.0  # s, longest correlation of the residual that is looked at
 _SINGULAR = 1e-5  # smallest over largest singular value of the scaled Jacobian: below it a direction has no influence
 _WEAK = 0.1  # directions below this are asked whether the noise hides them
 _HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
-_TAKES_PART = 0.2  # of the largest share in a direction: enough to be named
+_TAKES_PART = 0.2  # of the largest share in a direction, or of what is hidden: enough to be named
+_LINKED = 0.1  # correlation of two parameters in the directions without influence
 _INCIDENTAL = 1e-3  # of the largest share: below, rounding
 _FLOOR = 0.02  # of the force: a contribution is not taken as smaller
 _AT_BOUND = 1e-9  # of the distance of the bounds
@@ -32,7 +33,7 @@ class Uncertainty:
     """What the data say about the free parameters.
 
     Attributes:
-        standard_error: (free,) in order of ``Problem.free``; NaN at a bound and where the data say nothing.
+        standard_error: (free,) in order of ``Problem.free``; NaN at a bound, and where the data say nothing or it is wider than the bounds.
         at_bound: (free,) bool.
         undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence.
     """
@@ -40,6 +41,25 @@ class Uncertainty:
     standard_error: np.ndarray
     at_bound: np.ndarray
     undetermined: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class _Directions:
+    """Directions in the space of k parameters, each in units of its column's norm, and what the data say along them.
+
+    Attributes:
+        norms: (k,) of the Jacobian's columns.
+        singular: (k,) influence of each direction.
+        vectors: (k, k), a direction per row.
+        deviation: (k,) standard deviation along each; infinite where it has no influence.
+        spread: (k,) standard error of each parameter, from the directions that have influence.
+    """
+
+    norms: np.ndarray
+    singular: np.ndarray
+    vectors: np.ndarray
+    deviation: np.ndarray
+    spread: np.ndarray
 
 
 def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty:
@@ -50,31 +70,39 @@ def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty
     at_bound = np.minimum(values - low, high - values) <= _AT_BOUND * (high - low)
     searched = problem.jacobian(point, np.maximum(np.abs(point.searched), 0.1 * size))
     order = np.concatenate([problem.searched, problem.solved])
-    jacobian = np.column_stack([searched, point.columns])[:, [int(np.flatnonzero(order == slot)[0]) for slot in free]]
-    inner = np.flatnonzero(~at_bound)
+    jacobian = np.column_stack([searched, point.columns])[:, np.argsort(order)[np.searchsorted(np.sort(order), free)]]
+    every = _directions(problem, point.residual, jacobian)
+    inner = every if not at_bound.any() else _directions(problem, point.residual, jacobian[:, ~at_bound])
     error = np.full(free.size, np.nan)
-    if inner.size == 0:
-        return Uncertainty(error, at_bound, ())
-    norms = np.sqrt((jacobian[:, inner] ** 2).sum(axis=0))
+    blind = _untold(inner) | (inner.spread > (high - low)[~at_bound])
+    error[~at_bound] = np.where(blind, np.nan, inner.spread)
+    # A parameter may stand at its bound only because another takes its part, so both are asked here.
+    contributions = np.maximum(np.abs(values) * every.norms, _FLOOR * np.linalg.norm(problem.target))
+    groups = [group for group in _undetermined(every, contributions) if len(group) > 1 or not at_bound[group[0]]]
+    addresses = [problem.model.slots[slot].address for slot in free]
+    return Uncertainty(error, at_bound, tuple(tuple(addresses[i] for i in group) for group in groups))
+
+
+def _directions(problem: Problem, residual: np.ndarray, jacobian: np.ndarray) -> _Directions:
+    count = jacobian.shape[1]
+    if count == 0:
+        return _Directions(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
+    norms = np.linalg.norm(jacobian, axis=0)
     scale = np.where(norms > 0.0, norms, 1.0)
-    _, singular, directions = np.linalg.svd(triangle(jacobian[:, inner] / scale))
+    _, singular, vectors = np.linalg.svd(triangle(jacobian / scale))
     told = singular > _SINGULAR * singular[0]
-    # Covariance of the amounts along the directions the data tell about, of parameters in units of their column's norm.
-    scores = (jacobian[:, inner] / scale) @ (directions[told].T / singular[told] ** 2)
-    covariance = _covariance(problem, point.residual, scores, inner.size)
-    spread = np.sqrt((directions[told].T @ covariance * directions[told].T).sum(axis=1)) / scale
-    error[inner] = np.where(_untold(directions[~told], norms), np.nan, spread)
-    deviations = np.where(told, 0.0, np.inf)
-    deviations[told] = np.sqrt(np.diag(covariance))
-    contributions = np.maximum(np.abs(values[inner]) * norms, _FLOOR * np.linalg.norm(problem.target))
-    groups = _undetermined(singular, directions, deviations, contributions)
-    return Uncertainty(error, at_bound, tuple(tuple(problem.model.slots[free[inner[i]]].address for i in group) for group in groups))
+    covariance = _covariance(problem, residual, (jacobian / scale) @ (vectors[told].T / singular[told] ** 2), count)
+    deviation = np.full(count, np.inf)
+    deviation[told] = np.sqrt(np.diag(covariance))
+    spread = np.sqrt((vectors[told].T @ covariance * vectors[told].T).sum(axis=1)) / scale
+    return _Directions(norms, singular, vectors, deviation, spread)
 
 
-def _untold(silent: np.ndarray, norms: np.ndarray) -> np.ndarray:
-    """(k,) bool: parameters without influence, or that take part in one of the directions (s, k) without influence."""
-    taking = np.abs(silent) > _INCIDENTAL * np.abs(silent).max(axis=1, keepdims=True, initial=0.0)
-    return taking.any(axis=0) | (norms == 0.0)
+def _untold(known: _Directions) -> np.ndarray:
+    """(k,) bool: parameters without influence, or that take part in a direction without influence."""
+    silent = np.abs(known.vectors[np.isinf(known.deviation)])
+    taking = silent > _INCIDENTAL * silent.max(axis=1, keepdims=True, initial=0.0)
+    return taking.any(axis=0) | (known.norms == 0.0)
 
 
 def _covariance(problem: Problem, residual: np.ndarray, scores: np.ndarray, count: int) -> np.ndarray:
@@ -109,17 +137,33 @@ def _spectrum(residual: np.ndarray, rate: float) -> tuple[np.ndarray, float]:
     return np.maximum(np.fft.rfft(tapered).real, 0.0), max(float(correlation), 1.0)
 
 
-def _undetermined(
-    singular: np.ndarray, directions: np.ndarray, deviations: np.ndarray, contributions: np.ndarray
-) -> list[list[int]]:
-    """Groups of parameters along whose common direction the data say nothing, or less than the noise; the worst first."""
-    groups: list[list[int]] = []
-    for i in np.argsort(singular):
-        # How much of itself each parameter must give up to move along the direction.
-        amount = np.abs(directions[i])
-        share = amount / contributions
-        group = np.flatnonzero((share > _TAKES_PART * share.max()) | (amount > _TAKES_PART * amount.max())).tolist()
-        hidden = deviations[i] * share.max() > _HIDDEN and singular[i] < _WEAK * singular[0]
-        if (np.isinf(deviations[i]) or hidden) and group not in groups:
+def _undetermined(known: _Directions, contributions: np.ndarray) -> list[list[int]]:
+    """Groups of parameters about whose common direction the data say nothing, or less than the noise."""
+    silent = np.isinf(known.deviation)
+    groups = _connected(known.vectors[silent], contributions) if silent.any() else []
+    weak = ~silent & (known.singular < _WEAK * known.singular.max(initial=0.0))
+    for i in reversed(np.flatnonzero(weak)):
+        # How much of itself each parameter must give up to move along the direction as far as the noise hides.
+        hidden = known.deviation[i] * np.abs(known.vectors[i]) / contributions
+        group = np.flatnonzero(hidden > _TAKES_PART * _HIDDEN).tolist()
+        if hidden.max() > _HIDDEN and group not in groups:
             groups.append(group)
+    return groups
+
+
+def _connected(silent: np.ndarray, contributions: np.ndarray) -> list[list[int]]:
+    """Parameters that move together in the space (s, k) of which the data say nothing, whatever its basis."""
+    projector = silent.T @ silent
+    amount = np.diag(projector)
+    share = amount / contributions**2
+    left = [int(i) for i in np.flatnonzero((amount > _TAKES_PART**2 * amount.max()) | (share > _TAKES_PART**2 * share.max()))]
+    linked = projector**2 > _LINKED**2 * np.outer(amount, amount)
+    groups = []
+    while left:
+        group = [left.pop(0)]
+        for member in group:
+            joined = [i for i in left if linked[member, i]]
+            group += joined
+            left = [i for i in left if i not in joined]
+        groups.append(sorted(group))
     return groups

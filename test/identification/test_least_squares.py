@@ -1,0 +1,98 @@
+"""The search and the solving inside it, against independent ways to the same answer."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import least_squares, lsq_linear
+
+from damper_estimator.identification import Problem, rows_of
+from damper_estimator.identification.bounded import bounded_least_squares, triangle
+from damper_estimator.identification.methods.least_squares import refine
+
+SAME = 1e-5  # of a parameter: two searches ended in the same place
+COST = 1e-7  # of the cost
+RIDGE = 1e-5  # of a parameter: what the ridge may move on well-conditioned columns
+
+
+@given(st.integers(0, 999), st.integers(1, 6), st.integers(8, 40))
+@settings(max_examples=50, deadline=None)
+def test_bounded_linear_least_squares_agrees_with_scipys(seed, count, size):
+    random = np.random.default_rng(seed)
+    columns = random.standard_normal((size, count)) * 10.0 ** random.integers(-4, 5, count)
+    target = random.standard_normal(size)
+    free = np.linalg.lstsq(columns, target, rcond=None)[0]
+    lower = np.where(random.uniform(size=count) < 0.5, -np.abs(free) * random.uniform(0.1, 3.0, count), -1e6)
+    upper = -0.3 * lower
+    found = bounded_least_squares(columns, target, lower, upper, np.zeros(count))
+    best = lsq_linear(columns, target, (lower, upper), method="bvls", tol=1e-14).x
+    assert (found >= lower).all() and (found <= upper).all()
+    cost, best_cost = (np.sum((columns @ p - target) ** 2) for p in (found, best))
+    assert cost <= best_cost * (1.0 + RIDGE) + 1e-18
+
+
+def test_what_the_data_do_not_determine_stays_at_the_reference():
+    column = np.linspace(0.0, 1.0, 50)
+    columns = np.column_stack([column, np.zeros(50), column])
+    found = bounded_least_squares(columns, 6.0 * column, np.full(3, -100.0), np.full(3, 100.0), np.array([1.0, 7.0, 3.0]))
+    np.testing.assert_allclose(found, [2.0, 7.0, 4.0], rtol=RIDGE)
+
+
+def test_a_tall_matrix_is_reduced_without_loss():
+    matrix = np.random.default_rng(0).standard_normal((5003, 7))
+    reduced = triangle(matrix)
+    assert reduced.shape == (7, 7)
+    np.testing.assert_allclose(reduced.T @ reduced, matrix.T @ matrix, rtol=1e-10, atol=1e-8)
+
+
+@pytest.fixture
+def problems(entry, model_of, measured):
+    """A small problem twice: with its linear parameters solved for, and the rows to search all of them."""
+    truth = model_of(entry("tanh_hysteresis", force=400.0, steepness=50.0, shift=0.003), entry("viscous", rate=1800.0), entry("static_force", force=-40.0))
+    start = model_of(entry("tanh_hysteresis"), entry("viscous"), entry("static_force"))
+    rows = rows_of(measured(truth, noise=0.05))
+    return Problem(start, [rows], range(len(start.slots))), rows
+
+
+def test_solving_for_the_linear_parameters_equals_searching_for_all(problems):
+    problem, rows = problems
+    start = problem.model
+
+    def residual(vector):
+        return rows.of(start.with_vector(vector).force(rows.measurement.kinematics.block)) - rows.target
+
+    point, converged = refine(problem, problem.start, np.array([30.0, 0.01]))
+    bounds = (problem.lower, problem.upper)
+    first = np.array([slot.value for slot in start.slots])
+    full = least_squares(residual, first, bounds=bounds, x_scale=np.maximum(np.abs(first), 0.01), ftol=1e-14, xtol=1e-12, gtol=1e-12)
+    assert converged
+    assert point.cost == pytest.approx(full.cost, rel=COST)
+    np.testing.assert_allclose(problem.vector(point.searched, point.solved), full.x, rtol=SAME)
+
+
+def test_the_residual_of_a_point_is_what_the_whole_model_leaves(problems):
+    problem, rows = problems
+    point = problem.point(np.array([44.0, 0.001]))
+    model = problem.model.with_vector(problem.vector(point.searched, point.solved))
+    left = rows.of(model.force(rows.measurement.kinematics.block)) - rows.target
+    np.testing.assert_allclose(point.residual, left, atol=1e-8 * np.abs(rows.target).max())
+    assert point.cost == pytest.approx(0.5 * np.sum(left**2))
+
+
+def test_the_jacobian_is_the_derivative_with_the_linear_parameters_held(problems):
+    problem, rows = problems
+    point = problem.point(np.array([44.0, 0.001]))
+    jacobian = problem.jacobian(point, np.array([44.0, 0.01]))
+    block, values = rows.measurement.kinematics.block, problem.vector(point.searched, point.solved)
+    for j, step in enumerate((1e-3, 1e-6)):
+        plus, minus = values.copy(), values.copy()
+        plus[problem.searched[j]] += step
+        minus[problem.searched[j]] -= step
+        central = (rows.of(problem.model.with_vector(plus).force(block)) - rows.of(problem.model.with_vector(minus).force(block))) / (2 * step)
+        np.testing.assert_allclose(jacobian[:, j], central, atol=1e-3 * np.abs(central).max())
+
+
+def test_a_start_without_a_finite_force_is_no_end(problems):
+    problem, _ = problems
+    point, converged = refine(problem, np.array([np.nan, 0.0]), np.array([30.0, 0.01]))
+    assert not converged and point.cost == np.inf
