@@ -31,15 +31,20 @@ def liquid_pressure(oil, excess, volume):
 
 @compiled
 def gas_pressure(gas, rest_volume, piston_volume, warmth):
-    """Polytropic gas: p = p0 warmth (V0 / (V0 - piston_volume))^n; ``warmth`` is absolute temperature over its start."""
-    return gas.pressure * warmth * (rest_volume / (rest_volume - piston_volume)) ** gas.exponent
+    """Polytropic gas in Pa: p = p0 warmth (V0 / (V0 - piston_volume))^n; ``warmth`` is absolute temperature over its start.
+
+    With 3 % of its volume left the floating piston has bottomed, and the pressure rises no more.
+    """
+    room = max(rest_volume - piston_volume, 0.03 * rest_volume)
+    return gas.pressure * warmth * (rest_volume / room) ** gas.exponent
 
 
 @compiled
 def ramp(excess, width):
-    """Smooth max(excess, 0): (u + sqrt(u^2 + w^2)) / 2, written so that nothing cancels."""
-    root = sqrt(excess * excess + width * width)
-    return 0.5 * (excess + root) if excess > 0.0 else 0.5 * width * width / (root - excess)
+    """max(excess, 0) with its corner rounded by a parabola within +-width: shut is quite shut."""
+    if excess <= -width:
+        return 0.0
+    return excess if excess >= width else (excess + width) ** 2 / (4.0 * width)
 
 
 @compiled

@@ -41,7 +41,7 @@ WORK_ROWS, MOVED = 12, 8
 """Rows of scratch space, 7 wide: Jacobian, then vectors, one of them the states after a step that is being tried."""
 
 ROUGHNESS = 4e4
-"""Pa, change within a step of 0.1 ms beyond which the step is divided."""
+"""Pa, difference between first and second order at a step of 0.1 ms beyond which the step is divided."""
 
 FORCE, REBOUND_PRESSURE, COMPRESSION_PRESSURE, GAS_PRESSURE, OUT_TEMPERATURE, FLOAT, OUT_ROD, OUT_FIELD = range(8)
 OUT_ROWS = 8
@@ -222,9 +222,9 @@ def move(parts, memory, work, x0, v0, x1, v1, step):
     """Moves the states on, in fractions of the step where a void opens or closes or a valve cracks too fast for it.
 
     Between the ends the displacement is the cubic through both displacements and velocities. The limit falls with the
-    square of the step, so that the order of the method stays.
+    square of smaller steps, so that the order of the method stays.
     """
-    limit = ROUGHNESS * (step / 1e-4) ** 2
+    limit = ROUGHNESS * min(step / 1e-4, 1.0) ** 2
     done, share = 0.0, 1.0
     xa, va = x0, v0
     while done < 1.0:

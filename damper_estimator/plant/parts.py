@@ -65,7 +65,7 @@ class Valve(NamedTuple):
     relief: float  # Pa, blow-off stage opens
     relief_gradient: float  # m^2/Pa; 0: it never opens
     port: float  # m^2, discharge coefficient included
-    rounding: float = 0.15  # 1, share of the opening pressure over which a stage cracks open
+    rounding: float = 0.2  # 1, share of the opening pressure, below and above it, over which a stage cracks open
 
 
 class Seal(NamedTuple):

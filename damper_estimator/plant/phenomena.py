@@ -4,7 +4,7 @@ A phenomenon's magnitude is a physical number; 1 is ordinary. "Off" and "on" dif
 
 | phenomenon | off | on, with magnitude m |
 | --- | --- | --- |
-| `gas_spring` | through-rod: the gas only keeps the oil under pressure | m of the rod's area is left to the gas |
+| `gas_spring` | endless gas column: its force is constant | column of ordinary length / m: its pressure follows the rod |
 | `friction` | seals seal without dry friction | m times the seals' force (Stribeck, pre-sliding, pressed on by pressure) |
 | `oil_compressibility` | stiff oil and walls, 15 GPa, hardly any free gas | bulk modulus / m, m times the free gas |
 | `blow_off` | relief stages never open | they open at 1/m of their ordinary pressure |
@@ -111,8 +111,9 @@ PHENOMENA = {
     phenomenon.name: phenomenon
     for phenomenon in (
         Phenomenon(
-            "gas_spring", 1e-3, 1.0,
-            _part("geometry", lambda d, m: {"tail_rod": 1.0}), _part("geometry", lambda d, m: {"tail_rod": 1.0 - m}),
+            "gas_spring", 0.05, 100.0,
+            _part("gas", lambda d, m: {"length": 100.0}),
+            _part("gas", lambda d, m: {"length": d.gas.length / m}),
         ),
         Phenomenon("friction", 1e-2, 60.0, _seal(lambda m: 0.0), _seal(lambda m: m)),
         Phenomenon(

@@ -65,9 +65,13 @@ def ideal_force(truth: Truth, sensors: Sensors) -> np.ndarray:
     return sensors.force_gain * (late + sensors.spring_rate_error * travel) + sensors.force_offset
 
 
-def measure(truth: Truth, sensors: Sensors, seed: int) -> Sensed:
-    """Samples a record with imperfect sensors. The same seed gives the same clock, so dampers of one car share messages."""
-    rng, clock = np.random.default_rng([seed, 1]), np.random.default_rng([seed, 2])
+def measure(truth: Truth, sensors: Sensors, seed: int, clock_seed: int | None = None) -> Sensed:
+    """Samples a record with imperfect sensors.
+
+    Dampers with one ``clock_seed`` (default: ``seed``) and one length have the same stamps: they can share messages.
+    """
+    rng = np.random.default_rng([seed, 1])
+    clock = np.random.default_rng([seed if clock_seed is None else clock_seed, 2])
     seconds = truth.time[-1]
     taken, stamp, log, kept = _clock(sensors, sensors.rate, seconds, clock)
     force_taken, force_stamp, force_log, force_kept = _clock(sensors, sensors.rate, seconds, clock)
@@ -100,9 +104,9 @@ def _clock(
     uneven = np.clip(sensors.clock_jitter * rng.standard_normal(count), -0.3 * period, 0.3 * period)
     wrong = np.clip(sensors.stamp_jitter * rng.standard_normal(count), -0.15 * period, 0.15 * period)
     taken = (np.arange(count) + 0.5) * period + uneven
-    stamp = np.round(1e9 * (taken + wrong)).astype(np.int64)
+    stamp = 1000 * np.round(1e6 * (taken + wrong)).astype(np.int64)  # loggers count microseconds
     late = sensors.latency * (0.6 + 0.4 * np.minimum(rng.exponential(size=count), 4.0))
-    log = np.maximum.accumulate(stamp + np.round(1e9 * late).astype(np.int64))  # one transport keeps the order
+    log = np.maximum.accumulate(stamp + 1000 * np.round(1e6 * late).astype(np.int64))  # one transport keeps the order
     return taken, stamp, log, rng.random(count) >= sensors.drop_out
 
 

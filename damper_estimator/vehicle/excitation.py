@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.plant import BENCH_EXCITATIONS, STEP, Damper, Drive, bench_drive
-from damper_estimator.plant.excitation import REST_AFTER, REST_BEFORE, fade
+from damper_estimator.plant.excitation import REST_AFTER, REST_BEFORE, fade, within
 from damper_estimator.vehicle.quarter_car import CORNERS, QuarterCar, suspension_travel
 from damper_estimator.vehicle.road import bump_height, road_height
 
@@ -43,8 +43,10 @@ def drive(
     corner = CORNERS[damper.name] if car is None else car
     travel = suspension_travel(corner, damper, _surface(name, seconds, count, step, seed), coil, step)
     # The ends stand still, so that rest can be found; the rod's slow creep into the gas is not motion.
-    ends = fade(step * np.arange(count), count * step, 0.5)
-    return Drive(name, step, travel * ends, coil, seed)
+    travel = travel * fade(step * np.arange(count), count * step, 0.5)
+    stroke = damper.geometry
+    travel = within(travel, 0.97 * stroke.compression_stroke, 0.97 * stroke.rebound_stroke)
+    return Drive(name, step, travel, coil, seed)
 
 
 def _surface(name: str, seconds: float, count: int, step: float, seed: int) -> np.ndarray:
