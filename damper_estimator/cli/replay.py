@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         models = {name: load_model(arguments.model, name) for name in chosen.dampers}
         _tell_cutoffs(models, chosen.cutoff)
         with BagWriter(arguments.output) as writer:
-            tallies = _Replay(bag, chosen, models, arguments.max_gap, arguments.start, arguments.stop).write(writer)
+            tallies = Replay(bag, chosen, models, arguments.max_gap, arguments.start, arguments.stop).write(writer)
     write_json(arguments.json, {"output": str(arguments.output), "dampers": {name: t.record() for name, t in tallies.items()}})
     if arguments.json != "-":
         _print(tallies, arguments.output)
@@ -97,8 +97,8 @@ def _tell_cutoffs(models: Mapping[str, DamperModel], cutoff: float) -> None:
             progress(f"{name}: model {model.name} was fitted with the filter at {fitted or 'none'} Hz, here it is at {cutoff or 'none'} Hz")
 
 
-class _Replay:
-    """One pass over a recording in batches; memory does not grow with its length."""
+class Replay:
+    """One pass over a recording in batches; memory does not grow with its length; final."""
 
     def __init__(
         self, bag: Bag, chosen: SignalMap, models: Mapping[str, DamperModel], max_gap: float, start: float | None, stop: float | None
