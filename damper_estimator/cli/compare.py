@@ -43,12 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compares; see the module's docstring."""
     records: dict[str, object] = {}
-    sections = []
+    sections, notes = [], []
     with ExitStack() as stack:
         bags = [stack.enter_context(open_bag(path)) for path in arguments.bags]
         chosen = _dampers(bags, load_signal_map(arguments.signals), arguments.dampers)
         for name, own in chosen.items():
-            measurements = _measurements(own, name, arguments)
+            measurements, missing = _measurements(own, name, arguments)
+            notes += missing
             if not measurements:
                 continue
             comparisons = [compare(load_model(model, name), *measurements) for model in arguments.models]
@@ -61,16 +62,18 @@ def run(arguments: argparse.Namespace) -> int:
                 sections.append(damper_section(comparisons, len(chosen)))
     if not records:
         raise InputError(f"{arguments.bags[0]}: no damper has a measured force; compare needs one (name its topic in a signal map)")
-    write_json(arguments.json, {"bags": [str(path) for path in arguments.bags], "models": arguments.models, "dampers": records})
+    for note in notes:
+        progress(note)
     if arguments.html:
         _write_page(arguments, sections)
+    write_json(arguments.json, {"bags": [str(path) for path in arguments.bags], "models": arguments.models, "dampers": records})
     return 0
 
 
 def _write_page(arguments: argparse.Namespace, sections: Sequence) -> None:
     from damper_estimator.report import comparison_page
 
-    models = " and ".join(Path(model).stem for model in arguments.models)
+    models = " and ".join(sections[0].figures["models"])
     bags = arguments.bags[0].name if len(arguments.bags) == 1 else f"{len(arguments.bags)} recordings"
     write_text(arguments.html, comparison_page(sections, f"{models} against {bags}"))
     progress(f"wrote {arguments.html}")
@@ -94,17 +97,16 @@ def _dampers(bags: Sequence[Bag], signal_map: SignalMap, wanted: Sequence[str]) 
     return found
 
 
-def _measurements(bags: Sequence[tuple[Bag, SignalMap]], name: str, arguments: argparse.Namespace) -> list[Measurement]:
-    """The damper in all its bags; none where nobody asked for it by name and its force was not measured."""
+def _measurements(
+    bags: Sequence[tuple[Bag, SignalMap]], name: str, arguments: argparse.Namespace
+) -> tuple[list[Measurement], list[str]]:
+    """The damper in all its bags, less those without its force (an error where it was asked for by name), and notes on these."""
     start = 0.0 if arguments.start is None else arguments.start
     end = float("inf") if arguments.stop is None else arguments.stop
     asked = name in arguments.dampers
     measurements = [measure(bag, own, name, start, end, force_wanted=asked) for bag, own in bags]
-    with_force = [m for m in measurements if m.force is not None]
-    for m in measurements:
-        if m.force is None:
-            progress(f"{m.recording}: the force of {name} was not measured; left out")
-    return with_force
+    notes = [f"{m.recording}: the force of {name} was not measured; left out" for m in measurements if m.force is None]
+    return [m for m in measurements if m.force is not None], notes
 
 
 def _record(comparisons: Sequence[Comparison], models: Sequence[str]) -> dict[str, object]:

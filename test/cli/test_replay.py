@@ -120,17 +120,21 @@ def test_spring_preload_and_skew_enter_the_residual(driven, model_file, tmp_path
 
 
 def test_slow_channels_hold_what_arrived_last(driven, write_current, tmp_path):
-    """By arrival, not by any stamp; a model that answers to the command shows it."""
-    model = tmp_path / "commanded.yaml"
-    model.write_text("name: c\nsource: t\neffects:\n  - command_lag: {}\n  - linear_viscous: {}\n")
+    """By arrival, not by any stamp; a model that answers to the temperature shows it."""
+    model = tmp_path / "fading.yaml"
+    model.write_text("name: f\nsource: t\neffects:\n  - linear_viscous: {}\n  - temperature_gain: {fade: 0.01}\n")
+    (tmp_path / "map.yaml").write_text("dampers: {front_left: {temperature: {topic: /celsius, field: data}}}")
     bag, stamp, x, _ = driven(seconds=1.0, names=("front_left",))
     arrive = stamp[0] + np.array([100_000_500, 400_000_500])
-    bag = write_current(bag, "with.mcap", "/suspension/front_left/current", arrive, np.array([0.5, 1.0]))
-    out = replay(bag, model, tmp_path / "out.mcap")
-    command = np.where(stamp < arrive[0], np.nan, np.where(stamp < arrive[1], 0.5, 1.0))
-    _, expected = sample_by_sample(model, stamp, x[:, 0], command=command)
+    bag = write_current(bag, "with.mcap", "/celsius", arrive, np.array([50.0, 90.0]))
+    out = replay(bag, model, tmp_path / "out.mcap", "-s", tmp_path / "map.yaml")
+    celsius = np.where(stamp < arrive[0], np.nan, np.where(stamp < arrive[1], 50.0, 90.0))
+    _, expected = sample_by_sample(model, stamp, x[:, 0], temperature=celsius)
     got = read(out, FORCE, *(f"{name}[0]" for name in FIELDS)).values
-    assert np.array_equal(got, expected, equal_nan=True) and np.isfinite(got[-1]).all()
+    assert np.array_equal(got, expected)
+    _, cold = sample_by_sample(model, stamp, x[:, 0])
+    answer = got[1:, 3] / cold[1:, 3]
+    assert answer[49] == 1.0 and answer[60] == pytest.approx(0.9) and answer[300] == pytest.approx(0.5)
 
 
 def test_drops_and_resets_are_the_nodes(write_bag, model_file, tmp_path, capsys):

@@ -1,0 +1,83 @@
+"""inspect: what is there, a proposed map, a verdict."""
+
+import json
+
+import numpy as np
+import pytest
+
+from damper_estimator.cli.main import main
+from damper_estimator.recordings import BagWriter, floats, open_bag
+from damper_estimator.signals import load_signal_map, measure
+
+START = 1_700_000_000 * 10**9
+
+
+def inspect(tmp_path, bag, *words):
+    assert main(["inspect", str(bag), "--json", str(tmp_path / "r.json"), *map(str, words)]) == 0
+    return json.loads((tmp_path / "r.json").read_text())
+
+
+def test_topics_rates_and_quality_are_told(driven, tmp_path, capsys):
+    record = inspect(tmp_path, driven(rest=2.0)[0])
+    topics = {t["name"]: t for t in record["topics"]}
+    assert topics["/suspension/displacement"]["messages"] == 4000
+    assert topics["/suspension/displacement"]["rate_hz"] == pytest.approx(500.0, rel=1e-3)
+    damper = record["dampers"]["front_left"]
+    assert damper["displacement"]["rate_hz"] == pytest.approx(500.0, rel=1e-6) and damper["force"]["samples"] == 4000
+    assert damper["rests"] and damper["verdict"]["good"]
+    assert "front_left: good enough" in capsys.readouterr().out
+
+
+def test_the_proposed_map_reads_the_recording(driven, tmp_path):
+    bag, *_ = driven()
+    inspect(tmp_path, bag, "-o", tmp_path / "map.yaml")
+    with open_bag(bag) as opened:
+        m = measure(opened, load_signal_map(tmp_path / "map.yaml"), "front_right")
+    assert m.judged.sum() == 3900
+
+
+def test_millimetres_and_a_wrong_sign_are_guessed_and_said(driven, tmp_path):
+    bag, *_ = driven(scale=-1000.0)
+    guesses = " ".join(inspect(tmp_path, bag, "-o", tmp_path / "map.yaml")["guesses"])
+    assert load_signal_map(tmp_path / "map.yaml").dampers["front_left"].displacement.scale == -1e-3
+    assert "in mm" in guesses and "compression" in guesses
+
+
+def test_channels_are_found_by_name_and_type(tmp_path):
+    """No JointState: plain numbers, told apart by their topics."""
+    time = np.arange(4000) / 500.0
+    x = 0.02 * np.sin(2 * np.pi * 2.0 * time)
+    stamp = START + (time * 1e9).astype(np.int64)
+    path = tmp_path / "plain.mcap"
+    with BagWriter(path) as writer:
+        for topic, value in (("/rig/travel", 1e3 * x), ("/rig/load_cell", 1500.0 * np.gradient(x, time)), ("/rig/coil_current", 0 * x + 0.5), ("/rig/door", x)):
+            writer.write_messages(topic, "std_msgs/msg/Float64", stamp, floats(value))
+    inspect(tmp_path, path, "-o", tmp_path / "map.yaml")
+    (signals,) = load_signal_map(tmp_path / "map.yaml").dampers.values()
+    assert (signals.displacement.topic, signals.displacement.scale) == ("/rig/travel", 1e-3)
+    assert (signals.force.topic, signals.command.topic) == ("/rig/load_cell", "/rig/coil_current")
+
+
+def test_a_recording_without_force_is_not_good_enough(driven, tmp_path, capsys):
+    record = inspect(tmp_path, driven(force=False)[0])
+    assert not record["dampers"]["front_left"]["verdict"]["good"]
+    assert "no force was measured" in capsys.readouterr().out
+
+
+def test_real_bags_of_other_things_are_inspected(shared_data, tmp_path, capsys):
+    for name in ("mcap_talker", "sqlite_talker", "split_mcap_wbag", "mcap_cdr_test", "mcap_topics_services", "zstd_file_compressed_db3"):
+        record = inspect(tmp_path, shared_data / "rosbag2_bags" / name)
+        assert record["dampers"] == {}
+    assert "no displacement was recognised" in capsys.readouterr().out
+
+
+def test_no_map_is_written_where_nothing_was_recognised(shared_data, tmp_path, refused):
+    line = refused("inspect", shared_data / "rosbag2_bags" / "mcap_talker", "-o", tmp_path / "map.yaml")
+    assert "no displacement" in line and not (tmp_path / "map.yaml").exists()
+
+
+def test_unusable_files_are_one_line(tmp_path, driven, refused):
+    (tmp_path / "empty.mcap").write_bytes(b"")
+    for path in (tmp_path / "empty.mcap", tmp_path / "missing.mcap"):
+        assert path.name in refused("inspect", path)
+    assert "'rear'" in refused("inspect", driven()[0], "-d", "rear")

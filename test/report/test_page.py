@@ -1,0 +1,120 @@
+"""The page: self-contained, safe, small, and no peak lost."""
+
+import base64
+import json
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.model import make_element
+from damper_estimator.model.damper_model import DamperModel
+from damper_estimator.report import comparison_page, damper_section, min_max_rows
+from damper_estimator.report.comparison_page import _plotly
+from damper_estimator.signals import Counts, Measurement, default_signals
+from damper_estimator.signals.kinematics import Differentiator
+from damper_estimator.validation import compare
+
+LIMIT = 8_000_000  # characters besides the library
+VISCOUS = DamperModel("viscous", "", (make_element(find_effect("linear_viscous")),))
+
+
+def measurement(size=3000, name="front_left", gap=False):
+    stamp = np.arange(size, dtype=np.int64) * 1_000_000
+    if gap:
+        stamp[size // 2 :] += 10**9
+    x = 0.01 * np.sin(2 * np.pi * 1.7 * stamp * 1e-9) + 1e-4 * np.random.default_rng(0).standard_normal(size)
+    kinematics, verdict = Differentiator(60.0, 0.1).block(stamp, x)
+    force = 2000.0 * kinematics.velocity
+    return Measurement(
+        f"/data/{name}.mcap", name, kinematics, force, kinematics.warm(), Counts.of(verdict), force, x, 60.0, 30.0, default_signals(name)
+    )
+
+
+def data_of(page):
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S).group(1))
+
+
+def unpacked(column):
+    return np.frombuffer(base64.b64decode(column["bdata"]), dtype=f"<{column['dtype']}")
+
+
+def test_the_page_needs_no_network():
+    page = comparison_page([damper_section([compare(VISCOUS, measurement())])], "title")
+    own = page.replace(_plotly(), "")
+    assert not re.search(r"https?://", own)
+    assert not re.search(r"<(?:script|link|img|iframe)[^>]+(?:src|href)=[\"'](?!data:)", page)
+
+
+def test_names_from_files_cannot_become_markup():
+    evil = "</script><b>&"
+    model = DamperModel(evil, "", VISCOUS.effects)
+    page = comparison_page([damper_section([compare(model, measurement(name=evil))])], evil)
+    own = page.replace(_plotly(), "")
+    assert evil not in own and "&lt;/script&gt;" in own
+    assert data_of(own)[0]["models"] == [evil]
+
+
+def test_the_embedded_signals_are_the_compared_ones():
+    c = compare(VISCOUS, measurement())
+    (recording,) = data_of(comparison_page([damper_section([c])], "t"))[0]["recordings"]
+    trace = c.traces[0]
+    assert np.array_equal(unpacked(recording["time"]), trace.time)
+    assert np.array_equal(unpacked(recording["measured"]), trace.measured.astype(np.float32))
+    modelled = unpacked(recording["modelled"][0])
+    assert np.array_equal(np.isnan(modelled), ~trace.judged)
+    assert np.array_equal(modelled[trace.judged], trace.modelled[trace.judged].astype(np.float32))
+
+
+def test_a_gap_breaks_the_lines():
+    c = compare(VISCOUS, measurement(gap=True))
+    (recording,) = data_of(comparison_page([damper_section([c])], "t"))[0]["recordings"]
+    time, measured = unpacked(recording["time"]), unpacked(recording["measured"])
+    (hole,) = np.flatnonzero(np.isnan(measured))
+    assert time[hole - 1] < time[hole] < time[hole + 1] and time[hole + 1] - time[hole - 1] > 1.0
+
+
+def test_hours_of_data_stay_small_and_keep_their_peaks():
+    long = measurement(2_000_000)
+    long.force[1_234_567] += 50_000.0
+    sections = [damper_section([compare(VISCOUS, long), compare(VISCOUS, long)], 2) for _ in range(2)]
+    page = comparison_page(sections, "t")
+    assert len(page) - len(_plotly()) < LIMIT
+    c = compare(VISCOUS, long)
+    for section in data_of(page):
+        measured = unpacked(section["recordings"][0]["measured"])
+        assert measured.max() == np.float32(c.traces[0].measured.max())
+
+
+def test_words_and_numbers_are_there_without_script():
+    page = comparison_page([damper_section([compare(VISCOUS, measurement())])], "t").replace(_plotly(), "")
+    body = re.sub(r"<script.*?</script>", "", page, flags=re.S)
+    for word in ("rms error", "ESR", "linear_viscous", "saturated", "front_left"):
+        assert word in body
+
+
+@given(st.integers(2, 400), st.integers(1, 3), st.integers(8, 60), st.integers(0, 1000))
+def test_min_max_rows_keep_extremes_and_ends_and_their_number(size, count, most, seed):
+    signals = list(np.random.default_rng(seed).normal(size=(count, size)))
+    rows = min_max_rows(signals, most)
+    assert rows.size <= max(most, min(size, 2)) and np.all(np.diff(rows) > 0) and rows[0] == 0 and rows[-1] == size - 1
+    for values in signals:
+        assert values[rows].max() == values.max() and values[rows].min() == values.min()
+
+
+def test_min_max_rows_pass_over_holes():
+    values = np.arange(1000.0)
+    values[300:700] = np.nan
+    rows = min_max_rows([values], 50)
+    assert np.nanmax(values[rows]) == 999.0 and rows.size <= 50
+
+
+@pytest.mark.parametrize("kind", ["f4", "f8"])
+def test_packed_arrays_read_back(kind):
+    from damper_estimator.report.figures import packed
+
+    values = np.array([1.0, np.nan, -2.5e7])
+    assert np.array_equal(unpacked(packed(values, kind)), values.astype(f"<{kind}"), equal_nan=True)
