@@ -146,7 +146,7 @@ def _constant(path: Path, where: str, channel: Channel, name: str, number: int, 
 
 def _converted(raw: np.ndarray, channel: Channel, name: str) -> np.ndarray:
     factor, offset = QUANTITIES[name].units[channel.unit]
-    return factor * (channel.scale * raw + channel.offset) + offset
+    return factor * (channel.scale * np.where(np.isfinite(raw), raw, np.nan) + channel.offset) + offset
 
 
 def _missing(path: Path, where: str, column: Column | None, values: np.ndarray | float) -> Iterator[str]:
@@ -167,6 +167,7 @@ def _trimmed(part: Part, margin: float | None) -> Part:
     start, stop = min(motion.start for motion in motions), max(motion.stop for motion in motions)
     keep = round(margin * 1e9)
     kept = (part.stamps >= part.stamps[start] - keep) & (part.stamps <= part.stamps[stop - 1] + keep)
+    kept[start:stop] = True  # whatever the times say
     return replace(part, stamps=part.stamps[kept], dampers=_each(part.dampers, lambda values: values[kept]))
 
 

@@ -104,5 +104,6 @@ def _samples(part: Part, values: np.ndarray | float) -> tuple[np.ndarray, np.nda
     if np.ndim(values):
         there = np.isfinite(values)
         return part.stamps[there], values[there]
-    stamps = np.arange(part.stamps[0], part.stamps[-1] + 1, _SECOND)
+    _, first = np.unique((part.stamps - part.stamps[0]) // _SECOND, return_index=True)
+    stamps = part.stamps[np.sort(first)]
     return stamps, np.full(len(stamps), float(values))

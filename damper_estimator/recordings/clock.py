@@ -13,6 +13,7 @@ from damper_estimator.recordings.table import Table
 NANOSECONDS = 1_000_000_000
 EPOCH = 946_684_800  # s; files without a date are dated 2000-01-01 00:00 UTC
 _UNIX = 1e8  # s; larger numbers are Unix times
+_LATEST = 2**31  # s; where ROS time ends
 _EXACT = 1e-6  # of a step; smaller deviations from an even grid are rounding
 _PAUSE = 3.0  # steps; a longer one ends a run of even steps
 
@@ -40,8 +41,20 @@ def read_times(table: Table, clock: Clock) -> Times:
     Raises:
         InputError: for a column, header line or date that is not there, and for times that are no numbers.
     """
-    if clock.column is None:
-        return Times(EPOCH, np.arange(table.rows) * _interval(table, clock), False)
+    times = _fixed_times(table, clock) if clock.column is None else _own_times(table, clock)
+    if ((times.start + times.seconds < 0) | (times.start + times.seconds >= _LATEST)).any():
+        low, high = times.seconds.min(), times.seconds.max()
+        raise InputError(
+            f"{table.path}: times from {low:g} to {high:g} s are beyond all dates; check time in the column map"
+        )
+    return times
+
+
+def _fixed_times(table: Table, clock: Clock) -> Times:
+    return Times(EPOCH, np.arange(table.rows) * _interval(table, clock), False)
+
+
+def _own_times(table: Table, clock: Clock) -> Times:
     if clock.format is not None:
         seconds, resolution = _dates(table, clock), table.resolution(clock.column)
     else:

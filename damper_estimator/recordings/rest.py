@@ -34,9 +34,10 @@ def find_motion(position: np.ndarray) -> Motion:
         return Motion(0, len(position))
     moving = np.flatnonzero(np.abs(_without_spikes(values) - np.median(values[:_SETTLED])) > _threshold(values))
     returning = np.flatnonzero(np.abs(_without_spikes(values) - np.median(values[-_SETTLED:])) > _threshold(values))
-    if not len(moving):
+    if not len(moving) or not len(returning):
         return Motion(0, len(position))
-    return Motion(int(known[moving[0]]), int(known[returning[-1]]) + 1)
+    ends = sorted((int(known[moving[0]]), int(known[returning[-1]])))  # a single step returns before it leaves
+    return Motion(ends[0], ends[1] + 1)
 
 
 def held_position(position: np.ndarray, motion: Motion) -> float:

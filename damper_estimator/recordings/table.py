@@ -2,15 +2,14 @@
 
 import gzip
 import re
-import zlib
 from abc import ABC, abstractmethod
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.faults import explained
+from damper_estimator.recordings.mat_file import read_mat
 
 Column = str | int
 _EXPRESSION = re.compile(r"\s*([A-Za-z]\w*)((?:\.[A-Za-z]\w*)*)\s*(?:\[\s*(:|\d+)\s*(?:,\s*(:|\d+)\s*)?\])?\s*")
@@ -53,18 +52,12 @@ class Table(ABC):
 
 
 class MatTable(Table):
-    """Variables of a MAT file (version 4 to 7.2); columns are ``x_F[:,0]``, ``Tout`` or ``data.force``; final."""
+    """Variables of a MAT file (version 5 to 7.2); columns are ``x_F[:,0]``, ``Tout`` or ``data.force``; final."""
 
     def __init__(self, path: Path, content: bytes) -> None:
         super().__init__(path)
-        import scipy.io  # slow to import, and only MAT files need it
-
         with explained(path, "save it again, with -v7"):
-            try:
-                variables = scipy.io.loadmat(BytesIO(content), simplify_cells=True)
-            except NotImplementedError as error:
-                raise InputError(f"{path}: MAT version 7.3 cannot be read; save it with -v7") from error
-        self._variables = {name: value for name, value in variables.items() if not name.startswith("__")}
+            self._variables = read_mat(content)
         self._rows = 0
 
     @property
@@ -81,7 +74,7 @@ class MatTable(Table):
         return found.astype(np.float64)
 
     def texts(self, column: Column) -> list[str]:
-        return [str(item).strip() for item in np.atleast_1d(self._find(column))]
+        return [str(item).strip() for item in np.atleast_1d(self._find(column)).tolist()]
 
     def header_number(self, label: str) -> float:
         found = self._find(label)
@@ -122,7 +115,7 @@ def file_content(path: Path) -> bytes:
         if content.startswith(b"\x1f\x8b"):
             try:
                 content = gzip.decompress(content)
-            except (zlib.error, gzip.BadGzipFile) as error:
+            except gzip.BadGzipFile as error:
                 raise ValueError(str(error)) from error
     if not content.strip():
         raise InputError(f"{path}: empty; export or copy it again")

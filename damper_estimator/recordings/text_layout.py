@@ -11,6 +11,7 @@ from damper_estimator.recordings.table import Column
 
 _CANDIDATES = ("\t", ";", ",")
 _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+_WHOLE = re.compile(r"[-+]?\d+")
 _UNIT_IN_TITLE = re.compile(r"\s*[\[(][^\])]*[\])]\s*$")
 _SAMPLE = 40
 _HEAD = 1000  # lines in which titles and the first numbers must lie
@@ -99,11 +100,11 @@ def _title_row(blank: TextLayout, head: list[list[str]], known: TextFormat, colu
 
 
 def _first_row(layout: TextLayout, head: list[list[str]], places: list[int]) -> int:
-    """The first line with a number in every column that needs one; behind titles, units may come in between."""
+    """The first line with a number in every column that needs one; behind titles, in any: units come without."""
     last = len(head) if not layout.titles else min(len(head), layout.first + _UNIT_ROWS + 1)
     for row in range(layout.first, last):
-        cells = head[row]
-        if all(place < len(cells) and _is_number(layout, cells[place]) for place in places):
+        found = [place < len(head[row]) and _is_number(layout, head[row][place]) for place in places]
+        if any(found) if layout.titles else all(found):
             return row
     return layout.first
 
@@ -120,9 +121,16 @@ def _is_number(layout: TextLayout, cell: str) -> bool:
 def _separator(middle: Sequence[str]) -> str:
     """The first candidate that most lines in the middle of the file contain; else white space."""
     for candidate in _CANDIDATES:
-        if middle and sum(candidate in line for line in middle) > len(middle) // 2:
+        cut = [line for line in middle if candidate in line and not (candidate == "," and _is_decimal_comma(line))]
+        if len(cut) > len(middle) // 2:
             return candidate
     return ""
+
+
+def _is_decimal_comma(line: str) -> bool:
+    """Whether white space alone cuts the line into several numbers, some with a comma."""
+    cells = line.split()
+    return len(cells) > 1 and all(_COMMA_NUMBER.fullmatch(cell) or _WHOLE.fullmatch(cell) for cell in cells)
 
 
 def _decimal(middle: Iterable[Sequence[str]], separator: str) -> str:
