@@ -5,7 +5,18 @@ from dataclasses import replace
 from pathlib import Path
 
 from damper_estimator.cli.synth_files import write_record
-from damper_estimator.plant import DAMPERS, Record, Sensors, Setup, current_steps, hidden, measure, record, simulate, without
+from damper_estimator.plant import (
+    DAMPERS,
+    Record,
+    Sensors,
+    Setup,
+    current_steps,
+    hidden,
+    measure,
+    record,
+    simulate,
+    without,
+)
 from damper_estimator.vehicle import drive
 
 SEED = 2024

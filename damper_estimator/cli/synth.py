@@ -1,8 +1,8 @@
 """Record a simulated damper, with any physical effect hidden in it at a chosen strength.
 
-Without --hide one recording per excitation is written. With --hide there are three: base.mcap without the effects, fit.mcap
-and unseen.mcap with them (excitation: the first for base and fit, the last for unseen). truth.json says what is hidden and
-how strongly it shows; truth/ holds the noise-free signals, which no other verb reads.
+Without --hide one recording per excitation is written. With --hide there are three: base.mcap without the effects,
+fit.mcap and unseen.mcap with them (excitation: the first for base and fit, the last for unseen). truth.json says what
+is hidden and how strongly it shows; truth/ holds the noise-free signals, which no other verb reads.
 """
 
 import argparse
@@ -118,9 +118,8 @@ def _case(arguments: argparse.Namespace, setup: Setup) -> tuple[dict[str, Record
     case = hidden(tuple(arguments.hide), setup, drives, arguments.strength, drives[0].seed)
     for item in case.calibrations:
         if item.strength < SHORTFALL * arguments.strength:
-            progress(
-                f"{first} hardly excites {item.phenomenon}: strength {item.strength:.3f} instead of {arguments.strength:g}"
-            )
+            reached = f"strength {item.strength:.3f} instead of {arguments.strength:g}"
+            progress(f"{first} hardly excites {item.phenomenon}: {reached}")
     return {"base": case.base, "fit": case.fit, "unseen": case.unseen}, _story(case)
 
 

@@ -51,12 +51,12 @@ def write_truth(path: Path, records: Mapping[str, Record]) -> None:
 
 def write_signal_map(path: Path, name: str, sensors: Sensors, with_current: bool) -> None:
     """Writes the signal map of one damper whose gauge also carries a coil spring."""
-    force = f'{{topic: {FORCE}, field: "effort[{name}]", spring_rate: {sensors.spring_rate}, preload: {sensors.preload}}}'
+    spring = f"spring_rate: {sensors.spring_rate}, preload: {sensors.preload}"
     lines = [
         "dampers:",
         f"  {name}:",
         f'    displacement: {{topic: {DISPLACEMENT}, field: "position[{name}]"}}',
-        f"    force: {force}",
+        f'    force: {{topic: {FORCE}, field: "effort[{name}]", {spring}}}',
         f"    temperature: {{topic: /suspension/{name}/temperature, field: temperature}}",
     ]
     if with_current:

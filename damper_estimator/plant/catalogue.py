@@ -1,11 +1,11 @@
 """Dampers to try things on, as different as dampers are; magnitudes are typical, none is a copy of a product.
 
-| name | what | force at 0.3 m/s, rebound / compression |
+| name | what | force at 0.3 m/s, rebound / compression, gas force included |
 | --- | --- | --- |
-| `passenger_front` | adjustable monotube of a family car, clear knee | 930 / -560 N |
-| `rally_rear` | long stroke, large bore, strong, nearly linear, low gas pressure | 2600 / -2100 N |
-| `light_car` | small, digressive: steep at first, flat behind the knee | 480 / -260 N |
-| `semi_active` | magneto-rheological gap, 0 to 2 A | 500 to 1600 N |
+| `passenger_front` | adjustable monotube of a family car, clear knee | 540 / -720 N (gas -230 N) |
+| `rally_rear` | long stroke, large bore, strong, nearly linear | 1030 / -1670 N (gas -500 N) |
+| `light_car` | small, digressive: steep at first, flat behind the knee | 280 / -350 N (gas -100 N) |
+| `semi_active` | magneto-rheological gap, 0 to 2 A | 500 / -1090 N at 0 A, 1690 / -2260 N at 2 A (gas -330 N) |
 """
 
 from damper_estimator.plant.damper import Damper

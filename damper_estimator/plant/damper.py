@@ -127,7 +127,7 @@ def _chambers(damper: Damper) -> Chambers:
 def packed_share(oil: Oil, pressure: float) -> float:
     """Liquid beyond the chamber's volume, per volume, that holds ``pressure``: p'/B - free_gas p_ambient / p'.
 
-    p' is the pressure above vapour pressure, B the bulk modulus: liquid compressed, less what isothermal free gas takes.
+    p' is the pressure above vapour pressure, B the bulk modulus: compressed liquid, less what isothermal gas takes.
     """
     above = pressure - oil.vapour_pressure
     return above / oil.bulk_modulus - oil.free_gas * AMBIENT_PRESSURE / above

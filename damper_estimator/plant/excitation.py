@@ -52,7 +52,9 @@ def current_steps(seconds: float, seed: int, step: float = STEP, highest: float 
     return current
 
 
-def band_noise(count: int, step: float, low: float, high: float, corner: float, rng: np.random.Generator) -> np.ndarray:
+def band_noise(
+    count: int, step: float, low: float, high: float, corner: float, rng: np.random.Generator
+) -> np.ndarray:
     """Gaussian noise of unit variance, shape (count,): PSD 1 / (1 + (f/corner)^2) from ``low`` to ``high`` Hz, else 0.
 
     The same seed and length in seconds give the same noise at every step.
@@ -67,13 +69,13 @@ def band_noise(count: int, step: float, low: float, high: float, corner: float, 
 
 
 def fade(time: np.ndarray, length: float, rise: float) -> np.ndarray:
-    """Envelope that rises from 0 to 1 within ``rise`` s, and back before ``length``, with two continuous derivatives."""
+    """Envelope from 0 to 1 within ``rise`` s, and back before ``length``, with two continuous derivatives."""
     edge = np.clip(np.minimum(time, length - time) / rise, 0.0, 1.0)
     return edge**3 * (10.0 - 15.0 * edge + 6.0 * edge**2)
 
 
 def within(displacement: np.ndarray, compression: float, rebound: float) -> np.ndarray:
-    """Keeps a displacement in m between -compression and rebound, smoothly; what is small stays as it is (0.3 % at 80 %)."""
+    """Keeps a displacement in m between -compression and rebound, smoothly; at 80 % of them it is 0.2 % short."""
     limit = np.where(displacement > 0.0, rebound, compression)
     return displacement / (1.0 + (displacement / limit) ** 16) ** (1.0 / 16.0)
 

@@ -59,7 +59,7 @@ def hidden(
     seed: int,
     sign: float = 1.0,
 ) -> Hidden:
-    """A case from the drives of its base, fit and unseen record; each phenomenon has the strength ``wanted`` on the fit.
+    """A case from the drives of its base, fit and unseen record; each phenomenon is ``wanted`` strong on the fit.
 
     Phenomena are calibrated one by one, the others off. Without names nothing is hidden: fit and unseen are further
     records of the base.

@@ -31,9 +31,10 @@ def liquid_pressure(oil, excess, volume):
 
 @compiled
 def gas_pressure(gas, rest_volume, piston_volume, warmth):
-    """Polytropic gas in Pa: p = p0 warmth (V0 / (V0 - piston_volume))^n; ``warmth`` is absolute temperature over its start.
+    """Polytropic gas in Pa: p = p0 warmth (V0 / (V0 - piston_volume))^n.
 
-    With 3 % of its volume left the floating piston has bottomed, and the pressure rises no more.
+    ``warmth`` is the absolute temperature over that at the start. With 3 % of its volume left the floating piston has
+    bottomed, and the pressure rises no more.
     """
     room = max(rest_volume - piston_volume, 0.03 * rest_volume)
     return gas.pressure * warmth * (rest_volume / room) ** gas.exponent
@@ -65,8 +66,8 @@ def disc_flow(valve, area, pressure, density):
 def orifice_flow(area, transition, pressure, viscosity, density):
     """Flow in m^3/s through a short orifice: the root of R Q + K Q |Q| = pressure.
 
-    K = density / (2 area^2) is the turbulent drop; the laminar R, proportional to ``viscosity`` (relative to 40 deg C), is
-    such that both are equal at the pressure ``transition``.
+    K = density / (2 area^2) is the turbulent drop; the laminar R, proportional to ``viscosity`` (relative to 40 deg C),
+    is such that both are equal at the pressure ``transition``.
     """
     turbulent = 0.5 * density / (area * area)
     laminar = viscosity * sqrt(0.5 * turbulent * transition)

@@ -8,9 +8,9 @@ States u, in the order of the constants below:
     a' = (lift(p) - a) / T          discs' areas, rebound and compression, m^2; only with a lift time
     x', v'                          rod below the mount; only with a mount
 
-with p_reb and p_com from g and c and the volumes at x, and the floating piston's place (c - g - A_rod x) / A. No oil is lost
-or made: whatever leaves one chamber enters the other. The dry elements' sliders and the temperature are held during a
-step and committed after it.
+with p_reb and p_com from g and c and the volumes at x, and the floating piston's place (c - g - A_rod x) / A. No oil is
+lost or made: whatever leaves one chamber enters the other. The dry elements' sliders and the temperature are held
+during a step and committed after it.
 
 Step: the two-stage Rosenbrock method ROS2 with gamma = 1 - 1/sqrt(2), second order (also with an approximate Jacobian)
 and L-stable; a step is divided where the oil moves too roughly for it. J. G. Verwer et al., A second-order Rosenbrock
@@ -75,7 +75,7 @@ def pressures(parts, memory, u, x):
 
 @compiled
 def yield_pressure(parts, memory, u, x):
-    """Pressure in Pa that gelled oil and the coil's field hold back; elastic in the travel of the oil before it yields."""
+    """Pressure in Pa that gelled oil and the coil's field hold back; elastic in the oil's travel until it yields."""
     gel, coil, held = parts.gel, parts.coil, 0.0
     travel = x - u[PACKED] / parts.chambers.rebound_area
     if gel.pressure > 0.0:
@@ -158,7 +158,7 @@ def nudge(parts, number):
 
 @compiled
 def factor(matrix, count):
-    """LU factors in place, without pivots: every state damps itself, so the diagonal of I - gamma h J stays positive."""
+    """LU factors in place, without pivots: every state damps itself, the diagonal of I - gamma h J stays positive."""
     for column in range(count):
         for row in range(column + 1, count):
             matrix[row, column] /= matrix[column, column]

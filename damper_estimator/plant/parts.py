@@ -21,7 +21,7 @@ class Geometry(NamedTuple):
     compression_length: float  # m, oil column between piston and floating piston
     rebound_stroke: float  # m, largest displacement in extension
     compression_stroke: float  # m, largest displacement in compression, positive
-    tail_rod: float = 0.0  # 1, share of the rod's area that also leaves at the far end; 1 is a through-rod, no gas force
+    tail_rod: float = 0.0  # 1, share of the rod's area that also leaves at the far end; 1: a through-rod, no gas force
 
 
 class Oil(NamedTuple):

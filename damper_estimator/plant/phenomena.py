@@ -1,27 +1,29 @@
 """Every phenomenon as something physical that can be switched off, and on at any strength.
 
-A phenomenon's magnitude is a physical number; 1 is ordinary. "Off" and "on" differ in nothing else.
+A phenomenon's magnitude m is a physical number; 1 is ordinary. "Off" and "on" differ in nothing else.
 
-| phenomenon | off | on, with magnitude m |
+| phenomenon | off | on |
 | --- | --- | --- |
-| `gas_spring` | endless gas column: its force is constant | column of ordinary length / m: its pressure follows the rod |
-| `friction` | seals seal without dry friction | m times the seals' force (Stribeck, pre-sliding, pressed on by pressure) |
-| `oil_compressibility` | stiff oil and walls, 15 GPa, hardly any free gas | bulk modulus / m, m times the free gas |
+| `gas_spring` | endless gas column: constant force | column of ordinary length / m: its pressure follows the rod |
+| `friction` | seals without dry friction | m times the seals' force (Stribeck, pre-sliding, pressed on by pressure) |
+| `oil_compressibility` | stiff oil and walls, 15 GPa | bulk modulus / m, m times the free gas |
 | `blow_off` | relief stages never open | they open at 1/m of their ordinary pressure |
 | `valve_delay` | discs follow the pressure at once | their lift lags, first order, by m ms |
-| `cavitation` | liquid that stands tension | vapour clamps the pressure; charge lowered towards 1.3 bar by 1/m, off as well |
-| `temperature_fade` | oil stays at its temperature | dissipated power heats it, 4 m K/kJ (1: the oil alone, more: a long drive within one record); viscosity falls by 2.2 % per K |
-| `position_dependence` | smooth tube | bypass groove 16 mm long near mid-stroke, area m times the needle's |
-| `end_stop` | none inside the stroke | rubber stops from 20 % (bump) and 30 % (rebound) of the stroke, m 10 kN/m |
-| `mount_compliance` | rigid joint | rubber mount of 2 MN/m / m, progressive, 15 % loss factor at 15 Hz |
+| `cavitation` | liquid that stands tension | vapour clamps the pressure; charge towards 1.3 bar by 1/m (off as well) |
+| `temperature_fade` | oil keeps its temperature | dissipated power heats it by 4 m K/kJ; viscosity falls 2.2 % per K |
+| `position_dependence` | smooth tube | bypass groove, 16 mm long near mid-stroke, area m times the needle's |
+| `end_stop` | none inside the stroke | rubber from 20 % (bump) and 30 % (rebound) of the stroke, 10 m kN/m |
+| `mount_compliance` | rigid joint | rubber of 2/m MN/m, progressive, 15 % loss factor at 15 Hz |
 | `inertia` | no mass between oil and gauge | m kg move with the rod |
-| `asymmetry` | both directions have the mean valve (geometric) | their ratio is the ordinary one to the power m |
-| `current` | the coil's field does nothing | yield pressure m bar (fully saturated) in the piston gap, field lags 18 ms |
-| `hysteresis` | oil flows at once | gelled oil in the piston's passages yields at m bar after some 4 mm of travel |
-| `channel_skew` | channels in step | force late (sign +) or early by m ms |
-| `spring_rate_error` | the stated spring rate is true | true rate m kN/m off |
-| `force_offset` | gauge's zero right | m 10 N off |
-| `force_gain_error` | gauge's gain right | m per cent off |
+| `asymmetry` | both directions have the (geometric) mean valve | their ratio is the ordinary one to the power m |
+| `current` | the coil's field does nothing | yield pressure of m bar (saturated) in the piston gap, lagging 18 ms |
+| `hysteresis` | oil flows at once | gelled oil in the piston yields at m bar after some 4 mm of travel |
+| `channel_skew` | channels in step | force m ms late |
+| `spring_rate_error` | the stated spring rate is true | the true rate is m kN/m higher |
+| `force_offset` | gauge's zero is right | 10 m N off |
+| `force_gain_error` | gauge's gain is right | m per cent high |
+
+The last four may be negative. Heating by m = 1 is that of the oil alone; more packs a long drive into one record.
 """
 
 from collections.abc import Callable
@@ -46,7 +48,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Phenomenon:
-    """One entry of the vocabulary of findings; ``lowest`` and ``highest`` bound the magnitude that is still physical."""
+    """One entry of the vocabulary of findings; ``lowest`` and ``highest`` bound the magnitude."""
 
     name: str
     lowest: float

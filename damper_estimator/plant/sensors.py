@@ -12,7 +12,7 @@ SLOW_RATE = 10.0
 
 @dataclass(frozen=True)
 class Sensors:
-    """Measurement chain. The raw force is quantised(gain (F + (k + dk) x + preload) + offset + drift + noise), late by skew."""
+    """Measurement chain; raw force: gain (F + (k + dk) x + preload) + offset + drift + noise, late and quantised."""
 
     rate: float = 500.0  # Hz
     displacement_noise: float = 1.2e-5  # m, rms
@@ -56,9 +56,9 @@ class Sensed:
 
 
 def ideal_force(truth: Truth, sensors: Sensors) -> np.ndarray:
-    """The damper's force as a noise-free chain with these errors reports it (spring as stated subtracted), N, (n,).
+    """The damper's force in N, (n,), as a noise-free chain with these errors reports it.
 
-    gain and offset, skew and the spring rate's error are in it; noise, drift, quantisation and loss are not.
+    The stated spring is subtracted. Gain and offset, skew and the spring rate's error are in it; noise, drift, quantisation and loss are not.
     """
     late = np.interp(truth.time - sensors.skew, truth.time, truth.force)
     travel = np.interp(truth.time - sensors.skew, truth.time, truth.drive.displacement)

@@ -44,9 +44,9 @@ class Drive:
 class Truth:
     """A simulated record, noise-free, at the internal step; all arrays have shape (n,).
 
-    ``force`` (N) is what a perfect gauge between rod and body reads, without a parallel spring. Pressures in Pa, absolute;
-    ``rod`` is the displacement of the rod below the mount (m), ``float`` the floating piston's (m, into the gas), voids the
-    room without liquid in m^3.
+    ``force`` (N) is what a perfect gauge between rod and body reads, without a parallel spring. Pressures in Pa,
+    absolute; ``temperature`` in deg C; ``rod`` is the displacement below the mount (m), ``floating_piston`` that of the
+    floating piston (m, into the gas); ``field`` the coil's current as the magnetic field follows it (A).
     """
 
     damper: Damper
@@ -152,7 +152,8 @@ def _mount_deflection(parts: Parts, memory: np.ndarray, rod: float) -> float:
 def _check(damper: Damper, drive: Drive) -> None:
     geometry, travel = damper.geometry, drive.displacement
     if travel.shape != drive.current.shape or travel.ndim != 1 or travel.size < 5:
-        raise ValueError(f"displacement and current need one shape (n >= 5,), not {travel.shape}, {drive.current.shape}")
+        shapes = f"{travel.shape} and {drive.current.shape}"
+        raise ValueError(f"displacement and current need one shape (n >= 5,), not {shapes}")
     if not (np.isfinite(travel).all() and np.isfinite(drive.current).all()):
         raise ValueError("displacement and current must be finite")
     if travel.max() > geometry.rebound_stroke or travel.min() < -geometry.compression_stroke:

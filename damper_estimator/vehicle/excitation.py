@@ -28,7 +28,7 @@ def drive(
     car: QuarterCar | None = None,
     step: float = STEP,
 ) -> Drive:
-    """A drive by name. On roads the damper works in its corner (``car``, or its own of ``CORNERS``) and makes the motion.
+    """A drive by name. On roads the damper works in its corner (``car``, or its own of ``CORNERS``).
 
     ``current`` (A, shape (seconds / step,)) acts on the damper and is recorded; none is zero.
 

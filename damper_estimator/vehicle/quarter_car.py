@@ -5,9 +5,9 @@ With z upwards, x = z_body - z_wheel (extension) and everything measured from th
     m_body z_body'' = -k x - F - stops(x)
     m_wheel z_wheel'' = k x + F + stops(x) + tyre,     tyre = max(k_t (z_road - z_wheel) + c_t (..)', -static load)
 
-F is the damper's force less its force at rest. The tyre can leave the road. Car and damper take turns: the car moves with the
-damper's last force, the damper follows. That is accurate to the first order of the step, and at 0.1 ms far better than a
-road is known.
+F is the damper's force less its force at rest. The tyre can leave the road. Car and damper take turns: the car moves
+with the damper's last force, the damper follows. That is accurate to the first order of the step, and at 0.1 ms far
+better than a road is known.
 """
 
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ CORNERS = {
 def suspension_travel(
     car: QuarterCar, damper: Damper, road: np.ndarray, current: np.ndarray, step: float
 ) -> np.ndarray:
-    """Damper displacement in m (n,), positive in extension, on a road profile (m) with a coil current (A), from rest."""
+    """Damper displacement in m, from rest on a road of height ``road`` (m), with a coil current (A); all (n,)."""
     parts = parts_of(damper)
     travel = np.zeros(road.size)
     limits = (-0.7 * damper.geometry.compression_stroke, 0.7 * damper.geometry.rebound_stroke)

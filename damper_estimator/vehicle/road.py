@@ -1,7 +1,7 @@
 """Roads: ISO 8608 profiles and single bumps, as height in m over time at a constant speed.
 
-One-sided displacement PSD over spatial frequency n: G(n) = G(n0) (n / n0)^-2 with n0 = 0.1 1/m; the classes' geometric means
-of G(n0) are 16e-6 m^3 for A and four times more for each class after it. Source: ISO 8608:2016, table C.1 and annex B.
+One-sided displacement PSD over spatial frequency n: G(n) = G(n0) (n / n0)^-2 with n0 = 0.1 1/m; the classes' geometric
+means of G(n0) are 16e-6 m^3 for A and four times more for each class after it. Source: ISO 8608, annexes B and C.
 """
 
 import numpy as np
@@ -28,8 +28,11 @@ def profile_spectrum(frequency: np.ndarray, road_class: str) -> np.ndarray:
 def road_height(road_class: str, speed: float, count: int, step: float, seed: int) -> np.ndarray:
     """Height in m under a wheel that rolls at ``speed`` m/s, shape (count,), ``step`` in s; zero mean, periodic.
 
-    A sum of sines with random phases and Rayleigh amplitudes: a Gaussian profile with the class's PSD. The same seed gives the
-    same road at every step.
+    A sum of sines with random phases and Rayleigh amplitudes: a Gaussian profile with the class's PSD. The same seed
+    gives the same road at every step.
+
+    Raises:
+        ValueError: where the road is shorter than its longest waves.
     """
     length = count * step * speed
     frequency = np.fft.rfftfreq(count, step * speed)

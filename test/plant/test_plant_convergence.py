@@ -64,10 +64,10 @@ def test_without_the_compiler_the_numbers_are_the_same(tmp_path: Path) -> None:
     damper = replace(switched_on("mount_compliance", 2.0), name="plain")
     short = tones(STEP, 0.1)
     target = tmp_path / "force.npy"
+    folders = [str(Path(__file__).parent), str(Path(__file__).parents[2])]
     program = (
-        "import sys, numpy; sys.path[:0] = [{here!r}, {root!r}]; import test_plant_convergence as t\n"
-        "from damper_estimator.plant import simulate\n"
-        "numpy.save({target!r}, simulate(t.switched_on('mount_compliance', 2.0), t.tones(t.STEP, 0.1)).force)\n"
-    ).format(here=str(Path(__file__).parent), root=str(Path(__file__).parents[2]), target=str(target))
+        f"import sys, numpy; sys.path[:0] = {folders!r}; import test_plant_convergence as t\n"
+        f"numpy.save({str(target)!r}, t.simulate(t.switched_on('mount_compliance', 2.0), t.tones(t.STEP, 0.1)).force)\n"
+    )
     subprocess.run([sys.executable, "-c", program], check=True, env=os.environ | {"NUMBA_DISABLE_JIT": "1"})
     assert np.load(target) == pytest.approx(simulate(damper, short).force, rel=1e-9, abs=1e-7)

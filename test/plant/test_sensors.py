@@ -5,7 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.plant import DAMPERS, Channel, Sensors, Truth, bench_drive, current_steps, ideal_force, measure, simulate
+from damper_estimator.plant import (
+    DAMPERS,
+    Channel,
+    Sensors,
+    Truth,
+    bench_drive,
+    current_steps,
+    ideal_force,
+    measure,
+    simulate,
+)
 
 SECONDS = 8.0
 PERFECT = Sensors(

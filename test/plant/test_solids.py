@@ -44,7 +44,8 @@ def test_the_force_depends_on_the_path_not_on_how_finely_it_is_walked(corners: l
 
 @given(st.lists(st.floats(-1e-3, 1e-3), min_size=2, max_size=20))
 def test_a_closed_path_never_gives_energy(corners: list[float]) -> None:
-    path = np.interp(np.linspace(0, len(corners) + 1, 60 * (len(corners) + 1)), np.arange(len(corners) + 2), [0, *corners, 0])
+    legs = len(corners) + 1
+    path = np.interp(np.linspace(0, legs, 60 * legs), np.arange(legs + 1), [0.0, *corners, 0.0])
     twice = np.concatenate((path, path))
     shares = walk(twice)
     half = path.size

@@ -1,5 +1,7 @@
 """Roads have the spectrum of their ISO 8608 class."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.signal import welch
@@ -15,7 +17,7 @@ def test_the_profile_has_the_psd_of_its_class(road_class: str) -> None:
     sampling = 1.0 / (STEP * SPEED)
     frequency, density = welch(height, sampling, nperseg=16384)
     bands = np.geomspace(0.02, 2.5, 13)  # 1/m
-    for low, high in zip(bands, bands[1:], strict=False):
+    for low, high in pairwise(bands):
         inside = (frequency >= low) & (frequency < high)
         ratio = np.mean(density[inside] / profile_spectrum(frequency[inside], road_class))
         assert ratio == pytest.approx(1.0, abs=0.2)
