@@ -119,7 +119,7 @@ class ResidualLine:
         if self._origin is None:
             self._origin = int(stamp[0])
         grid = np.union1d(stamp[(stamp >= first) & (stamp <= limit)], wanted)
-        dt = np.diff(grid, prepend=grid[:1] if self._last is None else [self._last]) * 1e-9
+        dt = np.diff(grid, prepend=grid[:1] if self._last is None else [self._last]) / 1e9
         dt[np.searchsorted(grid, wanted[starts])] = 0.0
         raw = np.interp((grid - self._origin).astype(float), (stamp - self._origin).astype(float), value)
         filtered, rate, second = np.empty((3, grid.size))
