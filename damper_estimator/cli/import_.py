@@ -11,9 +11,7 @@ import numpy as np
 
 from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, progress, write_json
 from damper_estimator.errors import InputError
-from damper_estimator.recordings.bench import Part, read_parts
-from damper_estimator.recordings.bench_bag import planned_paths, write_part
-from damper_estimator.recordings.column_map import load_column_maps
+from damper_estimator.recordings import Part, load_column_maps, planned_paths, read_parts, write_part
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

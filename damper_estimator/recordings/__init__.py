@@ -7,6 +7,9 @@ logger files (CSV, text, MAT) become bags by a column map. Signs, units and time
 
 from damper_estimator.recordings.bag import Bag, Topic, open_bag
 from damper_estimator.recordings.batch import Batch, Columns
+from damper_estimator.recordings.bench import Part, read_parts
+from damper_estimator.recordings.bench_bag import planned_paths, write_part
+from damper_estimator.recordings.column_map import ColumnMap, ColumnMaps, load_column_maps
 from damper_estimator.recordings.definitions import Schema
 from damper_estimator.recordings.encode import (
     accelerations,
@@ -24,8 +27,11 @@ __all__ = [
     "Bag",
     "BagWriter",
     "Batch",
+    "ColumnMap",
+    "ColumnMaps",
     "Columns",
     "FieldPath",
+    "Part",
     "Schema",
     "Stream",
     "Topic",
@@ -34,8 +40,12 @@ __all__ = [
     "encode",
     "floats",
     "joint_states",
+    "load_column_maps",
     "open_bag",
     "parse_path",
+    "planned_paths",
     "pressures",
+    "read_parts",
     "temperatures",
+    "write_part",
 ]

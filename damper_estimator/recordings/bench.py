@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -107,7 +108,7 @@ def _stretches(table: Table, rules: ColumnMap, times: Times) -> Iterator[slice]:
             )
         cuts = (np.flatnonzero(np.diff(times.seconds) > rules.split.pause) + 1).tolist()
     edges = sorted({0, *cuts, table.rows})
-    for start, stop in zip(edges, edges[1:], strict=False):
+    for start, stop in pairwise(edges):
         yield slice(start, stop)
 
 

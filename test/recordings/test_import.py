@@ -194,21 +194,26 @@ def rules_with(**more) -> dict:
     return {**channels(), "time": {"rate": RATE}, **more}
 
 
+EVENTS = csv(TIME, POSITION, FORCE, ["a", "", "b", *[""] * 397])
+TWO_PARTS = {"split": {"column": "Event", "equals": ["b"]}}
 BAD = {
-    "missing column": (channels(force={"column": "Kraft", "unit": "N"}) | {"time": {"rate": 1}}, None, "'Kraft'; there are: Time, Pos"),
-    "text column": (channels(force={"column": "Event", "unit": "N"}) | {"time": {"rate": 1}}, None, "hold no number"),
+    "missing column": (
+        rules_with(**channels(force={"column": "Kraft", "unit": "N"})), None, "'Kraft'; there are: Time, Position",
+    ),
+    "text column": (rules_with(**channels(force={"column": "Event", "unit": "N"})), None, "hold no number"),
     "empty": (rules_with(), " \n", "run.csv: empty"),
     "one row": (rules_with(), "Position;Load\n1;2\n", "fewer than two rows"),
     "constants": (
-        {**channels(command={"values": [1, 2, 3], "unit": "A"}), "time": {"rate": 1}}, None,
+        rules_with(**channels(command={"values": [1, 2, 3], "unit": "A"})), None,
         "3 values of front_left.command, but 1 parts",
     ),
     "name": (rules_with(name="{current}"), None, "cannot be filled in"),
     "folder in name": (rules_with(name="a/b"), None, "is no name for a recording"),
-    "same names": (rules_with(name="x", split={"column": "Event", "equals": ["b"]}), csv(TIME, POSITION, FORCE, ["a", "", "b", *[""] * 397]), "several parts would be named x"),
+    "same names": (rules_with(name="x", **TWO_PARTS), EVENTS, "several parts would be named x"),
     "pause without times": (rules_with(split={"pause": 1}), None, "pauses cannot be seen at a fixed rate"),
     "unknown key": (rules_with(colour=1), None, "unknown keys colour"),
     "no rate line": (rules_with(time={"rate": {"line": "Rate"}}), None, "no header line begins with 'rate'"),
+    "rate of no sense": (rules_with(time={"rate": 1e-9}), None, "are beyond all dates; check time"),
 }  # fmt: skip
 
 
@@ -221,8 +226,7 @@ def test_what_cannot_be_used_is_one_line_and_leaves_nothing(bench, capsys, rules
 
 
 def test_several_parts_do_not_fit_one_file(bench, capsys):
-    rules = rules_with(split={"column": "Event", "equals": "b"})
-    status, path = bench(rules, csv(TIME, POSITION, FORCE, ["a", "", "b", *[""] * 397]), output="out.mcap")
+    status, path = bench(rules_with(**TWO_PARTS), EVENTS, output="out.mcap")
     assert status == 1 and "2 parts do not fit into one recording; name a folder" in capsys.readouterr().err
     assert not path.exists()
 
