@@ -45,7 +45,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Sensed:
-    """What was recorded; ``true_force`` (N) and ``true_displacement`` (m) are noise-free, at the displacement's stamps."""
+    """What was recorded; ``true_force`` (N) and ``true_displacement`` (m) are noise-free, at displacement's stamps."""
 
     displacement: Channel
     force: Channel
@@ -58,7 +58,8 @@ class Sensed:
 def ideal_force(truth: Truth, sensors: Sensors) -> np.ndarray:
     """The damper's force in N, (n,), as a noise-free chain with these errors reports it.
 
-    The stated spring is subtracted. Gain and offset, skew and the spring rate's error are in it; noise, drift, quantisation and loss are not.
+    The stated spring is subtracted. Gain and offset, skew and the spring rate's error are in it; noise, drift,
+    quantisation and loss are not.
     """
     late = np.interp(truth.time - sensors.skew, truth.time, truth.force)
     travel = np.interp(truth.time - sensors.skew, truth.time, truth.drive.displacement)

@@ -72,7 +72,7 @@ def test_a_larger_magnitude_shows_more_in_every_damper(name: str, damper: object
 
 
 @pytest.mark.parametrize("name", ["friction", "oil_compressibility", "cavitation", "mount_compliance", "gas_spring"])
-@pytest.mark.parametrize("wanted", [0.04, 0.1, 0.2])
+@pytest.mark.parametrize("wanted", [0.04, 0.2])
 def test_the_calibrated_strength_is_reached(name: str, wanted: float, rough: Drive) -> None:
     found = calibrate(name, SETUP, rough, wanted)
     assert found.strength == pytest.approx(wanted, rel=0.03)
