@@ -23,6 +23,7 @@ ALLOWED = {
     "identification": {"model", "effects", "signals"},
     "validation": {"model", "signals"},
     "characterization": {"model", "signals"},
+    "characterization": {"model", "signals"},
     "diagnosis": {"model", "signals", "effects", "identification", "validation"},
     "control": {"model"},
     "plant": set(),

@@ -1,0 +1,15 @@
+"""Characteristic diagrams of a damper: mean loops, points A to H, pattern types, and the model structure they call for."""
+
+from damper_estimator.characterization.characteristics import BANDS, Band, Characterization, Diagram, characterize
+from damper_estimator.characterization.loops import Loop, mean_loops
+from damper_estimator.characterization.patterns import Pattern, classify
+from damper_estimator.characterization.points import MEANINGS, Line, Point, characteristic_points
+from damper_estimator.characterization.quasi_static import QuasiStatic, quasi_static
+from damper_estimator.characterization.structure import Structure, derive, structure_model
+from damper_estimator.characterization.subtraction import Difference, difference, semi_active
+
+__all__ = [
+    "BANDS", "MEANINGS", "Band", "Characterization", "Diagram", "Difference", "Line", "Loop", "Pattern", "Point", "QuasiStatic",
+    "Structure", "characteristic_points", "characterize", "classify", "derive", "difference", "mean_loops", "quasi_static",
+    "semi_active", "structure_model",
+]
