@@ -42,7 +42,7 @@ def headline(comparisons: list[Comparison]) -> str:
     if np.isfinite(best.noise_floor_n) and m.rmse_n <= 1.3 * best.noise_floor_n:
         return f"{text}: that is the noise of the measurement."
     if best.regions:
-        return f"{text}; it fails most in {best.regions[0].where}: {best.regions[0].what}."
+        return f"{text}. Its worst region is {best.regions[0].where}: {best.regions[0].what}."
     return f"{text}; the error is spread evenly over the operation."
 
 

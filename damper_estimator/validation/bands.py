@@ -47,7 +47,7 @@ def all_bands(pool: Pool) -> list[Bands]:
     bands.append(_even("displacement", pool.displacement, 6, _range("displacement", "mm", 1e3), everywhere))
     size = np.abs(pool.acceleration)
     bands.append(Bands("acceleration", "", size, _decades(size), _range("acceleration", "m/s^2"), everywhere))
-    bands.append(_even("time", pool.elapsed, 6, _range("time since the start", "s"), everywhere))
+    bands.append(_even("time", pool.elapsed, 6, _time, everywhere))
     bands += _command(pool, everywhere)
     warm = pool.temperature[np.isfinite(pool.temperature)]
     if warm.size and np.ptp(warm) > 1.0:
@@ -108,6 +108,12 @@ def _command(pool: Pool, inside: np.ndarray) -> list[Bands]:
         return f"command {', '.join(f'{level:.3g}' for level in levels)} A"
 
     return [Bands("command", "", pool.command, edges, words, inside)]
+
+
+def _time(low: float, high: float) -> str:
+    if not np.isfinite(high):
+        return f"after {low:.3g} s"
+    return f"the first {high:.3g} s" if not np.isfinite(low) else f"{low:.3g} to {high:.3g} s after the start"
 
 
 def _range(subject: str, unit: str, factor: float = 1.0) -> Callable[[float, float], str]:

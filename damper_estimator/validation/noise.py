@@ -38,7 +38,7 @@ def white_density(value: np.ndarray, rate: float, band: float) -> float:
     lowest = max(1.5 * band, 0.15 * rate)
     if value.size < _LEAST_SAMPLES or not np.isfinite(rate) or lowest > 0.4 * rate:
         return float("nan")
-    frequency, density = signal.welch(value, rate, nperseg=_SEGMENT, window="blackmanharris", detrend="linear")
+    frequency, density = signal.welch(value, rate, nperseg=_SEGMENT, window="blackmanharris", detrend="constant")
     edges = np.linspace(lowest, 0.48 * rate, 5)
     parts = [density[(frequency >= low) & (frequency < high)] for low, high in zip(edges, edges[1:], strict=False)]
     return float(min(np.median(part) for part in parts if part.size))

@@ -78,12 +78,11 @@ def test_a_gap_breaks_the_lines():
 
 
 def test_hours_of_data_stay_small_and_keep_their_peaks():
-    long = measurement(2_000_000)
-    long.force[1_234_567] += 50_000.0
-    sections = [damper_section([compare(VISCOUS, long), compare(VISCOUS, long)], 2) for _ in range(2)]
-    page = comparison_page(sections, "t")
-    assert len(page) - len(_plotly()) < LIMIT
+    long = measurement(700_000)
+    long.force[234_567] += 50_000.0
     c = compare(VISCOUS, long)
+    page = comparison_page([damper_section([c, c], 2) for _ in range(2)], "t")
+    assert len(page) - len(_plotly()) < LIMIT
     for section in data_of(page):
         measured = unpacked(section["recordings"][0]["measured"])
         assert measured.max() == np.float32(c.traces[0].measured.max())
