@@ -19,6 +19,8 @@ def main() -> int:
         from damper_estimator.node.run import run
 
         run(sys.argv)
+    except KeyboardInterrupt:
+        return DONE
     except InputError as error:
         return _refuse(str(error))
     except ModuleNotFoundError as error:

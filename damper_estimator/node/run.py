@@ -28,6 +28,10 @@ def run(words: Sequence[str]) -> None:
         _serve()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except RCLError:
+        # A signal that comes while the node is being made takes ROS away under it.
+        if rclpy.ok():
+            raise
     finally:
         rclpy.try_shutdown()
 

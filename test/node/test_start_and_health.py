@@ -2,6 +2,8 @@
 
 import re
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -123,6 +125,21 @@ def test_a_signal_ends_it_without_complaint(number, start, player):
     said = process.communicate(timeout=ENDED_WITHIN)[1]
     assert process.returncode == 0
     assert "Traceback" not in said and "rror" not in said.replace("damper_estimator", ""), said
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_it_starts_ends_it_without_complaint(number):
+    code = (
+        "import os, sys, rclpy\nfrom damper_estimator.node import estimator_node, main\nmake = estimator_node.make_roster\n"
+        "def interrupted(settings):\n"
+        f"    os.kill(os.getpid(), {int(number)})\n"
+        "    while rclpy.ok(): pass\n"
+        "    return make(settings)\n"
+        "estimator_node.make_roster = interrupted\nsys.exit(main.main())"
+    )
+    words = [sys.executable, "-c", code, "--ros-args", "-p", "model:=coulomb"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=ENDED_WITHIN)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_the_shipped_parameter_file_starts_it(start, player):
