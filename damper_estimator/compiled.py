@@ -5,6 +5,8 @@ a hundred on blocks. ``NUMBA_DISABLE_JIT=1`` switches compilation off where numb
 """
 
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 
 try:
     from numba import config, njit
@@ -12,6 +14,22 @@ try:
     COMPILED = not config.DISABLE_JIT
 except ImportError:
     COMPILED = False
+
+
+def _drop_stale_machine_code(package: Path) -> None:
+    """Removes cached machine code older than the newest source file.
+
+    numba looks only at the file of the function itself, so an edited helper in another file would go unnoticed.
+    """
+    newest = max(path.stat().st_mtime for path in package.rglob("*.py"))
+    for index in package.rglob("*.nbi"):
+        with suppress(OSError):
+            if index.stat().st_mtime < newest:
+                index.unlink()
+
+
+if COMPILED:
+    _drop_stale_machine_code(Path(__file__).parent)
 
 
 def compiled(function: Callable) -> Callable:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from damper_estimator.errors import InputError
@@ -26,7 +26,8 @@ def written_beside(path: str | Path) -> Iterator[Path]:
             raise
         raise InputError(f"{target}: cannot be written ({error.strerror}); choose another place with -o") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink()
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -6,8 +6,9 @@ compliance before a path is solved for,
 
     F_compliance(d, r) = F_path(v - r),      r = (d - d_before) / dt      (backward Euler; r = 0 on the first sample)
 
-The left side rises with d and the right side falls, so the root is single; it is bracketed, then found by the Illinois
-variant of regula falsi. Kernels are called through function pointers: the loop is compiled once for all models.
+The left side rises with d and the right side falls, so the root is single. The search starts from the last rate and the
+last slope, goes on by secants and bisects where a secant leaves the bracket or is slow to close it. Kernels are called
+through function pointers: the loop is compiled once for all models.
 """
 
 import numpy as np
@@ -20,12 +21,15 @@ RUN, ENTER, LEAVE, SERIES, SOLVE = range(5)
 # its parent's, and which part of the parameters, settings and states belongs to it.
 CODE, KERNEL, PARTNER, MOTION, MOTION_UP, FORCE, FORCE_UP, P0, P1, S0, S1, Z0, Z1 = range(13)
 COLUMNS = 13
-# Columns of a solver's row: the trial deflection, the bracket, and how far the search is.
-TRIAL, LOW, G_LOW, HIGH, G_HIGH, WIDTH, PHASE, COUNT = range(8)
-SOLVER_COLUMNS = 8
-FIRST, EXPANDING, SHRINKING = 0.0, 1.0, 2.0
+# A series operation's own states stand before its kernel's: deflection, its rate, and the slope of the imbalance there.
+DEFLECTION, RATE, SLOPE = range(3)
+SERIES_STATES = 3
+# Columns of a solver's row: the trial deflection, the point before it, and the bracket.
+TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
+SOLVER_COLUMNS = 6
 _TOLERANCE = 1e-9  # of the force, and times 100 N
 _ITERATIONS = 80
+_START_SLOPE = 1e6  # N/m, before the first step taught a better one
 
 
 @compiled
@@ -40,7 +44,7 @@ def run(kernels, table, parameters, settings, kinematics, motions, forces, state
         motions: (k, 8, n) registers 1 to k, for paths that change the motion.
         forces: (l, n) registers; register 0 holds the result.
         state: flat float64 array, carried.
-        solvers: (m, 8) work space of the series operations; (0, 8) where there is none.
+        solvers: (m, 6) work space of the series operations; (0, 6) where there is none.
         trace: (m, n) to receive what each operation changed of the force, or (0, 0).
     """
     forces[0, :] = 0.0
@@ -55,6 +59,7 @@ def run(kernels, table, parameters, settings, kinematics, motions, forces, state
     force = np.zeros((forces.shape[0], 1))
     saved = np.empty_like(state)
     mark = np.zeros((trace.shape[0], 1))
+    deflected, compliance = np.empty_like(column), np.empty(1)
     for i in range(kinematics.shape[1]):
         column[:, 0] = kinematics[:, i]
         force[0, 0] = 0.0
@@ -64,8 +69,9 @@ def run(kernels, table, parameters, settings, kinematics, motions, forces, state
                 _begin_series(table, j, column, inner, force, state, saved, solvers[j])
             elif table[j, CODE] == SOLVE:
                 j = _advance_series(
-                    kernels, table, j, parameters, settings, column, inner, force, state, saved, solvers, mark
-                )
+                    kernels, table, j, parameters, settings, column, inner, force, state, saved, solvers, mark,
+                    deflected, compliance,
+                )  # fmt: skip
             else:
                 _operate(kernels, table, j, parameters, settings, column, inner, force, state, mark)
             j += 1
@@ -102,15 +108,14 @@ def _operate(kernels, table, j, parameters, settings, kinematics, motions, force
 
 @compiled
 def _begin_series(table, j, column, motions, force, state, saved, solver):
-    """Keeps the states from before this sample and tries the deflection as it was."""
+    """Keeps the states from before this sample and tries the deflection to which the last rate leads."""
     first, last = table[j, Z0], table[table[j, PARTNER], Z1]
     saved[first:last] = state[first:last]
-    solver[TRIAL] = state[first]
-    solver[PHASE] = FIRST
-    solver[COUNT] = 0.0
     above = table[j, MOTION_UP]
     given = column if above == 0 else motions[above - 1]
-    solver[WIDTH] = max(abs(given[V, 0]) * given[DT, 0], 1e-7)
+    solver[TRIAL] = state[first + DEFLECTION] + state[first + RATE] * given[DT, 0]
+    solver[LOW], solver[HIGH] = -np.inf, np.inf
+    solver[COUNT] = 0.0
     _try_deflection(table, j, given, motions, force, saved, solver)
 
 
@@ -131,7 +136,9 @@ def _rate(given, before, deflection):
 
 
 @compiled
-def _advance_series(kernels, table, end, parameters, settings, column, motions, force, state, saved, solvers, mark):
+def _advance_series(
+    kernels, table, end, parameters, settings, column, motions, force, state, saved, solvers, mark, deflected, compliance
+):
     """Compares compliance and path at the trial; returns ``end`` when they balance, else where to run the path again."""
     begin = table[end, PARTNER]
     solver = solvers[begin]
@@ -139,20 +146,24 @@ def _advance_series(kernels, table, end, parameters, settings, column, motions, 
     above = table[begin, MOTION_UP]
     given = column if above == 0 else motions[above - 1]
     path_force = force[table[begin, FORCE], 0]
-    deflected = given.copy()
+    deflected[:, :] = given
     deflected[X, 0] = solver[TRIAL]
     deflected[V, 0] = _rate(given, saved[first], solver[TRIAL])
     deflected[A, 0] = 0.0
-    compliance = np.zeros(1)
+    compliance[0] = 0.0
     kernels[table[begin, KERNEL]](
         parameters[table[begin, P0] : table[begin, P1]],
         settings[table[begin, S0] : table[begin, S1]],
         deflected,
-        state[first + 1 : table[begin, Z1]],
+        state[first + SERIES_STATES : table[begin, Z1]],
         compliance,
     )
-    if _balanced(solver, compliance[0] - path_force, _TOLERANCE * (100.0 + abs(path_force))):
-        state[first] = solver[TRIAL]
+    slope = saved[first + SLOPE] if saved[first + SLOPE] > 0.0 else _START_SLOPE
+    deflection, g = solver[TRIAL], compliance[0] - path_force
+    if _balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope):
+        state[first + DEFLECTION] = deflection
+        state[first + RATE] = deflected[V, 0]
+        state[first + SLOPE] = _secant_slope(solver, deflection, g, slope)
         force[table[begin, FORCE_UP], 0] += path_force
         if mark.shape[0] > 0:
             mark[begin : end + 1, 0] = 0.0
@@ -164,30 +175,39 @@ def _advance_series(kernels, table, end, parameters, settings, column, motions, 
 
 
 @compiled
-def _balanced(solver, g, tolerance):
+def _secant_slope(solver, deflection, g, slope):
+    """Slope of the imbalance between this point and the last one; ``slope`` where there is none."""
+    if solver[COUNT] > 0.0 and deflection != solver[LAST]:
+        secant = (g - solver[G_LAST]) / (deflection - solver[LAST])
+        if secant > 0.0:
+            return secant
+    return slope
+
+
+@compiled
+def _balanced(solver, g, tolerance, slope):
     """True when the trial is accepted; otherwise the next trial is proposed."""
     if abs(g) <= tolerance or solver[COUNT] >= _ITERATIONS:
         return True
-    solver[COUNT] += 1.0
-    if solver[PHASE] == FIRST:
-        solver[PHASE] = EXPANDING
-    elif solver[PHASE] == EXPANDING:
-        solver[LOW], solver[G_LOW] = solver[HIGH], solver[G_HIGH]
-        if g * solver[G_LOW] < 0.0:
-            solver[PHASE] = SHRINKING
-    elif g * solver[G_HIGH] < 0.0:
-        solver[LOW], solver[G_LOW] = solver[HIGH], solver[G_HIGH]
+    here = solver[TRIAL]
+    if g > 0.0:
+        solver[HIGH] = here
     else:
-        solver[G_LOW] *= 0.5
-    solver[HIGH], solver[G_HIGH] = solver[TRIAL], g
-    if solver[PHASE] == EXPANDING:
-        solver[TRIAL] = solver[HIGH] - solver[WIDTH] if g > 0.0 else solver[HIGH] + solver[WIDTH]
-        solver[WIDTH] *= 2.0
-        return False
-    if abs(solver[HIGH] - solver[LOW]) < 1e-15:
+        solver[LOW] = here
+    width = solver[HIGH] - solver[LOW]
+    if width < 1e-15:
         return True
-    share = solver[G_HIGH] / (solver[G_HIGH] - solver[G_LOW])
-    solver[TRIAL] = solver[HIGH] - share * (solver[HIGH] - solver[LOW])
+    step = -g / _secant_slope(solver, here, g, slope)
+    bracketed = width < np.inf
+    if not bracketed and solver[COUNT] > 1.0:
+        step *= 2.0  # a side is still missing: rather too far than too short
+    trial = here + step
+    slow = int(solver[COUNT]) % 4 == 3
+    if bracketed and (slow or not solver[LOW] < trial < solver[HIGH]):
+        trial = 0.5 * (solver[LOW] + solver[HIGH])
+    solver[LAST], solver[G_LAST] = here, g
+    solver[TRIAL] = trial
+    solver[COUNT] += 1.0
     return False
 
 

@@ -50,7 +50,7 @@ class _Layout:
         """Appends an operation; returns its row."""
         values = np.zeros(0) if element is None else packed(element)
         settings = np.zeros(0) if element is None else element.effect.prepare(element.parameters, element.settings)
-        states = 0 if element is None else element.effect.states + (code == chain.SERIES)
+        states = 0 if element is None else element.effect.states + chain.SERIES_STATES * (code == chain.SERIES)
         kernel = 0
         if element is not None and element.effect.kernel is not None:
             kernel = len(self.kernels)

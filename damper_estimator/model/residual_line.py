@@ -65,7 +65,9 @@ class ResidualLine:
         if not parts:
             none = np.zeros(0, np.int64)
             return Residuals(none, none, np.zeros(0))
-        return Residuals(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("stamp", "log", "value")))
+        return Residuals(
+            *(np.concatenate([getattr(part, name) for part in parts]) for name in ("stamp", "log", "value"))
+        )
 
     def _queue_estimates(self, estimates: Estimates, log: np.ndarray) -> None:
         kinematics = estimates.kinematics
@@ -103,13 +105,17 @@ class ResidualLine:
         inside = (estimate_stamp >= first) & (estimate_stamp <= limit)
         residuals = None
         if limit >= first:
-            value = self._filtered(gauge_stamp[:own], gauge[:own], estimate_stamp[inside], starts[inside] > 0, first, limit)
+            value = self._filtered(
+                gauge_stamp[:own], gauge[:own], estimate_stamp[inside], starts[inside] > 0, first, limit
+            )
             measured = value - self._signals.spring_rate * displacement[inside] - self._signals.preload
             residuals = Residuals(estimate_stamp[inside], log[inside], modelled[inside] - measured)
         finished = closed and estimate_stamp[-1] >= gauge_stamp[own - 1]
         if not finished and residuals is None:
             return None
-        self._leave(own if finished else int(np.searchsorted(gauge_stamp[:own], limit, side="right")) - 1, finished, limit)
+        self._leave(
+            own if finished else int(np.searchsorted(gauge_stamp[:own], limit, side="right")) - 1, finished, limit
+        )
         return residuals or Residuals(estimate_stamp[:0], log[:0], np.zeros(0))
 
     def _filtered(

@@ -1,0 +1,38 @@
+"""Play and stiffness of a joint in series with the damper: lost motion at each reversal of the force.
+
+    F = k (|d| - g / 2) sgn(d)  beyond the play,      F = k_0 d  within it,      F = F_path(v - d')
+
+k in N/m, g in m the whole play, d in m. k_0 = k / 1000 keeps the joint's place defined within the play.
+Solved implicitly, backward Euler: first order in the step. Source: dead zone in series; the lost motion that
+is seen at the reversals of bench recordings.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.signals.layout import X
+
+_LOOSE = 1e-3
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """Force of the joint over its deflection, row X."""
+    stiffness, half = parameters[0], 0.5 * parameters[1]
+    for i in range(force.size):
+        d = kinematics[X, i]
+        inside = min(max(d, -half), half)
+        force[i] += stiffness * (d - inside + _LOOSE * inside)
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="series",
+    phenomenon="mount_compliance",
+    parameters=(
+        Parameter("stiffness", "N/m", 2e6, 5e4, 1e9, "stiffness of the joint once it is taut"),
+        Parameter("play", "m", 2e-4, 0.0, 5e-3, "whole play"),
+    ),
+    order=1,
+    shows="a kink or plateau of the force as it changes sign, of the same width in displacement at any speed",
+    separate="turn the force round slowly by hand: the joint moves without force",
+)
