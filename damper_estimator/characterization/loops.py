@@ -100,7 +100,8 @@ def mean_loops(measurements: Sequence[Measurement], forces: Sequence[np.ndarray]
 
 
 def _order(loop: Loop) -> tuple[float, float, float]:
-    return round(loop.frequency, 2), round(loop.amplitude, 4), np.nan_to_num(loop.command)
+    # Motions that count as equal stay together, in order of the command.
+    return round(np.log(loop.frequency) / _FREQUENCY), round(np.log(loop.amplitude) / _AMPLITUDE), np.nan_to_num(loop.command)
 
 
 def _samples(measurement: Measurement) -> list[_Sample]:
