@@ -24,7 +24,7 @@ EFFECT = Effect(
     phenomenon="mount_compliance",
     parameters=(
         Parameter("stiffness", "N/m", 1e6, 5e4, 1e9, "stiffness of the mount"),
-        Parameter("loss", "N s/m", 500.0, 0.0, 2e4, "damping of the mount"),
+        Parameter("loss", "N s/m", 500.0, 0.0, 1e5, "damping of the mount"),
     ),
     order=1,
     shows="the F-v loop opens with frequency, evenly in rebound and compression",

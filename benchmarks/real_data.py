@@ -1,0 +1,175 @@
+"""The main job on real dampers: import, fit on some recordings, judge on others; prints the tables of docs/real_data.md.
+
+    python benchmarks/real_data.py [--models NAME ...] [--jobs 2] [-o docs/real_data.md]
+
+Two sets of recordings of magneto-rheological dampers, which are not part of the project: they are looked for in
+``../shared/data`` (or DAMPER_SHARED_DATA). Unseen means other recordings: another frequency, another amplitude.
+"""
+
+import argparse
+import os
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from damper_estimator import files
+from damper_estimator.cli.main import main as damper_estimator
+from damper_estimator.identification import fit
+from damper_estimator.model import load_model
+from damper_estimator.recordings import open_bag
+from damper_estimator.signals import SignalMap, measure
+from damper_estimator.validation.comparison import compare, per_recording
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = Path(os.environ.get("DAMPER_SHARED_DATA", ROOT.parent / "shared" / "data"))
+BASELINE = "memoryless_baseline"
+MODELS = (
+    BASELINE, "linear_viscous", "coulomb", "viscous_curve", "carrera_akutain", "dahl", "lugre", "bouc_wen",
+    "bouc_wen_shifted", "kwok", "guo", "cesmeci", "lozoya_santos_simple_symmetric",
+    "lozoya_santos_stiff_simple_symmetric", "lozoya_santos_inertial_simple_symmetric", "black_box_3", "black_box_6",
+    "black_box_12", "mr_damper_on_mount", "mr_damper_with_play",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One command of one damper: on which recordings to fit, on which to judge."""
+
+    name: str
+    fitted: tuple[str, ...]
+    unseen: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Score:
+    """One model at one setting."""
+
+    setting: str
+    model: str
+    parameters: int
+    esr: float
+    correlation: float
+    each: tuple[float, ...]
+    seconds: float
+
+
+UTFSM = tuple(
+    Setting(
+        f"{amperes} A",
+        tuple(f"utfsm/{stem}_{amperes}A.mcap" for stem in ("ME25mm0x25Hz", "ME10mm2Hz")),
+        tuple(f"utfsm/{stem}_{amperes}A.mcap" for stem in ("ME25mm0x5Hz", "ME5mm3Hz", "ME2mm5Hz")),
+    )
+    for amperes in ("0", "0.25", "0.5", "0.75", "1")
+)
+LABCONTROL = (
+    Setting("0 V", ("lab/ensaio1.1.mcap", "lab/ensaio6.1.mcap"), tuple(f"lab/ensaio{k}.1.mcap" for k in (2, 4, 8, 10))),
+    Setting(
+        "0.87 V", ("lab/ensaio1.2.2.mcap", "lab/ensaio6.2.2.mcap"), tuple(f"lab/ensaio{k}.2.2.mcap" for k in (2, 4, 8, 10))
+    ),
+    Setting("1.98 V", ("lab/ensaio.B.1.mcap", "lab/ensaio.B.6.mcap"), tuple(f"lab/ensaio.B.{k}.mcap" for k in (3, 5, 7, 9))),
+)
+
+
+def import_all(folder: Path) -> None:
+    """Turns both sets into bags under ``folder``."""
+    for name, target, pattern in (("utfsm_mr_damper", "utfsm", "*.gz"), ("labcontrol_mr_damper", "lab", "*.mat")):
+        inputs = sorted(str(path) for path in (DATA / name).glob(pattern))
+        columns = ROOT / "config" / "columns" / f"{name}.yaml"
+        status = damper_estimator(["import", *inputs, "--columns", str(columns), "-o", str(folder / target), "--json", os.devnull])
+        if status:
+            raise SystemExit(status)
+
+
+def score(folder: Path, setting: Setting, name: str) -> Score:
+    """Fits one model and judges it on the unseen recordings, together and one by one."""
+
+    def read(paths: Sequence[str]) -> list:
+        measurements = []
+        for path in paths:
+            with open_bag(folder / path) as bag:
+                measurements.append(measure(bag, SignalMap(), "mr_damper"))
+        return measurements
+
+    began = perf_counter()
+    fitted = fit(load_model(name), read(setting.fitted))
+    seconds = perf_counter() - began
+    judged = compare(fitted.model, *read(setting.unseen))
+    each = tuple(part.measures.esr for part in per_recording(judged))
+    measures = judged.measures
+    return Score(setting.name, name, len(fitted.parameters), measures.esr, measures.correlation, each, seconds)
+
+
+def table(settings: Sequence[Setting], scores: Sequence[Score]) -> str:
+    """Models by ESR on unseen recordings (median over the settings), best first."""
+    by_model: dict[str, dict[str, Score]] = {}
+    for own in scores:
+        by_model.setdefault(own.model, {})[own.setting] = own
+    ranked = sorted(by_model.items(), key=lambda item: np.median([s.esr for s in item[1].values()]))
+    head = ["model", "parameters", *(s.name for s in settings), "median", "correlation", "fit"]
+    rows = [head, ["---"] + ["---:"] * (len(head) - 1)]
+    for name, own in ranked:
+        values = [own[s.name] for s in settings]
+        rows.append([
+            f"**{name}**" if name == BASELINE else name,
+            str(values[0].parameters),
+            *(_marked(v, settings, by_model) for v in values),
+            f"{np.median([v.esr for v in values]):.4f}",
+            f"{min(v.correlation for v in values):.3f}",
+            f"{np.median([v.seconds for v in values]):.1f} s",
+        ])  # fmt: skip
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def _marked(own: Score, settings: Sequence[Setting], by_model: dict[str, dict[str, Score]]) -> str:
+    """The ESR, marked where the model is worse than the baseline."""
+    baseline = by_model.get(BASELINE, {}).get(own.setting)
+    worse = baseline is not None and own.model != BASELINE and own.esr > baseline.esr
+    return f"{own.esr:.4f}{' ▲' if worse else ''}"
+
+
+def detail(setting: Setting, scores: Sequence[Score], names: Sequence[str]) -> str:
+    """ESR of some models on each unseen recording of one setting."""
+    head = ["model", *(Path(path).stem for path in setting.unseen)]
+    rows = [head, ["---"] + ["---:"] * len(setting.unseen)]
+    for own in scores:
+        if own.setting == setting.name and own.model in names:
+            rows.append([own.model, *(f"{value:.4f}" for value in own.each)])
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def main() -> None:
+    """Runs everything and writes the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--models", nargs="+", default=MODELS)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("-o", "--output", type=Path)
+    arguments = parser.parse_args()
+    if not DATA.is_dir():
+        raise SystemExit(f"{DATA}: the real recordings are not there; set DAMPER_SHARED_DATA")
+    parts = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        import_all(folder)
+        for title, settings in (("utfsm_mr_damper", UTFSM), ("labcontrol_mr_damper", LABCONTROL)):
+            tasks = [(folder, setting, model) for setting in settings for model in arguments.models]
+            with ProcessPoolExecutor(arguments.jobs) as pool:
+                scores = list(pool.map(score, *zip(*tasks, strict=True)))
+            best = min((s for s in scores if s.model != BASELINE), key=lambda s: s.esr).model
+            parts += [f"### {title}", table(settings, scores)]
+            parts += [f"{s.name}, recording by recording:\n\n{detail(s, scores, (BASELINE, best))}" for s in settings[-1:]]
+    text = "\n\n".join(parts) + "\n"
+    print(text)
+    if arguments.output:
+        page = arguments.output.read_text(encoding="utf-8") if arguments.output.exists() else ""
+        begin, end = "<!-- tables -->", "<!-- end of tables -->"
+        before, _, rest = page.partition(begin)
+        files.write_text(arguments.output, f"{before}{begin}\n\n{text}\n{end}{rest.partition(end)[2] or chr(10)}")
+
+
+if __name__ == "__main__":
+    main()
