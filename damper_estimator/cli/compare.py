@@ -1,7 +1,7 @@
 """How well a model agrees with the measurement, and where it fails.
 
-Measured and modelled force pass the same filters; judged from 0.2 s after each reset on. Several recordings are pooled and
-also told one by one; several models (-m repeated) stand side by side.
+Measured and modelled force pass the same filters; judged from 0.2 s after each reset on. Several recordings are
+pooled and also told one by one; several models (-m repeated) stand side by side.
 """
 
 import argparse
@@ -61,12 +61,16 @@ def run(arguments: argparse.Namespace) -> int:
 
                 sections.append(damper_section(comparisons, len(chosen)))
     if not records:
-        raise InputError(f"{arguments.bags[0]}: no damper has a measured force; compare needs one (name its topic in a signal map)")
+        raise InputError(
+            f"{arguments.bags[0]}: no damper has a measured force; compare needs one (name its topic in a signal map)"
+        )
     for note in notes:
         progress(note)
     if arguments.html:
         _write_page(arguments, sections)
-    write_json(arguments.json, {"bags": [str(path) for path in arguments.bags], "models": arguments.models, "dampers": records})
+    write_json(
+        arguments.json, {"bags": [str(path) for path in arguments.bags], "models": arguments.models, "dampers": records}
+    )
     return 0
 
 
@@ -79,7 +83,9 @@ def _write_page(arguments: argparse.Namespace, sections: Sequence) -> None:
     progress(f"wrote {arguments.html}")
 
 
-def _dampers(bags: Sequence[Bag], signal_map: SignalMap, wanted: Sequence[str]) -> dict[str, list[tuple[Bag, SignalMap]]]:
+def _dampers(
+    bags: Sequence[Bag], signal_map: SignalMap, wanted: Sequence[str]
+) -> dict[str, list[tuple[Bag, SignalMap]]]:
     """The bags that have each damper, in order of appearance, and the map to read it by.
 
     Raises:
@@ -100,7 +106,7 @@ def _dampers(bags: Sequence[Bag], signal_map: SignalMap, wanted: Sequence[str]) 
 def _measurements(
     bags: Sequence[tuple[Bag, SignalMap]], name: str, arguments: argparse.Namespace
 ) -> tuple[list[Measurement], list[str]]:
-    """The damper in all its bags, less those without its force (an error where it was asked for by name), and notes on these."""
+    """The damper in all its bags, less those without its force, and notes on these."""
     start = 0.0 if arguments.start is None else arguments.start
     end = float("inf") if arguments.stop is None else arguments.stop
     asked = name in arguments.dampers
@@ -138,7 +144,8 @@ def _print(name: str, comparisons: Sequence[Comparison]) -> None:
 
 def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
     print(
-        f"  {label:{width}}  {m['rmse_n']:7.4g} N  {100 * m['nrmse']:6.1f} %  {m['esr']:6.4f}  {m['fit_percent']:4.0f} %"
+        f"  {label:{width}}  {m['rmse_n']:7.4g} N  {100 * m['nrmse']:6.1f} %  {m['esr']:6.4f}  "
+        f"{m['fit_percent']:4.0f} %"
         f"  {m['correlation']:11.4f}  {100 * m['energy_error']:+4.0f} %  {m['bias_n']:+.4g} N"
     )
 

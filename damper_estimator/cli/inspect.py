@@ -20,7 +20,9 @@ from damper_estimator.validation.suitability import excitation, verdict
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``BAG [-o MAP.yaml]`` and what is common."""
     add_bags(parser, several=False)
-    parser.add_argument("-o", "--output", metavar="MAP.yaml", type=Path, help="write the signal map that was used or proposed")
+    parser.add_argument(
+        "-o", "--output", metavar="MAP.yaml", type=Path, help="write the signal map that was used or proposed"
+    )
     add_signals(parser)
     add_json(parser)
 
@@ -36,7 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
         dampers = {name: _inspected(bag, signal_map, name) for name in names}
     if arguments.output is not None:
         if not signal_map.dampers:
-            raise InputError(f"{arguments.bag}: no displacement was recognised, so no signal map can be proposed; write one by hand")
+            raise InputError(
+                f"{arguments.bag}: no displacement was recognised, so no signal map can be proposed; write one by hand"
+            )
         save_signal_map(signal_map, arguments.output)
     write_json(arguments.json, {"topics": topics, "guesses": guesses, "dampers": dampers})
     if arguments.json != "-":
@@ -72,12 +76,23 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> dict[str, object]:
     signals = signal_map.dampers[name]
     data = read_channels(bag, signals.channels())
     if "displacement" not in data:
-        raise InputError(f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}, {signals.displacement.field})")
-    quality = {role: channel_quality(own.stamp, own.value, DEFAULT_MAX_GAP) for role, own in data.items() if role in ("displacement", "force")}
+        raise InputError(
+            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}, "
+            f"{signals.displacement.field})"
+        )
+    quality = {
+        role: channel_quality(own.stamp, own.value, DEFAULT_MAX_GAP)
+        for role, own in data.items()
+        if role in ("displacement", "force")
+    }
     moved = excitation(measure(bag, signal_map, name, force_wanted=False))
     ordered = [array for role in quality for array in _ordered(data[role].stamp, data[role].value)]
     rests = find_rests(*ordered)
-    slow = {role: [float(np.nanmin(own.value)), float(np.nanmax(own.value))] for role, own in data.items() if role not in quality}
+    slow = {
+        role: [float(np.nanmin(own.value)), float(np.nanmax(own.value))]
+        for role, own in data.items()
+        if role not in quality
+    }
     return {
         **{role: own.record() for role, own in quality.items()},
         "excitation": moved.record(),
@@ -114,12 +129,19 @@ def _print_damper(name: str, record: Mapping[str, dict]) -> None:
     for role, factor, unit in (("displacement", 1e3, "mm"), ("force", 1.0, "N")):
         if role in record:
             q = record[role]
-            faults = {"gaps": q["gaps"], "steps back": q["steps_back"], "older": q["inversions"], "equal": q["duplicates"]}
+            faults = {
+                "gaps": q["gaps"],
+                "steps back": q["steps_back"],
+                "older": q["inversions"],
+                "equal": q["duplicates"],
+            }
             faults |= {"not finite": q["non_finite"], "saturated": q["saturated"]}
             told = ", ".join(f"{count} {what}" for what, count in faults.items() if count) or "no faults"
             print(
-                f"  {role}: {q['samples']} samples at {q['rate_hz']:.4g} Hz (jitter {1e3 * q['jitter_s']:.2g} ms), {factor * q['low']:.4g} to "
-                f"{factor * q['high']:.4g} {unit}, steps of {factor * q['quantum']:.2g}, noise {factor * q['noise']:.2g} {unit}; {told}"
+                f"  {role}: {q['samples']} samples at {q['rate_hz']:.4g} Hz (jitter {1e3 * q['jitter_s']:.2g} "
+                f"ms), {factor * q['low']:.4g} to "
+                f"{factor * q['high']:.4g} {unit}, steps of {factor * q['quantum']:.2g}, noise "
+                f"{factor * q['noise']:.2g} {unit}; {told}"
             )
     _print_excitation(record["excitation"])
     for kind in ("faults", "remarks"):

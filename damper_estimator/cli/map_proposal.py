@@ -17,7 +17,9 @@ WORDS = {
     "pressure": re.compile(r"press", re.I),
     "command": re.compile(r"current|command|cmd|valve|volt|ampere|(?:^|[/_.])i(?:$|[/_.\[])", re.I),
     "acceleration": re.compile(r"acc", re.I),
-    "displacement": re.compile(r"disp|travel|stroke|position|pot\b|length|height|lvdt|range|deflection|(?:^|[/_.])x(?:$|[/_.\[])", re.I),
+    "displacement": re.compile(
+        r"disp|travel|stroke|position|pot\b|length|height|lvdt|range|deflection|(?:^|[/_.])x(?:$|[/_.\[])", re.I
+    ),
 }
 _OURS = re.compile(r"^/damper_estimator/")
 _LOOK = 200  # messages of each topic
@@ -58,7 +60,10 @@ def propose(bag: Bag) -> Proposal:
         for role in ("force", "command", "temperature", "pressure"):
             match = _partner(c, [o for o in candidates if o.role == role], len(moved))
             if match is not None:
-                signals = replace(signals, **{role: Channel(match.topic, match.field, unit="A" if role == "command" else "", given=True)})
+                signals = replace(
+                    signals,
+                    **{role: Channel(match.topic, match.field, unit="A" if role == "command" else "", given=True)},
+                )
         dampers[name] = _scaled(bag, name, signals, guesses)
     return Proposal(SignalMap(dampers=dampers, where="proposed map"), tuple(guesses))
 
@@ -86,7 +91,9 @@ def _of_message(topic: str, type_name: str, message: object) -> Iterator[Candida
         return
     for field in _numbers(message, 3):
         text = f"{topic}.{field}"
-        role = {"sensor_msgs/msg/Temperature": "temperature", "sensor_msgs/msg/FluidPressure": "pressure"}.get(type_name)
+        role = {"sensor_msgs/msg/Temperature": "temperature", "sensor_msgs/msg/FluidPressure": "pressure"}.get(
+            type_name
+        )
         if role is not None and field == "variance":
             continue
         role = role or next((r for r, words in WORDS.items() if words.search(text)), None)
@@ -114,8 +121,12 @@ def _tokens(text: str) -> set[str]:
 
 
 def _partner(displacement: Candidate, others: list[Candidate], dampers: int) -> Candidate | None:
-    """The candidate of the same damper: by its name, or the only one where there is one damper, or by the closest topic."""
-    named = [o for o in others if displacement.damper and (o.damper == displacement.damper or displacement.damper.lower() in o.topic.lower())]
+    """The candidate of the same damper: by its name, or the only one for one damper, or by the closest topic."""
+    named = [
+        o
+        for o in others
+        if displacement.damper and (o.damper == displacement.damper or displacement.damper.lower() in o.topic.lower())
+    ]
     if named:
         return named[0]
     nameless = [o for o in others if not o.damper or not displacement.damper]
@@ -132,7 +143,10 @@ def _scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str]) -> 
     where = signals.displacement
     raw = bag.columns(where.topic, [where.field]).values[:, 0]
     span = float(np.ptp(raw[np.isfinite(raw)])) if np.isfinite(raw).any() else 0.0
-    guesses.append(f"{name}: displacement is {where.field} on {where.topic}, {'in mm' if span > 1.0 else 'in m'} (it spans {span:.4g})")
+    guesses.append(
+        f"{name}: displacement is {where.field} on {where.topic}, {'in mm' if span > 1.0 else 'in m'} (it "
+        f"spans {span:.4g})"
+    )
     if span > 1.0:
         signals = replace(signals, displacement=replace(where, scale=1e-3))
     for role in ("force", "command", "temperature", "pressure"):
@@ -157,7 +171,13 @@ def _force_scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str
     if moved.damping < 0.0:
         turned = replace(signals.displacement, scale=-signals.displacement.scale)
         signals = replace(signals, displacement=turned)
-        guesses.append(f"{name}: force falls with velocity, so displacement is taken as positive in compression and turned; if the gauge is the other way round, turn that instead")
+        guesses.append(
+            f"{name}: force falls with velocity, so displacement is taken as positive in compression and "
+            "turned; if the gauge is the other way round, turn that instead"
+        )
     if abs(moved.stiffness) > 10_000.0:
-        guesses.append(f"{name}: force rises by {moved.stiffness / 1e3:.3g} N/mm over displacement: if a spring runs beside the damper, give spring_rate and preload")
+        guesses.append(
+            f"{name}: force rises by {moved.stiffness / 1e3:.3g} N/mm over displacement: if a spring runs "
+            "beside the damper, give spring_rate and preload"
+        )
     return signals

@@ -1,9 +1,10 @@
 """Run a model over a recording exactly as the node would; write the estimates next to their inputs.
 
-Samples are taken in order of arrival, and slow channels hold the last message that arrived, so the forces are those that the node
-gives, bit for bit. The output holds the topics that the signal map uses as they were, ``/damper_estimator/force``
-(one message per displacement message that gave an estimate, at its log time and with its stamp) and, where the force was measured,
-``/damper_estimator/residual`` (effort = model - measured). An older output is replaced.
+Samples are taken in order of arrival, and slow channels hold the last message that arrived, so the forces are those
+that the node gives, bit for bit. The output holds the topics that the signal map uses as they were,
+``/damper_estimator/force`` (one message per displacement message that gave an estimate, at its log time and with its
+stamp) and, where the force was measured, ``/damper_estimator/residual`` (effort = model - measured). An older output is
+replaced.
 """
 
 import argparse
@@ -44,7 +45,11 @@ class Tally:
         names = ("samples", "gaps", "steps_back", "inversions", "duplicates", "non_finite")
         rms = float(np.sqrt(self.squared_residual / self.residuals)) if self.residuals else None
         own = {"estimates": self.estimates, "force_not_finite": self.not_finite}
-        return {name: getattr(self.counts, name) for name in names} | own | {"residuals": self.residuals, "residual_rms_n": rms}
+        return (
+            {name: getattr(self.counts, name) for name in names}
+            | own
+            | {"residuals": self.residuals, "residual_rms_n": rms}
+        )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,7 +60,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_signals(parser)
     add_window(parser)
     parser.add_argument(
-        "--max-gap", metavar="S", type=float, default=DEFAULT_MAX_GAP, help="a longer gap between stamps resets the state (%(default)g s)"
+        "--max-gap",
+        metavar="S",
+        type=float,
+        default=DEFAULT_MAX_GAP,
+        help="a longer gap between stamps resets the state (%(default)g s)",
     )
     add_json(parser)
 
@@ -70,7 +79,9 @@ def run(arguments: argparse.Namespace) -> int:
         _tell_cutoffs(models, chosen.cutoff)
         with BagWriter(arguments.output) as writer:
             tallies = Replay(bag, chosen, models, arguments.max_gap, arguments.start, arguments.stop).write(writer)
-    write_json(arguments.json, {"output": str(arguments.output), "dampers": {name: t.record() for name, t in tallies.items()}})
+    write_json(
+        arguments.json, {"output": str(arguments.output), "dampers": {name: t.record() for name, t in tallies.items()}}
+    )
     if arguments.json != "-":
         _print(tallies, arguments.output)
     return 0
@@ -94,19 +105,30 @@ def _tell_cutoffs(models: Mapping[str, DamperModel], cutoff: float) -> None:
     for name, model in models.items():
         fitted = model.fit.get("cutoff")
         if fitted is not None and float(fitted or 0.0) != cutoff:
-            progress(f"{name}: model {model.name} was fitted with the filter at {fitted or 'none'} Hz, here it is at {cutoff or 'none'} Hz")
+            progress(
+                f"{name}: model {model.name} was fitted with the filter at {fitted or 'none'} Hz, here it is "
+                f"at {cutoff or 'none'} Hz"
+            )
 
 
 class Replay:
     """One pass over a recording in batches; memory does not grow with its length; final."""
 
     def __init__(
-        self, bag: Bag, chosen: SignalMap, models: Mapping[str, DamperModel], max_gap: float, start: float | None, stop: float | None
+        self,
+        bag: Bag,
+        chosen: SignalMap,
+        models: Mapping[str, DamperModel],
+        max_gap: float,
+        start: float | None,
+        stop: float | None,
     ):
         self._bag = bag
         self._dampers = chosen.dampers
         self._window = (-np.inf if start is None else start, np.inf if stop is None else stop)
-        self._line = VehicleLine({name: DamperEstimator(model, chosen.cutoff, max_gap) for name, model in models.items()})
+        self._line = VehicleLine(
+            {name: DamperEstimator(model, chosen.cutoff, max_gap) for name, model in models.items()}
+        )
         self._tallies = {name: Tally() for name in models}
         self._fields: dict[str, list[tuple[str, str, Channel]]] = {}
         for name, signals in chosen.dampers.items():
@@ -122,7 +144,10 @@ class Replay:
             self._fields.setdefault(topic, []).append((damper, role, channel))
         elif channel.given or role == "displacement":
             there = ", ".join(t.name for t in self._bag.topics) or "none"
-            raise InputError(f"{self._bag.path}: has no topic {channel.topic} ({damper}, {role}); it has {there}; mend the signal map")
+            raise InputError(
+                f"{self._bag.path}: has no topic {channel.topic} ({damper}, {role}); it has {there}; mend the "
+                "signal map"
+            )
 
     def write(self, writer: BagWriter, size: int = 65536) -> dict[str, Tally]:
         """Writes inputs, estimates and residuals; what became of each damper's samples."""
@@ -178,7 +203,11 @@ class Replay:
             tally.not_finite += int(np.count_nonzero(np.isnan(own.force)))
 
     def _write_residuals(
-        self, writer: BagWriter, estimates: Mapping[str, Estimates], log: Mapping[str, np.ndarray], gauge: Mapping[str, Arrivals]
+        self,
+        writer: BagWriter,
+        estimates: Mapping[str, Estimates],
+        log: Mapping[str, np.ndarray],
+        gauge: Mapping[str, Arrivals],
     ) -> None:
         told = {}
         for name, line in self._residuals.items():
@@ -195,7 +224,9 @@ class Replay:
         for stamp, rows in together({name: residuals.stamp for name, residuals in told.items()}):
             first = next(iter(rows))
             effort = np.stack([told[name].value[own] for name, own in rows.items()], axis=1)
-            writer.write_messages(RESIDUAL, RESIDUAL_TYPE, told[first].log[rows[first]], joint_states(list(rows), stamp, effort=effort))
+            writer.write_messages(
+                RESIDUAL, RESIDUAL_TYPE, told[first].log[rows[first]], joint_states(list(rows), stamp, effort=effort)
+            )
 
 
 def _sorted_logs(displacement: Mapping[str, Arrivals], log: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -211,7 +242,9 @@ def _print(tallies: Mapping[str, Tally], output: Path) -> None:
         counts = tally.counts
         lost = {"equal stamps": counts.duplicates, "older stamps": counts.inversions, "not finite": counts.non_finite}
         dropped = ", ".join(f"{count} {what}" for what, count in lost.items() if count)
-        resets = ", ".join(f"{n} {what}" for what, n in {"gaps": counts.gaps, "steps back": counts.steps_back}.items() if n)
+        resets = ", ".join(
+            f"{n} {what}" for what, n in {"gaps": counts.gaps, "steps back": counts.steps_back}.items() if n
+        )
         line = f"{name}: {tally.estimates} estimates of {counts.samples} samples"
         line += f"; dropped {dropped}" if dropped else ""
         line += f"; reset by {resets}" if resets else ""

@@ -1,8 +1,8 @@
 """Find rest in a recording, and zero gauge and displacement in a signal map.
 
-At rest displacement and force are quiet for at least half a second, by their own noise. The longest rest counts. The offsets
-are set so that there the displacement is zero and the damper's force is zero: what the gauge shows then is its offset and the spring's
-preload. Everything else in the map given with -s is kept.
+At rest displacement and force are quiet for at least half a second, by their own noise. The longest rest counts. The
+offsets are set so that there the displacement is zero and the damper's force is zero: what the gauge shows then is its
+offset and the spring's preload. Everything else in the map given with -s is kept.
 """
 
 import argparse
@@ -56,7 +56,9 @@ def tared(bag: Bag, name: str, signals: DamperSignals) -> tuple[DamperSignals, t
     """
     data = read_channels(bag, {"displacement": signals.displacement, "force": signals.force})
     if "displacement" not in data:
-        raise InputError(f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); mend the signal map")
+        raise InputError(
+            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); mend the signal map"
+        )
     moved = _ordered(data["displacement"])
     force = _ordered(data["force"]) if "force" in data else (None, None)
     rests = sorted(find_rests(*moved, *force), key=lambda rest: -rest.seconds)
@@ -94,7 +96,12 @@ def _record(rests: tuple[Rest, ...], before: DamperSignals, after: DamperSignals
         "displacement_offset": after.displacement.offset,
         "force_offset": after.force.offset,
         "other_rests": [
-            {"from": r.start, "to": r.end, "displacement_m": r.displacement - longest.displacement, "force_n": r.force - longest.force}
+            {
+                "from": r.start,
+                "to": r.end,
+                "displacement_m": r.displacement - longest.displacement,
+                "force_n": r.force - longest.force,
+            }
             for r in sorted(rests[1:], key=lambda rest: rest.start)
         ],
     }
@@ -103,10 +110,14 @@ def _record(rests: tuple[Rest, ...], before: DamperSignals, after: DamperSignals
 def _print(records: Mapping[str, dict]) -> None:
     for name, record in records.items():
         rest = record["rest"]
-        line = f"{name}: rest from {rest['from']:.1f} to {rest['to']:.1f} s; displacement was {1e3 * record['displacement_was_m']:.4g} mm"
+        line = f"{name}: rest from {rest['from']:.1f} to {rest['to']:.1f} s; "
+        line += f"displacement was {1e3 * record['displacement_was_m']:.4g} mm"
         if np.isfinite(record["force_was_n"]):
             line += f", the damper's force {record['force_was_n']:.4g} N"
         print(f"{line}; both are zero there now")
         for other in record["other_rests"][:5]:
             force = f" and {other['force_n']:+.3g} N" if np.isfinite(other["force_n"]) else ""
-            print(f"  another rest, {other['from']:.1f} to {other['to']:.1f} s, reads {1e3 * other['displacement_m']:+.3g} mm{force} beside it")
+            print(
+                f"  another rest, {other['from']:.1f} to {other['to']:.1f} s, reads "
+                f"{1e3 * other['displacement_m']:+.3g} mm{force} beside it"
+            )

@@ -1,6 +1,7 @@
 """The live residual of one damper: estimate less measured force, as soon as the gauge has caught up with the estimate.
 
-The gauge is linear between its samples and passes the same causal filter as the displacement, over the stamps of both, so that the
+The gauge is linear between its samples and passes the same causal filter as the displacement, over the stamps of
+both, so that the
 delay cancels: off line and live are the same numbers. Estimates and gauge samples wait for each other; each is in
 order of its own stamps.
 """

@@ -1,7 +1,8 @@
 """All dampers of a vehicle, live: channel messages in order of arrival in, contents of damper_msgs/DamperForces out.
 
-Node and ``replay`` share this. One output message answers one displacement message; it holds the dampers that this message
-moved (a sample that is dropped moves none), in the order in which the line was given its dampers (that of the signal map).
+Node and ``replay`` share this. One output message answers one displacement message; it holds the dampers that this
+message moved (a sample that is dropped moves none), in the order in which the line was given its dampers (that of
+the signal map).
 """
 
 from collections.abc import Iterator, Mapping
@@ -104,8 +105,8 @@ def _messages(estimates: Mapping[str, Estimates], ranks: Mapping[str, np.ndarray
 
 
 def together(keys: Mapping[str, np.ndarray]) -> Iterator[tuple[np.ndarray, dict[str, np.ndarray]]]:
-    """Brings equal keys of several owners together: rising keys in, and for each set of owners that share keys these keys
-    and their rows in each owner's array."""
+    """Brings equal keys of several owners together: rising keys in, and for each set of owners that share keys these
+    keys and their rows in each owner's array."""
     everything = np.unique(np.concatenate([np.zeros(0, np.int64), *keys.values()]))
     if not everything.size:
         return

@@ -1,4 +1,4 @@
-"""The page of ``compare``: measured and modelled force, where the model fails, what its effects contribute, data quality."""
+"""The page of ``compare``: forces, where the model fails, what its effects contribute, data quality."""
 
 import json
 from collections.abc import Sequence
@@ -50,7 +50,9 @@ def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Sect
     most = max(POINTS // (sections * len(recordings) * max(len(models) // 2, 1)), _FEWEST)
     figures = {
         "models": [c.model.name for c in models],
-        "recordings": [passage(models, index, most) | {"name": recording_name(first.recordings[index])} for index in recordings],
+        "recordings": [
+            passage(models, index, most) | {"name": recording_name(first.recordings[index])} for index in recordings
+        ],
         "maps": [error_map(c) for c in models],
         "coherence": coherence_figure(models),
     }
@@ -109,27 +111,35 @@ def _chain(comparison: Comparison) -> str:
     measurement = comparison.traces[0].measurement
     cutoff = f"{measurement.cutoff:g} Hz" if measurement.cutoff else "none"
     band = f"{measurement.band:g} Hz" if measurement.band else "none"
-    return f"filter before the model: {cutoff}; both forces are compared below: {band}; judged from 0.2 s after each reset on"
+    return (
+        f"filter before the model: {cutoff}; the forces are compared below: {band}; judged from 0.2 s after a reset on"
+    )
 
 
 def comparison_page(sections: Sequence[Section], title: str) -> str:
     """The whole page as HTML; it needs nothing else, no network either."""
     data = [section.figures for section in sections]
-    return _environment().get_template("page.html").render(
-        title=title,
-        sections=[section.text for section in sections],
-        measures=[{"name": label, "unit": unit, "meaning": meaning} for _, label, unit, meaning in MEASURES],
-        style=_asset("page.css"),
-        script=_asset("page.js"),
-        plotly=_plotly(),
-        # Inside a script element only "<" could end it early.
-        data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+    return (
+        _environment()
+        .get_template("page.html")
+        .render(
+            title=title,
+            sections=[section.text for section in sections],
+            measures=[{"name": label, "unit": unit, "meaning": meaning} for _, label, unit, meaning in MEASURES],
+            style=_asset("page.css"),
+            script=_asset("page.js"),
+            plotly=_plotly(),
+            # Inside a script element only "<" could end it early.
+            data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+        )
     )
 
 
 @cache
 def _environment() -> Environment:
-    return Environment(loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    return Environment(
+        loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
 
 
 def _asset(name: str) -> str:

@@ -6,7 +6,8 @@ import numpy as np
 
 
 def min_max_rows(signals: Sequence[np.ndarray], most: int) -> np.ndarray:
-    """Indices of at most ``most`` samples that hold the smallest and largest value of each signal in each of even buckets.
+    """Indices of at most ``most`` samples that hold the smallest and largest value of each signal in each of even
+    buckets.
 
     Args:
         signals: arrays (n,) over the same samples; NaN counts as no value.

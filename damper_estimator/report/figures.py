@@ -19,7 +19,8 @@ def packed(values: np.ndarray, kind: str = "f4") -> dict[str, str]:
 
 
 def passage(comparisons: Sequence[Comparison], index: int, most: int) -> dict[str, object]:
-    """One recording for the time trace and the clouds: at most ``most`` samples of motion, measured and modelled forces.
+    """One recording for the time trace and the clouds: at most ``most`` samples of motion, measured and modelled
+    forces.
 
     Modelled forces are shown where they are judged; a row of NaN separates stretches. Models must have been compared on
     the same measurements.
@@ -67,7 +68,10 @@ def error_map(comparison: Comparison) -> dict[str, object]:
                 "type": "heatmap",
                 "x": np.round(middles[0], 5).tolist(),
                 "y": np.round(middles[1], 4).tolist(),
-                "z": [[float(f"{v:.4g}") if n >= _LEAST_IN_CELL else None for v, n in zip(*row, strict=True)] for row in zip(rms.T, count.T, strict=True)],
+                "z": [
+                    [float(f"{v:.4g}") if n >= _LEAST_IN_CELL else None for v, n in zip(*row, strict=True)]
+                    for row in zip(rms.T, count.T, strict=True)
+                ],
                 "colorscale": "Cividis",
                 "colorbar": {"title": {"text": "rms error in N", "side": "right"}, "thickness": 12},
                 "hovertemplate": "%{x:.3g} m/s, %{y:.3g} mm: %{z:.3g} N<extra></extra>",

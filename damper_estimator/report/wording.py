@@ -38,7 +38,9 @@ def headline(comparisons: list[Comparison]) -> str:
     best = min(comparisons, key=lambda c: c.measures.rmse_n)
     m = best.measures
     head = f"{best.model.name} is " if len(comparisons) == 1 else f"{best.model.name} is the closest: it is "
-    text = f"{head}{number(m.rmse_n)} N rms off, {number(100.0 * m.nrmse)} % of a force of {number(m.force_rms_n)} N rms"
+    text = (
+        f"{head}{number(m.rmse_n)} N rms off, {number(100.0 * m.nrmse)} % of a force of {number(m.force_rms_n)} N rms"
+    )
     if np.isfinite(best.noise_floor_n) and m.rmse_n <= 1.3 * best.noise_floor_n:
         return f"{text}: that is the noise of the measurement."
     if best.regions:
@@ -61,7 +63,13 @@ def quality_rows(comparison: Comparison) -> list[dict[str, str]]:
     rows += [(name, f"{count}", count > 0) for name, count in counts.items()]
     skew = f"{1e3 * q.skew_s:.2f} ms" if np.isfinite(q.skew_s) else "not determined"
     rows.append(("force late by", skew, np.isfinite(q.skew_s) and abs(q.skew_s) > 1e-3))
-    rows.append(("noise floor", f"{number(comparison.noise_floor_n)} N" if np.isfinite(comparison.noise_floor_n) else "not determined", False))
+    rows.append(
+        (
+            "noise floor",
+            f"{number(comparison.noise_floor_n)} N" if np.isfinite(comparison.noise_floor_n) else "not determined",
+            False,
+        )
+    )
     return [{"name": name, "text": text, "bad": bad} for name, text, bad in rows]
 
 

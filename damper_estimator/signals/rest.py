@@ -1,7 +1,7 @@
 """Finds rest: stretches in which displacement and force are quiet by the data's own noise.
 
-Noise is what third differences see (rms / sqrt 20 for white noise), so motion hardly counts in it. A window is quiet where its
-scatter is no more than noise and quantisation explain, or vanishes beside the channel's whole range.
+Noise is what third differences see (rms / sqrt 20 for white noise), so motion hardly counts in it. A window is quiet
+where its scatter is no more than noise and quantisation explain, or vanishes beside the channel's whole range.
 """
 
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def noise_level(value: np.ndarray) -> float:
 
 
 def quantum(value: np.ndarray) -> float:
-    """Step of quantisation: the smallest difference between neighbouring values that occurs often; 0 where there is none."""
+    """Step of quantisation: the smallest difference between levels; 0 where values hardly repeat."""
     levels = np.unique(value[np.isfinite(value)])
     if levels.size < 2 or levels.size > 0.5 * value.size:
         return 0.0

@@ -1,4 +1,7 @@
-"""Bands of operation, cut by the data's own ranges: speed and direction, stroke, acceleration, reversals, time, command, temperature."""
+"""Bands of operation, cut by the data's own ranges.
+
+Speed and direction, stroke, acceleration, time after reversals, time since the start, command, temperature.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass

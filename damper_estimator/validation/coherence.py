@@ -1,4 +1,4 @@
-"""Coherence between measured and modelled force over frequency: the share of the measured power that is linear in the modelled."""
+"""Coherence of measured and modelled force: the share of the measured power that is linear in the modelled."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -32,7 +32,9 @@ def coherence(traces: Sequence[Trace]) -> Coherence:
     stretches = list(_stretches(traces, rate))
     for seconds in (_SEGMENT, _SEGMENT / 2.0, _SEGMENT / 4.0, _SHORTEST):
         size = round(seconds * rate)
-        spectra = [_spectra(measured, modelled, rate, size) for measured, modelled in stretches if measured.size >= size >= 8]
+        spectra = [
+            _spectra(measured, modelled, rate, size) for measured, modelled in stretches if measured.size >= size >= 8
+        ]
         if sum(weight for weight, *_ in spectra) >= _LEAST_SEGMENTS:
             return _pooled(spectra, rate, size, traces[0].measurement.band)
     return Coherence(np.zeros(0), np.zeros(0))

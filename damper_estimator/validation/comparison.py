@@ -117,10 +117,14 @@ def _warnings(model: DamperModel, traces: Sequence[Trace]) -> list[str]:
     warnings = []
     used, fitted = traces[0].measurement.cutoff, model.fit.get("cutoff")
     if fitted is not None and float(fitted or 0.0) != used:
-        warnings.append(f"model {model.name} was fitted with the filter at {_hertz(fitted)}, here it is at {_hertz(used)}")
+        warnings.append(
+            f"model {model.name} was fitted with the filter at {_hertz(fitted)}, here it is at {_hertz(used)}"
+        )
     for t in traces:
         if t.lost:
-            warnings.append(f"{Path(t.measurement.recording).name}: {model.name} gave no finite force on {t.lost} samples")
+            warnings.append(
+                f"{Path(t.measurement.recording).name}: {model.name} gave no finite force on {t.lost} samples"
+            )
     return warnings
 
 

@@ -1,9 +1,11 @@
-"""The error that a perfect model would still show: gauge noise, and displacement noise carried through filter and model.
+"""The error that a perfect model would still show: gauge noise, and displacement noise carried through filter and
+model.
 
-Noise is taken as white. Its density comes from the quietest part of the spectrum above the comparison band, where a damper's
+Noise is taken as white. Its density comes from the quietest part of the spectrum above the comparison band, where a
+damper's
 force and motion have little left: an estimate from above where they have more, from below where the logger itself
-filtered. Gauge noise then passes both low-passes (spectrally); displacement noise is carried by running filter and model
-on the motion with a second helping of the same noise.
+filtered. Gauge noise then passes both low-passes (spectrally); displacement noise is carried by running filter and
+model on the motion with a second helping of the same noise.
 """
 
 import numpy as np
@@ -56,7 +58,7 @@ def _equivalent_bandwidth(cutoff: float, band: float, top: float) -> float:
 
 
 def _carried(model: DamperModel, measurement: Measurement, deviation: float) -> float:
-    """Mean square, N^2, of what displacement noise of this standard deviation (m) does to the modelled force in band."""
+    """Mean square, N^2, of what displacement noise of this deviation (m) does to the modelled force in band."""
     measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
     kinematics = measurement.kinematics
     noise = deviation * np.random.default_rng(0).standard_normal(len(kinematics))

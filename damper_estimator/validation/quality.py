@@ -78,7 +78,7 @@ def saturated(value: np.ndarray) -> int:
 
 
 def _slope_at(value: np.ndarray, first: int, last: int) -> float:
-    """Mean change per sample on both sides of the run ``first`` to ``last``, over a few samples; the smaller of the two."""
+    """Mean change per sample just before and after the run ``first`` to ``last``; the smaller of the two."""
     reach = 3
     slopes = []
     if first >= reach:
@@ -91,9 +91,9 @@ def _slope_at(value: np.ndarray, first: int, last: int) -> float:
 def apparent_skew(traces: Sequence[Trace]) -> float:
     """Lateness of the measured force in s, positive where it is late; NaN where the data do not determine it.
 
-    To first order F_measured(t) = g F_model(t) - s dF_model/dt + c. The regression is repeated about the delay found. Its
-    standard error comes from the scatter between blocks, since residuals are autocorrelated. A series compliance looks
-    much like it; telling them apart is the diagnosis' work.
+    To first order F_measured(t) = g F_model(t) - s dF_model/dt + c. The regression is repeated about the delay
+    found. Its standard error comes from the scatter between blocks, since residuals are autocorrelated. A series
+    compliance looks much like it; telling them apart is the diagnosis' work.
     """
     skew = 0.0
     for _ in range(4):

@@ -59,9 +59,9 @@ class Region:
 def find_regions(pool: Pool) -> tuple[Region, ...]:
     """Regions whose error is concentrated beyond chance, worst (largest excess) first.
 
-    Neighbouring bands that are both concentrated are one region. A band counts where its mean square exceeds the whole's by more
-    than what independent samples of its number would scatter (2 band independent samples a second), so noise alone gives none.
-    A passage after reversals must stand out within its own direction, too.
+    Neighbouring bands that are both concentrated are one region. A band counts where its mean square exceeds the
+    whole's by more than what independent samples of its number would scatter (2 band independent samples a second),
+    so noise alone gives none. A passage after reversals must stand out within its own direction, too.
     """
     square = pool.residual**2
     total = float(square.sum())
@@ -116,7 +116,7 @@ def _region(cut: Bands, low: float, high: float, inside: np.ndarray, pool: Pool,
 
 
 def _error_in_words(residual: np.ndarray, velocity: np.ndarray, rmse: float) -> str:
-    """Too soft or stiff where the error follows the direction of motion, too high or low where it has one sign, else scatter."""
+    """Too soft or stiff where the error follows the motion, too high or low where it has one sign, else scatter."""
     bias, along = float(residual.mean()), float(np.mean(residual * np.sign(velocity)))
     if max(abs(bias), abs(along)) < 0.4 * rmse:
         return f"error of {rmse:.3g} N without a steady sign"

@@ -119,10 +119,15 @@ def verdict(e: Excitation, displacement: ChannelQuality, force: ChannelQuality |
     if force is None:
         faults.append("no force was measured")
     elif force.saturated > 0.001 * force.samples:
-        faults.append(f"the gauge clips: {force.saturated} samples sit at its extremes ({force.low:.4g}, {force.high:.4g} N)")
+        faults.append(
+            f"the gauge clips: {force.saturated} samples sit at its extremes ({force.low:.4g}, {force.high:.4g} N)"
+        )
     lost = displacement.duplicates + displacement.inversions + displacement.non_finite
     if lost > 0.2 * displacement.samples:
-        faults.append(f"{lost} of {displacement.samples} samples must be dropped (equal or older stamps, not finite): mend the stamps")
+        faults.append(
+            f"{lost} of {displacement.samples} samples must be dropped (equal or older stamps, not finite): "
+            "mend the stamps"
+        )
     elif lost or displacement.gaps:
         remarks.append(f"{lost} samples are dropped, {displacement.gaps} gaps are left out")
     if not displacement.rate_hz >= LEAST_RATE:
@@ -145,17 +150,28 @@ def _judge_motion(e: Excitation, displacement: ChannelQuality, faults: list, rem
         faults.append(f"speeds stay below {speed:.2g} m/s in one direction or both: the valves are hardly seen")
         drive.append("drive faster over bumps (or a dyno at 0.1 to 1 m/s), so that both directions reach 0.3 m/s")
     elif speed < 0.3:
-        remarks.append(f"speeds reach {-e.velocity[0]:.2g} m/s in compression and {e.velocity[1]:.2g} m/s in rebound; nothing is known beyond")
+        remarks.append(
+            f"speeds reach {-e.velocity[0]:.2g} m/s in compression and {e.velocity[1]:.2g} m/s in rebound; "
+            "nothing is known beyond"
+        )
         drive.append("faster strokes, to see the valves open")
     if stroke < LEAST_STROKE:
         faults.append(f"the stroke is only {1e3 * stroke:.2g} mm")
         drive.append("larger strokes: waves, kerbs, or a sine of 10 mm and more")
     if displacement.quantum > 0.01 * stroke:
-        remarks.append(f"displacement is coarse: {1e3 * displacement.quantum:.3g} mm steps in {1e3 * stroke:.3g} mm of stroke")
+        remarks.append(
+            f"displacement is coarse: {1e3 * displacement.quantum:.3g} mm steps in {1e3 * stroke:.3g} mm of stroke"
+        )
     low, high = e.frequency
     if np.isfinite(low) and high < LEAST_FREQUENCY_RATIO * max(low, 1e-9):
-        remarks.append(f"one frequency only ({low:.2g} to {high:.2g} Hz): what depends on frequency cannot be told from what depends on speed")
+        remarks.append(
+            f"one frequency only ({low:.2g} to {high:.2g} Hz): what depends on frequency cannot be told from "
+            "what depends on speed"
+        )
         drive.append("other frequencies at the same speed, or random excitation")
     if e.coverage < LEAST_COVERAGE:
-        remarks.append(f"{100 * e.coverage:.0f} % of the velocity-displacement plane is covered: position and speed are hard to separate")
+        remarks.append(
+            f"{100 * e.coverage:.0f} % of the velocity-displacement plane is covered: position and speed are "
+            "hard to separate"
+        )
         drive.append("strokes of other amplitude, and about other mean positions")

@@ -1,4 +1,4 @@
-"""A model run over measurements: forces in band side by side, and the judged samples of several recordings as one pool."""
+"""A model run over measurements: forces in band side by side, and the judged samples of several as one pool."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -57,9 +57,12 @@ def trace(model: DamperModel, measurement: Measurement) -> Trace:
     if not judged.any():
         where = f"{measurement.recording}: damper {measurement.damper}"
         if measurement.judged.any():
-            raise InputError(f"{where}: model {model.name} gives no finite force; give it the channels and ranges that it needs")
+            raise InputError(
+                f"{where}: model {model.name} gives no finite force; give it the channels and ranges that it needs"
+            )
         raise InputError(
-            f"{where}: nothing to judge; wants more than {WARM_UP:g} s without a gap in which force and displacement were recorded"
+            f"{where}: nothing to judge; wants more than {WARM_UP:g} s without a gap in which force and "
+            "displacement were recorded"
         )
     measured = measurement.in_band(measurement.force)
     modelled = measurement.in_band(np.where(finite, force, 0.0))

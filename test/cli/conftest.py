@@ -27,19 +27,26 @@ def model_file(tmp_path):
 def write_bag(tmp_path):
     """Writes a bag of displacement, force (both JointState) and, where given, temperatures.
 
-    ``names`` in the messages, ``stamp`` (n,) ns, ``displacement`` and ``force`` (n, k) or None; ``log`` defaults to the stamps.
+    ``names`` in the messages, ``stamp`` (n,) ns, ``displacement`` and ``force`` (n, k) or None; ``log`` defaults to
+    the stamps.
     """
 
     def make(name, names, stamp, displacement, force=None, log=None, temperature=None, prefix="/suspension"):
         path = tmp_path / name
         log = stamp if log is None else log
         with BagWriter(path) as writer:
-            writer.write_messages(f"{prefix}/displacement", JOINT_STATE, log, joint_states(names, stamp, position=displacement))
+            writer.write_messages(
+                f"{prefix}/displacement", JOINT_STATE, log, joint_states(names, stamp, position=displacement)
+            )
             if force is not None:
-                writer.write_messages(f"{prefix}/force", JOINT_STATE, log + 1000, joint_states(names, stamp, effort=force))
+                writer.write_messages(
+                    f"{prefix}/force", JOINT_STATE, log + 1000, joint_states(names, stamp, effort=force)
+                )
             for damper, (own_log, celsius) in (temperature or {}).items():
                 messages = temperatures(own_log, celsius)
-                writer.write_messages(f"{prefix}/{damper}/temperature", "sensor_msgs/msg/Temperature", own_log, messages)
+                writer.write_messages(
+                    f"{prefix}/{damper}/temperature", "sensor_msgs/msg/Temperature", own_log, messages
+                )
         return path
 
     return make
@@ -49,7 +56,16 @@ def write_bag(tmp_path):
 def driven(write_bag):
     """A bag of two dampers at 500 Hz: stamps, displacements and a force that a viscous damper with an error gives."""
 
-    def make(name="drive.mcap", seconds=8.0, seed=0, rest=0.0, names=("front_left", "front_right"), force=True, scale=1.0, **more):
+    def make(
+        name="drive.mcap",
+        seconds=8.0,
+        seed=0,
+        rest=0.0,
+        names=("front_left", "front_right"),
+        force=True,
+        scale=1.0,
+        **more,
+    ):
         time = np.arange(round(seconds * 500)) / 500.0
         draw = np.random.default_rng(seed)
         moving = np.clip(time - rest, 0.0, 1.0) if rest else np.ones_like(time)

@@ -58,7 +58,9 @@ def test_the_summary_names_the_planted_error(driven, tmp_path, capsys):
     right.write_text("name: right\nsource: test\neffects: [{linear_viscous: {rebound: 1500.0, compression: 1500.0}}]")
     assert main(["compare", str(bag), "-m", str(right), "-d", "front_left"]) == 0
     out = capsys.readouterr().out
-    assert re.search(r"rebound above 0\.05 m/s: \d+ % of the squared error in \d+ % of the time, model \d+ N too soft", out)
+    assert re.search(
+        r"rebound above 0\.05 m/s: \d+ % of the squared error in \d+ % of the time, model \d+ N too soft", out
+    )
 
 
 def test_a_window_cuts(driven, model_file, tmp_path):
@@ -74,12 +76,18 @@ def test_the_page_holds_everything_and_reaches_for_nothing(driven, model_file, t
     assert "front_right" in text and not re.search(r"<(?:script|link|img)[^>]+(?:src|href)=[\"'](?!data:)", text)
 
 
-def test_a_damper_without_measured_force_is_left_out_unless_it_is_asked_for(driven, model_file, tmp_path, refused, capsys):
+def test_a_damper_without_measured_force_is_left_out_unless_it_is_asked_for(
+    driven, model_file, tmp_path, refused, capsys
+):
     bag, *_ = driven()
-    (tmp_path / "map.yaml").write_text("dampers:\n  front_left: {}\n  other: {displacement: {topic: /suspension/displacement, field: 'position[1]'}}\n")
+    (tmp_path / "map.yaml").write_text(
+        "dampers:\n  front_left: {}\n  other: {displacement: {topic: /suspension/displacement, field: 'position[1]'}}\n"
+    )
     assert list(results(tmp_path, bag, "-m", model_file, "-s", tmp_path / "map.yaml")) == ["front_left"]
     assert "other was not measured" in capsys.readouterr().err
-    assert "no measured force of damper 'other'" in refused("compare", bag, "-m", model_file, "-s", tmp_path / "map.yaml", "-d", "other")
+    assert "no measured force of damper 'other'" in refused(
+        "compare", bag, "-m", model_file, "-s", tmp_path / "map.yaml", "-d", "other"
+    )
 
 
 def test_a_damper_may_be_in_some_of_the_bags(driven, model_file, tmp_path):
@@ -99,11 +107,15 @@ def test_unusable_input_is_one_line_and_leaves_nothing(driven, write_bag, model_
         return told
 
     assert "no damper has a measured force" in line(silent, "-m", model_file)
-    assert "'rear'" in line(bag, "-m", model_file, "-d", "rear") and "front_left" in line(bag, "-m", model_file, "-d", "rear")
+    assert "'rear'" in line(bag, "-m", model_file, "-d", "rear") and "front_left" in line(
+        bag, "-m", model_file, "-d", "rear"
+    )
     assert "no_model" in line(bag, "-m", "no_model")
     (tmp_path / "wrong.yaml").write_text("name: x\nsource: y\neffects: [{nonsense: {}}]")
     assert "nonsense" in line(bag, "-m", tmp_path / "wrong.yaml")
-    (tmp_path / "map.yaml").write_text("dampers: {front_left: {force: {topic: /suspension/force, field: 'efforts[front_left]'}}}")
+    (tmp_path / "map.yaml").write_text(
+        "dampers: {front_left: {force: {topic: /suspension/force, field: 'efforts[front_left]'}}}"
+    )
     assert "efforts" in line(bag, "-m", model_file, "-s", tmp_path / "map.yaml")
     (tmp_path / "topic.yaml").write_text("dampers: {front_left: {force: {topic: /nowhere}}}")
     assert "/nowhere" in line(bag, "-m", model_file, "-s", tmp_path / "topic.yaml")

@@ -50,7 +50,12 @@ def test_channels_are_found_by_name_and_type(tmp_path):
     stamp = START + (time * 1e9).astype(np.int64)
     path = tmp_path / "plain.mcap"
     with BagWriter(path) as writer:
-        for topic, value in (("/rig/travel", 1e3 * x), ("/rig/load_cell", 1500.0 * np.gradient(x, time)), ("/rig/coil_current", 0 * x + 0.5), ("/rig/door", x)):
+        for topic, value in (
+            ("/rig/travel", 1e3 * x),
+            ("/rig/load_cell", 1500.0 * np.gradient(x, time)),
+            ("/rig/coil_current", 0 * x + 0.5),
+            ("/rig/door", x),
+        ):
             writer.write_messages(topic, "std_msgs/msg/Float64", stamp, floats(value))
     inspect(tmp_path, path, "-o", tmp_path / "map.yaml")
     (signals,) = load_signal_map(tmp_path / "map.yaml").dampers.values()
@@ -65,7 +70,14 @@ def test_a_recording_without_force_is_not_good_enough(driven, tmp_path, capsys):
 
 
 def test_real_bags_of_other_things_are_inspected(shared_data, tmp_path, capsys):
-    for name in ("mcap_talker", "sqlite_talker", "split_mcap_wbag", "mcap_cdr_test", "mcap_topics_services", "zstd_file_compressed_db3"):
+    for name in (
+        "mcap_talker",
+        "sqlite_talker",
+        "split_mcap_wbag",
+        "mcap_cdr_test",
+        "mcap_topics_services",
+        "zstd_file_compressed_db3",
+    ):
         record = inspect(tmp_path, shared_data / "rosbag2_bags" / name)
         assert record["dampers"] == {}
     assert "no displacement was recognised" in capsys.readouterr().out

@@ -59,7 +59,9 @@ def test_forces_equal_a_sample_by_sample_run_bit_for_bit(driven, model_file, tmp
 
 @pytest.mark.parametrize("size", [1, 7, 1000])
 def test_the_size_of_blocks_changes_no_bit(size, driven, model_file, tmp_path):
-    bag, stamp, _, _ = driven(seconds=2.0, temperature={"front_left": (1_700_000_000 * 10**9 + np.arange(20) * 10**8, np.arange(20.0))})
+    bag, stamp, _, _ = driven(
+        seconds=2.0, temperature={"front_left": (1_700_000_000 * 10**9 + np.arange(20) * 10**8, np.arange(20.0))}
+    )
     paths = [f"{name}[{damper}]" for name in FIELDS for damper in ("front_left", "front_right")]
     whole = replay(bag, model_file, tmp_path / "whole.mcap")
     with open_bag(bag) as opened, BagWriter(tmp_path / "parts.mcap") as writer:
@@ -107,7 +109,9 @@ def test_the_residual_is_model_less_measured_through_the_same_filter(driven, mod
 
 def test_spring_preload_and_skew_enter_the_residual(driven, model_file, tmp_path):
     bag, *_ = driven()
-    chain = "{topic: suspension/force, field: 'effort[front_left]', skew: 0.0031, spring_rate: 20000.0, preload: -300.0}"
+    chain = (
+        "{topic: suspension/force, field: 'effort[front_left]', skew: 0.0031, spring_rate: 20000.0, preload: -300.0}"
+    )
     (tmp_path / "map.yaml").write_text(f"dampers: {{front_left: {{force: {chain}}}}}")
     out = replay(bag, model_file, tmp_path / "out.mcap", "-s", tmp_path / "map.yaml")
     with open_bag(bag) as opened:
@@ -150,8 +154,19 @@ def test_drops_and_resets_are_the_nodes(write_bag, model_file, tmp_path, capsys)
     bag = write_bag("bad.mcap", ["one"], stamp, x, log=log)
     out = replay(bag, model_file, tmp_path / "out.mcap", "--json", tmp_path / "r.json")
     record = json.loads((tmp_path / "r.json").read_text())["dampers"]["one"]
-    counts = {name: record[name] for name in ("duplicates", "inversions", "non_finite", "gaps", "steps_back", "samples", "estimates")}
-    assert counts == {"duplicates": 1, "inversions": 1, "non_finite": 1, "gaps": 1, "steps_back": 1, "samples": 1000, "estimates": 997}
+    counts = {
+        name: record[name]
+        for name in ("duplicates", "inversions", "non_finite", "gaps", "steps_back", "samples", "estimates")
+    }
+    assert counts == {
+        "duplicates": 1,
+        "inversions": 1,
+        "non_finite": 1,
+        "gaps": 1,
+        "steps_back": 1,
+        "samples": 1000,
+        "estimates": 997,
+    }
     columns = read(out, FORCE, *(f"{name}[one]" for name in FIELDS))
     stamps, expected = sample_by_sample(model_file, stamp, x[:, 0])
     assert np.array_equal(columns.stamp, stamps) and np.array_equal(columns.values, expected)
@@ -168,7 +183,12 @@ def test_a_name_that_is_not_in_every_message_is_left_out_there(model_file, tmp_p
         for i in range(600):
             names = ["a", "b"] if i % 3 else ["b"]
             values = np.array([[x[i]] * len(names)])
-            writer.write_messages("/suspension/displacement", JOINT_STATE, stamp[i : i + 1], joint_states(names, stamp[i : i + 1], position=values))
+            writer.write_messages(
+                "/suspension/displacement",
+                JOINT_STATE,
+                stamp[i : i + 1],
+                joint_states(names, stamp[i : i + 1], position=values),
+            )
     out = messages(replay(path, model_file, tmp_path / "out.mcap"), FORCE)
     assert [m.name for m in out] == [["b", "a"] if i % 3 else ["b"] for i in range(600)]
     own = np.arange(600) % 3 > 0
@@ -198,7 +218,13 @@ def test_a_folder_of_models_gives_each_damper_its_own(driven, model_file, tmp_pa
     folder.mkdir()
     (folder / "front_left.yaml").write_text(model_file.read_text())
     (folder / "front_right.yaml").write_text(model_file.read_text().replace("1500.0", "3000.0"))
-    columns = read(replay(bag, folder, tmp_path / "out.mcap"), FORCE, "force[front_left]", "velocity[front_left]", "force[front_right]")
+    columns = read(
+        replay(bag, folder, tmp_path / "out.mcap"),
+        FORCE,
+        "force[front_left]",
+        "velocity[front_left]",
+        "force[front_right]",
+    )
     assert np.isfinite(columns.values).all() and not np.array_equal(columns.values[:, 0], columns.values[:, 2])
 
 
@@ -235,8 +261,12 @@ def test_unusable_input_is_one_line_and_leaves_nothing(driven, model_file, tmp_p
     bag, *_ = driven(seconds=1.0)
     out = tmp_path / "out.mcap"
     (tmp_path / "topic.yaml").write_text("dampers: {a: {displacement: {topic: /nowhere}}}")
-    (tmp_path / "field.yaml").write_text("dampers: {a: {displacement: {topic: /suspension/displacement, field: 'positions[a]'}}}")
-    (tmp_path / "name.yaml").write_text("dampers: {a: {displacement: {topic: /suspension/displacement, field: 'position[a]'}}}")
+    (tmp_path / "field.yaml").write_text(
+        "dampers: {a: {displacement: {topic: /suspension/displacement, field: 'positions[a]'}}}"
+    )
+    (tmp_path / "name.yaml").write_text(
+        "dampers: {a: {displacement: {topic: /suspension/displacement, field: 'position[a]'}}}"
+    )
     for words, told in (
         (["-s", tmp_path / "topic.yaml"], "/nowhere"),
         (["-s", tmp_path / "field.yaml"], "positions"),

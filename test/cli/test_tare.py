@@ -30,7 +30,8 @@ def test_displacement_and_force_are_zero_at_rest_afterwards(standing, tmp_path, 
 def test_the_rest_of_a_given_map_is_kept(standing, tmp_path):
     (tmp_path / "given.yaml").write_text(
         "filter: {cutoff: 45.0, band: 25.0}\ndampers:\n  a:\n    displacement: {skew: 0.001}\n"
-        "    force: {scale: 2.0, offset: 5.0, spring_rate: 20000.0, preload: -300.0}\n  b: {}\nuse: [{from: 1.0, to: 7.0}]\n"
+        "    force: {scale: 2.0, offset: 5.0, spring_rate: 20000.0, preload: -300.0}\n  b: {}\n"
+        "use: [{from: 1.0, to: 7.0}]\n"
     )
     path = tmp_path / "map.yaml"
     assert main(["tare", str(standing), "-s", str(tmp_path / "given.yaml"), "-d", "a", "-o", str(path)]) == 0
@@ -46,7 +47,9 @@ def test_the_rest_of_a_given_map_is_kept(standing, tmp_path):
 
 
 def test_a_table_is_shifted(standing, tmp_path):
-    (tmp_path / "given.yaml").write_text("dampers: {a: {displacement: {table: {raw: [-1.0, 1.0], value: [-0.5, 0.5]}}}}")
+    (tmp_path / "given.yaml").write_text(
+        "dampers: {a: {displacement: {table: {raw: [-1.0, 1.0], value: [-0.5, 0.5]}}}}"
+    )
     path = tmp_path / "map.yaml"
     assert main(["tare", str(standing), "-s", str(tmp_path / "given.yaml"), "-o", str(path)]) == 0
     assert load_signal_map(path).dampers["a"].displacement.value(np.array(0.003)) == pytest.approx(0.0, abs=1e-5)
@@ -56,7 +59,9 @@ def test_where_and_how_long_is_in_the_json(standing, tmp_path):
     assert main(["tare", str(standing), "-o", str(tmp_path / "map.yaml"), "--json", str(tmp_path / "r.json")]) == 0
     record = json.loads((tmp_path / "r.json").read_text())["dampers"]["a"]
     assert record["rest"]["from"] == 0.0 and record["rest"]["to"] == pytest.approx(2.0, abs=0.3)
-    assert record["force_was_n"] == pytest.approx(250.0, abs=1.0) and record["displacement_was_m"] == pytest.approx(0.003, abs=1e-5)
+    assert record["force_was_n"] == pytest.approx(250.0, abs=1.0) and record["displacement_was_m"] == pytest.approx(
+        0.003, abs=1e-5
+    )
 
 
 def test_a_recording_without_rest_is_refused_and_no_map_is_left(driven, tmp_path, refused):

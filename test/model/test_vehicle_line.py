@@ -19,7 +19,8 @@ def arrivals(rank, value):
 
 
 @given(
-    st.lists(st.tuples(st.booleans(), st.floats(-9, 9)), min_size=1, max_size=40), st.lists(st.integers(0, 40), max_size=4)
+    st.lists(st.tuples(st.booleans(), st.floats(-9, 9)), min_size=1, max_size=40),
+    st.lists(st.integers(0, 40), max_size=4)
 )  # fmt: skip
 def test_a_held_channel_is_the_last_value_that_arrived_however_the_blocks_are_cut(messages, cuts):
     """Each message is either a value of the channel or a question for it."""
@@ -51,7 +52,9 @@ def test_slow_channels_reach_the_estimates():
 
 def test_dampers_of_one_message_stand_together_in_the_order_of_the_line():
     line = VehicleLine({name: DamperEstimator(MODEL, 60.0, 0.1) for name in ("b", "a")})
-    messages, _ = line.block({"a": arrivals([0, 1, 2], [0.0, np.nan, 0.1]), "b": arrivals([0, 1, 3], [0.0, 0.1, 0.2])}, {})
+    messages, _ = line.block(
+        {"a": arrivals([0, 1, 2], [0.0, np.nan, 0.1]), "b": arrivals([0, 1, 3], [0.0, 0.1, 0.2])}, {}
+    )
     told = {(m.names, rank) for m in messages for rank in m.rank.tolist()}
     assert told == {(("b", "a"), 0), (("b",), 1), (("a",), 2), (("b",), 3)}
     assert all(values.shape == (m.rank.size, len(m.names)) for m in messages for values in m.fields.values())

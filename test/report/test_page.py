@@ -30,7 +30,17 @@ def measurement(size=3000, name="front_left", gap=False):
     kinematics, verdict = Differentiator(60.0, 0.1).block(stamp, x)
     force = 2000.0 * kinematics.velocity
     return Measurement(
-        f"/data/{name}.mcap", name, kinematics, force, kinematics.warm(), Counts.of(verdict), force, x, 60.0, 30.0, default_signals(name)
+        f"/data/{name}.mcap",
+        name,
+        kinematics,
+        force,
+        kinematics.warm(),
+        Counts.of(verdict),
+        force,
+        x,
+        60.0,
+        30.0,
+        default_signals(name),
     )
 
 

@@ -17,8 +17,9 @@ from damper_estimator.validation import compare
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--virtual-time-budget=20000", "--window-size=1280,720", "--dump-dom",
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--virtual-time-budget=20000",
+    "--window-size=1280,720", "--dump-dom",
 )  # fmt: skip
 # Walks through the page and leaves what it saw as the page's only content.
 WALK = """<script>
@@ -26,7 +27,8 @@ const seen = []; const wait = () => new Promise((go) => setTimeout(go, 300));
 window.addEventListener("error", (event) => seen.push("error " + event.message));
 (async () => {
   await wait();
-  const one = document.getElementById("damper0"), time = one.querySelector(".time"), range = () => time.layout.xaxis.range.map((v) => v.toFixed(1));
+  const one = document.getElementById("damper0"), time = one.querySelector(".time");
+  const range = () => time.layout.xaxis.range.map((v) => v.toFixed(1));
   seen.push("figures " + one.querySelectorAll(".figure .main-svg").length / 3);
   seen.push("all " + range());
   one.querySelector(".region").click(); await wait();
@@ -56,7 +58,19 @@ def comparison(name):
     model = DamperModel("viscous", "", (make_element(find_effect("linear_viscous")),))
     return compare(
         model,
-        Measurement("a.mcap", name, kinematics, force, kinematics.warm(), Counts.of(verdict), force, x, 60.0, 30.0, default_signals(name)),
+        Measurement(
+            "a.mcap",
+            name,
+            kinematics,
+            force,
+            kinematics.warm(),
+            Counts.of(verdict),
+            force,
+            x,
+            60.0,
+            30.0,
+            default_signals(name),
+        ),
     )
 
 

@@ -47,7 +47,12 @@ def bag_of(tmp_path):
 
 
 def moved(stamp, x, log=None, topic="/suspension/displacement", name="fl"):
-    return topic, JOINT_STATE, stamp if log is None else log, joint_states([name], stamp, position=np.reshape(x, (-1, 1)))
+    return (
+        topic,
+        JOINT_STATE,
+        stamp if log is None else log,
+        joint_states([name], stamp, position=np.reshape(x, (-1, 1))),
+    )
 
 
 def gauged(stamp, force, topic="/suspension/force", name="fl"):
@@ -144,7 +149,9 @@ def test_a_gap_in_the_displacement_restarts_filter_and_warm_up(bag_of):
     stamp[1500:] += 10**9
     m = measure(bag_of(moved(stamp, wave(stamp, 0.01)), gauged(stamp, push(stamp))), SignalMap(), "fl")
     assert m.counts.gaps == 1 and np.flatnonzero(m.kinematics.dt == 0.0).tolist() == [0, 1500]
-    assert m.kinematics.displacement[1500] == pytest.approx(wave(stamp, 0.01)[1500]) and m.kinematics.velocity[1500] == 0.0
+    assert (
+        m.kinematics.displacement[1500] == pytest.approx(wave(stamp, 0.01)[1500]) and m.kinematics.velocity[1500] == 0.0
+    )
     assert not m.judged[1500:1600].any() and m.judged[1600:].all()
     dt = np.diff(stamp, prepend=stamp[0]) / 1e9
     dt[1500] = 0.0
@@ -200,7 +207,12 @@ def test_default_topics_are_found_inside_a_namespace(bag_of, plain):
     bag = bag_of(
         moved(stamp, wave(stamp, 0.01), topic=f"{inside}/displacement"),
         gauged(stamp, push(stamp), topic=f"{inside}/force"),
-        (f"{inside}/fl/temperature", "sensor_msgs/msg/Temperature", stamp[::500], temperatures(stamp[::500], np.arange(6.0))),
+        (
+            f"{inside}/fl/temperature",
+            "sensor_msgs/msg/Temperature",
+            stamp[::500],
+            temperatures(stamp[::500], np.arange(6.0)),
+        ),
     )
     m = measure(bag, SignalMap(), "fl")
     assert np.array_equal(m.force, plain.force) and m.kinematics.temperature[-1] == 5.0
@@ -227,9 +239,18 @@ def test_a_name_is_looked_up_in_every_message(bag_of, plain):
     entries = []
     for i, own in enumerate(stamp):
         names, values = (["fl", "fr"], [x[i], 9.0]) if i % 2 else (["fr", "fl"], [9.0, x[i]])
-        entries.append(("/suspension/displacement", JOINT_STATE, [own], joint_states(names, np.array([own]), position=np.array([values]))))
+        entries.append(
+            (
+                "/suspension/displacement",
+                JOINT_STATE,
+                [own],
+                joint_states(names, np.array([own]), position=np.array([values])),
+            )
+        )
     lacking = np.array([stamp[-1] + 1_000_000])
-    entries.append(("/suspension/displacement", JOINT_STATE, lacking, joint_states(["fr"], lacking, position=np.array([[9.0]]))))
+    entries.append(
+        ("/suspension/displacement", JOINT_STATE, lacking, joint_states(["fr"], lacking, position=np.array([[9.0]])))
+    )
     m = measure(bag_of(*entries, gauged(stamp, push(stamp))), SignalMap(), "fl")
     assert np.array_equal(m.kinematics.block, plain.kinematics.block, equal_nan=True)
 

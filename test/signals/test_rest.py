@@ -22,7 +22,10 @@ def recording(parts, noise=1e-5, step=0.0, seed=0):
 def test_rest_is_found_where_it_is(noise, step):
     stamp, x = recording([(2.0, 0.0), (6.0, 0.02), (1.5, 0.0)], noise, step)
     rests = find_rests(stamp, x)
-    assert [(r.start, r.end) for r in rests] == [(0.0, pytest.approx(2.0, abs=EDGE)), (pytest.approx(8.0, abs=EDGE), pytest.approx(9.5, abs=EDGE))]
+    assert [(r.start, r.end) for r in rests] == [
+        (0.0, pytest.approx(2.0, abs=EDGE)),
+        (pytest.approx(8.0, abs=EDGE), pytest.approx(9.5, abs=EDGE)),
+    ]
     assert rests[0].displacement == pytest.approx(0.003, abs=2e-5 + step)
 
 
@@ -64,7 +67,9 @@ def test_real_tests_rest_between_their_blocks(shared_data):
     """The press stands between the five currents: pauses of seconds, at the same displacement to 0.05 mm."""
     import gzip
 
-    lines = gzip.open(shared_data / "utfsm_mr_damper" / "ME10mm2Hz.txt.gz", "rt", errors="replace").read().splitlines()[7:]
+    lines = (
+        gzip.open(shared_data / "utfsm_mr_damper" / "ME10mm2Hz.txt.gz", "rt", errors="replace").read().splitlines()[7:]
+    )
     rows = np.array([[float(cell) for cell in line.split(",")[2:4]] for line in lines if line.count(",") >= 3])
     stamp = np.arange(len(rows)) * 1_000_000
     rests = find_rests(stamp, 0.01 * rows[:, 0], stamp, 980.665 * rows[:, 1])

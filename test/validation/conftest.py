@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.effects.discovery import find_effect
 from damper_estimator.signals import Counts, Measurement, default_signals, low_pass
 from damper_estimator.signals.kinematics import Differentiator
 

@@ -11,8 +11,8 @@ from damper_estimator.signals import low_pass_zero_phase
 from damper_estimator.validation import compare, measures, per_recording
 
 KEYS = {
-    "samples", "rmse_n", "force_rms_n", "nrmse", "esr", "fit_percent", "correlation", "peak_error_n", "energy_error", "bias_n",
-    "noise_floor_n", "regions", "coherence", "data_quality",
+    "samples", "rmse_n", "force_rms_n", "nrmse", "esr", "fit_percent", "correlation", "peak_error_n", "energy_error",
+    "bias_n", "noise_floor_n", "regions", "coherence", "data_quality",
 }  # fmt: skip
 
 
@@ -52,7 +52,9 @@ def test_the_record_has_the_documented_keys_and_is_plain(viscous, motion, measur
     record = compare(viscous, measured(*motion(), double)).record()
     assert KEYS <= set(record)
     assert {"where", "rmse_n", "bias_n", "share_of_squared_error"} <= set(record["regions"][0])
-    assert {"gaps", "inversions", "duplicates", "non_finite", "rate_hz", "saturated", "skew_s"} <= set(record["data_quality"])
+    assert {"gaps", "inversions", "duplicates", "non_finite", "rate_hz", "saturated", "skew_s"} <= set(
+        record["data_quality"]
+    )
     assert set(record["coherence"]) == {"frequency_hz", "value"}
     json.dumps(plain(record), allow_nan=False)
 

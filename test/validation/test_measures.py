@@ -14,7 +14,9 @@ VELOCITY, DT = np.sin(np.arange(1.0, 31.0)), np.linspace(0.001, 0.003, 30)
 
 
 def test_measures_equal_a_hand_computation():
-    m = measures(np.array([1.0, -1.0, 3.0]), np.array([2.0, -1.0, 1.0]), np.array([1.0, -1.0, 2.0]), np.array([0.1, 0.2, 0.1]))
+    m = measures(
+        np.array([1.0, -1.0, 3.0]), np.array([2.0, -1.0, 1.0]), np.array([1.0, -1.0, 2.0]), np.array([0.1, 0.2, 0.1])
+    )
     assert m.samples == 3
     assert m.rmse_n == pytest.approx(np.sqrt(5 / 3), EXACT)
     assert m.force_rms_n == pytest.approx(np.sqrt(11 / 3), EXACT)
@@ -37,7 +39,10 @@ def test_equal_signals_have_no_error(force):
 
 @given(FORCES, FORCES, st.floats(0.1, 10.0))
 def test_scaling_both_forces_scales_newtons_and_leaves_ratios(measured, modelled, factor):
-    one, other = measures(measured, modelled, VELOCITY, DT), measures(factor * measured, factor * modelled, VELOCITY, DT)
+    one, other = (
+        measures(measured, modelled, VELOCITY, DT),
+        measures(factor * measured, factor * modelled, VELOCITY, DT),
+    )
     for name in ("rmse_n", "force_rms_n", "peak_error_n", "bias_n"):
         assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=1e-9, abs=1e-9)
     if np.ptp(measured) > 1.0:

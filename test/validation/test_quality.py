@@ -60,7 +60,9 @@ def test_the_noise_floor_is_the_error_of_the_perfect_model(viscous, motion, meas
     noisy, gauge_noise = x + 2e-5 * draw.standard_normal(x.size), 20.0 * draw.standard_normal(x.size)
     clean = {}
     measured(time, x, lambda k: clean.setdefault("force", 1500.0 * k.velocity))
-    m = measured(time, noisy, lambda k: clean["force"] + low_pass(60.0, k.dt, gauge_noise), gauge=clean["force"] + gauge_noise)
+    m = measured(
+        time, noisy, lambda k: clean["force"] + low_pass(60.0, k.dt, gauge_noise), gauge=clean["force"] + gauge_noise
+    )
     c = compare(viscous, m)
     assert c.noise_floor_n == pytest.approx(c.measures.rmse_n, rel=0.15)
     assert c.regions == ()
@@ -111,7 +113,9 @@ def test_a_rich_recording_is_good_and_a_poor_one_says_what_to_drive(motion, meas
     slow = judged(measured(*motion(60.0, rms=0.001), lambda k: 1500.0 * k.velocity))
     assert not slow.good and any("faster" in text for text in slow.drive_next)
     sine = judged(measured(TIME, 0.03 * np.sin(4 * np.pi * TIME), lambda k: 1500.0 * k.velocity), at_rest=False)
-    assert any("one frequency" in text for text in sine.remarks) and any("stand still" in text for text in sine.drive_next)
+    assert any("one frequency" in text for text in sine.remarks) and any(
+        "stand still" in text for text in sine.drive_next
+    )
 
 
 def test_a_wrong_sign_is_a_fault(motion, measured):

@@ -62,7 +62,13 @@ def test_an_error_after_reversals_is_told_from_slow_motion(viscous, motion, meas
 def test_noise_alone_is_no_region(viscous, motion, measured):
     for seed in range(5):
         noise = np.random.default_rng(seed)
-        c = compare(viscous, measured(*motion(30.0, seed=seed), lambda k: 1500.0 * k.velocity + 30.0 * noise.standard_normal(len(k))))
+        c = compare(
+            viscous,
+            measured(
+                *motion(30.0, seed=seed),
+                lambda k, noise=noise: 1500.0 * k.velocity + 30.0 * noise.standard_normal(len(k)),
+            ),
+        )
         assert words(c) == []
 
 
