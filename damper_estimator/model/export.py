@@ -1,0 +1,204 @@
+"""A model as force-velocity tables: what it gives at one displacement once the motion is steady.
+
+Each force is that of a passage at constant velocity through the chosen displacement: friction and hysteresis have slid,
+lags and delays have passed, the acceleration is zero. That is the middle of the model's loops; at velocity 0 it is the
+mean of arriving from either side. A table has no memory: hysteresis, position beyond the chosen one, and heating are lost.
+
+Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n; our signs, empty where a channel plays no
+part) and for every command and temperature a property file of the kind that ADAMS reads for dampers (``.dpr``): plain text,
+``$`` starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force on a line each, rising,
+positive in extension and where the force resists it; between the points the program lays its own spline.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.errors import InputError
+from damper_estimator.files import write_text
+from damper_estimator.model.damper_model import DamperModel
+from damper_estimator.model.element import Element, make_element, walk
+from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
+
+APPROACH = 0.02  # m, way at constant velocity: several times what friction slides before it is fully there
+_LONGEST = 5.0  # s that an approach may last
+_HOLD = 0.4  # s in which lags and delays pass
+_STEP, _MOST_STEPS = 1e-3, 20_000
+_SHARES = (0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0)
+COLUMNS = ("velocity_m_s", "command", "temperature_degc", "force_n")
+
+
+@dataclass(frozen=True)
+class ForceTable:
+    """Forces over velocity, command and temperature.
+
+    Attributes:
+        velocity: (k,) m/s, rising.
+        commands, temperatures: (c,), (t,); a single NaN where there is no such channel.
+        force: (c, t, k) N.
+        displacement: m, where the motion passes.
+    """
+
+    velocity: np.ndarray
+    commands: np.ndarray
+    temperatures: np.ndarray
+    force: np.ndarray
+    displacement: float
+
+
+def force_table(
+    model: DamperModel,
+    velocity: np.ndarray | None = None,
+    commands: Sequence[float] = (),
+    temperatures: Sequence[float] = (),
+    displacement: float = 0.0,
+) -> ForceTable:
+    """The model's steady force on a grid.
+
+    Args:
+        velocity: (k,) m/s; None takes a grid that is fine around zero, over the region of the last fit or to 1 m/s, and the
+            knots of the model's own curves.
+        commands, temperatures: empty takes five over the region of the last fit, or none where it has no such channel.
+        displacement: m.
+
+    Raises:
+        InputError: where the model holds effects of the measurement chain, or gives no finite force somewhere.
+    """
+    if model.channel_effects:
+        raise InputError(f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; take them out before the export")
+    v = velocity_grid(model) if velocity is None else np.unique(np.asarray(velocity, float))
+    levels = [_levels(model, name, given) for name, given in (("command", commands), ("temperature", temperatures))]
+    force = np.array([[[steady_force(model, s, displacement, c, t) for s in v] for t in levels[1]] for c in levels[0]])
+    if not np.isfinite(force).all():
+        c, t, k = np.argwhere(~np.isfinite(force))[0]
+        raise InputError(
+            f"model {model.name}: gives no finite force at {v[k]:g} m/s, command {levels[0][c]:g}, temperature {levels[1][t]:g}; "
+            "name currents and temperatures that it needs"
+        )
+    return ForceTable(v, levels[0], levels[1], force, displacement)
+
+
+def velocity_grid(model: DamperModel) -> np.ndarray:
+    """Velocities at which tables are made by default, m/s, rising."""
+    low, high = _region(model, "velocity") or (-1.0, 1.0)
+    low, high = min(low, 0.0), max(high, 0.0)
+    knots = [k for e in walk(model.effects) for k in _knots(e) if low <= k <= high]
+    return np.unique(np.concatenate([low * np.array(_SHARES), [0.0], high * np.array(_SHARES), knots]))
+
+
+def _knots(element: Element) -> tuple[float, ...]:
+    knots = element.settings.get("velocity", ())
+    return knots if isinstance(knots, tuple) else ()
+
+
+def _region(model: DamperModel, name: str) -> tuple[float, float] | None:
+    region = model.fit.get("region")
+    bounds = region.get(name) if isinstance(region, dict) else None
+    return (float(bounds[0]), float(bounds[1])) if bounds else None
+
+
+def _levels(model: DamperModel, name: str, given: Sequence[float]) -> np.ndarray:
+    if len(given):
+        return np.unique(np.asarray(given, float))
+    bounds = _region(model, name)
+    return np.array([np.nan]) if bounds is None else np.unique(np.round(np.linspace(*bounds, 5), 6))
+
+
+def steady_force(model: DamperModel, velocity: float, displacement: float, command: float = np.nan, temperature: float = np.nan) -> float:
+    """The force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both sides."""
+    if velocity == 0.0:
+        slow = min(APPROACH / _LONGEST, 1e-3)
+        arrivals = [_arrival(model, sign * slow, 0.0, displacement, command, temperature) for sign in (1.0, -1.0)]
+        return 0.5 * sum(arrivals)
+    return _arrival(model, velocity, velocity, displacement, command, temperature)
+
+
+def _arrival(model: DamperModel, approach: float, velocity: float, displacement: float, command: float, temperature: float) -> float:
+    seconds = min(APPROACH / abs(approach), _LONGEST)
+    steps = int(np.clip(np.ceil(seconds / _STEP), 50, _MOST_STEPS))
+    hold = round(_HOLD / _STEP)
+    block = np.zeros((ROWS, 1 + steps + hold))
+    block[DT, 1 : 1 + steps] = seconds / steps
+    block[DT, 1 + steps :] = _STEP
+    block[T] = np.cumsum(block[DT])
+    # The way ends at the displacement; there the velocity is held without moving on, until lags have passed.
+    block[X] = displacement - approach * np.maximum(seconds - block[T], 0.0)
+    block[V, : 1 + steps], block[V, 1 + steps :] = approach, velocity
+    block[A] = 0.0
+    block[COMMAND], block[TEMPERATURE], block[PRESSURE] = command, temperature, np.nan
+    return float(model.force(block)[-1])
+
+
+def table_csv(table: ForceTable) -> str:
+    """The table in long form: one line for each velocity, command and temperature."""
+    lines = [",".join(COLUMNS)]
+    for i, command in enumerate(table.commands):
+        for j, temperature in enumerate(table.temperatures):
+            for k, velocity in enumerate(table.velocity):
+                lines.append(",".join(_number(n) for n in (velocity, command, temperature, table.force[i, j, k])))
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    return "" if np.isnan(value) else repr(float(value))
+
+
+def property_text(model: DamperModel, table: ForceTable, command: int, temperature: int) -> str:
+    """One curve of a table as a damper property file with a [CURVE] block, in mm/s and N."""
+    setting = f"command {table.commands[command]:g}, temperature {table.temperatures[temperature]:g} deg C".replace("nan", "none")
+    lines = [
+        "$" + "-" * 60 + "HEADER", "[MDI_HEADER]", "FILE_TYPE = 'dpr'", "FILE_VERSION = 4.0", "FILE_FORMAT = 'ASCII'",
+        f"$ model {model.name}; {setting}; displacement {1e3 * table.displacement:g} mm",
+        "$ steady force at constant velocity, no memory; positive in extension",
+        "$" + "-" * 60 + "UNITS", "[UNITS]", "LENGTH = 'mm'", "ANGLE = 'degrees'", "FORCE = 'newton'", "MASS = 'kg'", "TIME = 'second'",
+        "$" + "-" * 60 + "CURVE", "[CURVE]", "{   vel          force}",
+    ]  # fmt: skip
+    rows = zip(1e3 * table.velocity, table.force[command, temperature], strict=True)
+    return "\n".join([*lines, *(f"{v:14.8g} {f:14.8g}" for v, f in rows)]) + "\n"
+
+
+def read_table(path: Path) -> ForceTable:
+    """A table that ``write_tables`` wrote as CSV.
+
+    Raises:
+        InputError: where it is none.
+    """
+    try:
+        head, *lines = path.read_text(encoding="utf-8").split()
+        rows = np.array([[float(cell or "nan") for cell in line.split(",")] for line in lines])
+    except (OSError, ValueError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a table; it wants the columns {', '.join(COLUMNS)}") from error
+    if tuple(head.split(",")) != COLUMNS or rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
+        raise InputError(f"{path}: is not a force-velocity table; it wants the columns {', '.join(COLUMNS)}")
+    axes = [np.unique(rows[:, i]) for i in range(3)]
+    velocity, commands, temperatures = axes
+    return ForceTable(velocity, commands, temperatures, rows[:, 3].reshape(commands.size, temperatures.size, velocity.size), float("nan"))
+
+
+def curve_model(table: ForceTable, command: int = 0, temperature: int = 0) -> DamperModel:
+    """One curve of a table as a model: a viscous curve through its points."""
+    values = {"velocity": table.velocity.tolist(), "force": table.force[command, temperature].tolist()}
+    return DamperModel("table", "an exported table", (make_element(find_effect("viscous_curve"), values),))
+
+
+def write_tables(model: DamperModel, table: ForceTable, folder: Path) -> list[Path]:
+    """Writes the CSV and one property file for every command and temperature into a folder.
+
+    Raises:
+        InputError: where it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
+    written = [folder / "force_velocity.csv"]
+    write_text(written[0], table_csv(table))
+    for i, command in enumerate(table.commands):
+        for j, temperature in enumerate(table.temperatures):
+            parts = [model.name, *(f"{v:g}{unit}" for v, unit in ((command, "A"), (temperature, "C")) if not np.isnan(v))]
+            written.append(folder / f"{'_'.join(parts)}.dpr")
+            write_text(written[-1], property_text(model, table, i, j))
+    return written
