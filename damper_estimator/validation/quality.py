@@ -7,7 +7,7 @@ import numpy as np
 
 from damper_estimator.validation.trace import Trace
 
-_RUN = 3  # equal samples at an extreme
+_RUN = 4  # equal samples at an extreme
 _BLOCKS = 20
 _LEAST_CORRELATION = 0.8  # below it the model says too little of the force to tell when it came
 _FINEST = 5e-4  # s; a skew whose standard error is larger (and above a quarter of it) is not told

@@ -233,7 +233,6 @@ def test_slow_channels_hold_their_last_value_by_stamp(bag_of):
 
 
 def test_a_name_is_looked_up_in_every_message(bag_of, plain):
-    """The order of the names changes from message to message, and some lack the damper."""
     stamp = stamps()
     x = wave(stamp, 0.01)
     entries = []
