@@ -9,7 +9,25 @@ from damper_estimator.characterization.structure import Structure, derive, struc
 from damper_estimator.characterization.subtraction import Difference, difference, semi_active
 
 __all__ = [
-    "BANDS", "MEANINGS", "Band", "Characterization", "Diagram", "Difference", "Line", "Loop", "Pattern", "Point", "QuasiStatic",
-    "Structure", "characteristic_points", "characterize", "classify", "derive", "difference", "mean_loops", "quasi_static",
-    "semi_active", "structure_model",
+    "BANDS",
+    "MEANINGS",
+    "Band",
+    "Characterization",
+    "Diagram",
+    "Difference",
+    "Line",
+    "Loop",
+    "Pattern",
+    "Point",
+    "QuasiStatic",
+    "Structure",
+    "characteristic_points",
+    "characterize",
+    "classify",
+    "derive",
+    "difference",
+    "mean_loops",
+    "quasi_static",
+    "semi_active",
+    "structure_model",
 ]

@@ -123,7 +123,9 @@ def _loops(measurements: Sequence[Measurement], slow: QuasiStatic | None, notes:
     if slow is not None:
         share = max(slow.outside(m.kinematics.displacement) for m in measurements)
         if share > 0.01:
-            notes.append(f"the slow test covers less stroke: {100 * share:.0f} % of the samples lie beyond it, where its last value was subtracted")
+            notes.append(
+                f"the slow test covers less stroke: {100 * share:.0f} % of the samples lie beyond it, where its last value was subtracted"
+            )
     steady, single = mean_loops(measurements, forces)
     if single:
         notes.append(
@@ -143,11 +145,16 @@ def _of_difference(found: Difference, role: str = "") -> Diagram:
 
 
 def _requested(
-    loops: Sequence[Loop], others: Sequence[Loop], measurements: Sequence[Measurement], subtracted: Sequence[Measurement]
+    loops: Sequence[Loop],
+    others: Sequence[Loop],
+    measurements: Sequence[Measurement],
+    subtracted: Sequence[Measurement],
 ) -> list[Difference]:
     found = [d for loop in loops if (d := difference(loop, others)) is not None]
     if not found:
-        there = ", ".join(f"{loop.frequency:.3g} Hz {1e3 * loop.amplitude:.3g} mm" for loop in others) or "no steady cycles"
+        there = (
+            ", ".join(f"{loop.frequency:.3g} Hz {1e3 * loop.amplitude:.3g} mm" for loop in others) or "no steady cycles"
+        )
         raise InputError(
             f"{subtracted[0].recording}: has no motion in common with {measurements[0].recording}; it has {there}; two settings are "
             "subtracted at one frequency and amplitude"
@@ -158,17 +165,29 @@ def _requested(
 def _unlike(differences: Sequence[Difference]) -> list[str]:
     """A word on motions that were not quite the same."""
     worst = max((d.apart for d in differences), default=0.0)
-    return [f"motions subtracted from each other differ by up to {100 * worst:.0f} % in peak velocity"] if worst > 0.05 else []
+    return (
+        [f"motions subtracted from each other differ by up to {100 * worst:.0f} % in peak velocity"]
+        if worst > 0.05
+        else []
+    )
 
 
 def _inside(diagrams: Sequence[Diagram], band: str) -> list[Diagram]:
     low, high = BANDS[band]
-    return [d for d in diagrams if low * _EDGE <= d.loop.frequency < high * _EDGE or (band == "high" and low <= d.loop.frequency <= high)]
+    return [
+        d
+        for d in diagrams
+        if low * _EDGE <= d.loop.frequency < high * _EDGE or (band == "high" and low <= d.loop.frequency <= high)
+    ]
 
 
 def _telling(diagrams: Sequence[Diagram]) -> Diagram | None:
     """The diagram that a band goes by: the fastest motion shows the most; of equally fast ones the largest command."""
-    return max(diagrams, key=lambda d: (d.loop.steady, round(d.loop.peak_velocity, 2), abs(np.nan_to_num(d.loop.command))), default=None)
+    return max(
+        diagrams,
+        key=lambda d: (d.loop.steady, round(d.loop.peak_velocity, 2), abs(np.nan_to_num(d.loop.command))),
+        default=None,
+    )
 
 
 def _band(name: str, passive: Sequence[Diagram], active: Sequence[Diagram]) -> Band:
@@ -178,13 +197,19 @@ def _band(name: str, passive: Sequence[Diagram], active: Sequence[Diagram]) -> B
     for diagram, label in ((p, "passive"), (sa, "semi-active")):
         if diagram is not None:
             loop = diagram.loop
-            words.append(f"{label} at {loop.frequency:.3g} Hz, {1e3 * loop.amplitude:.3g} mm: {diagram.pattern.because}")
+            words.append(
+                f"{label} at {loop.frequency:.3g} Hz, {1e3 * loop.amplitude:.3g} mm: {diagram.pattern.because}"
+            )
     if p is None and sa is None:
-        words.append(f"no steady sine cycles between {low:g} and {high:g} Hz, nor {FEWEST_RANDOM} single ones of a kind; drive it there")
+        words.append(
+            f"no steady sine cycles between {low:g} and {high:g} Hz, nor {FEWEST_RANDOM} single ones of a kind; drive it there"
+        )
     kind = None if sa is None else sa.pattern.type
     reading = TABLE_10_READING.get(kind, kind)
     if reading != kind:
-        words.append(f"by its shape the semi-active part is type {kind}, which Table 10 does not know; read as {reading}")
+        words.append(
+            f"by its shape the semi-active part is type {kind}, which Table 10 does not know; read as {reading}"
+        )
     return Band(name, low, high, None if p is None else p.pattern.type, reading, "; ".join(words))
 
 
@@ -198,10 +223,16 @@ def _structure(bands: Sequence[Band], passive: Sequence[Diagram]) -> Structure |
 def _more_notes(loops: Sequence[Loop], passive: Sequence[Loop], active: Sequence[Diagram]) -> list[str]:
     notes = []
     commands = [loop.command for loop in passive if np.isfinite(loop.command)]
-    if commands and min(map(abs, commands)) > 0.05 * max(abs(loop.command) for loop in loops if np.isfinite(loop.command)):
-        notes.append(f"the smallest command is {min(commands):.3g}, not 0: what is called passive holds the part that it drives")
+    if commands and min(map(abs, commands)) > 0.05 * max(
+        abs(loop.command) for loop in loops if np.isfinite(loop.command)
+    ):
+        notes.append(
+            f"the smallest command is {min(commands):.3g}, not 0: what is called passive holds the part that it drives"
+        )
     if len(passive) < len(loops) and not active:
-        notes.append("no two commands were driven at one frequency and amplitude: the semi-active part cannot be separated")
+        notes.append(
+            "no two commands were driven at one frequency and amplitude: the semi-active part cannot be separated"
+        )
     lowest = min(band[0] for band in BANDS.values())
     slow = [loop for loop in loops if loop.frequency < _EDGE * lowest]
     if slow:

@@ -101,7 +101,11 @@ def mean_loops(measurements: Sequence[Measurement], forces: Sequence[np.ndarray]
 
 def _order(loop: Loop) -> tuple[float, float, float]:
     # Motions that count as equal stay together, in order of the command.
-    return round(np.log(loop.frequency) / _FREQUENCY), round(np.log(loop.amplitude) / _AMPLITUDE), np.nan_to_num(loop.command)
+    return (
+        round(np.log(loop.frequency) / _FREQUENCY),
+        round(np.log(loop.amplitude) / _AMPLITUDE),
+        np.nan_to_num(loop.command),
+    )
 
 
 def _samples(measurement: Measurement) -> list[_Sample]:
@@ -137,7 +141,9 @@ def _groups(samples: Sequence[_Sample], largest: float, wider: float) -> list[li
     means: list[np.ndarray] = []
     width = np.array([wider * _FREQUENCY, wider * _AMPLITUDE, max(_COMMAND * largest, 1e-9)])
     for sample in samples:
-        place = np.array([np.log(sample.cycle.frequency), np.log(sample.cycle.amplitude), np.nan_to_num(sample.command, nan=-1e9)])
+        place = np.array(
+            [np.log(sample.cycle.frequency), np.log(sample.cycle.amplitude), np.nan_to_num(sample.command, nan=-1e9)]
+        )
         distance = [float(np.max(np.abs(place - mean) / width)) for mean in means]
         nearest = int(np.argmin(distance)) if distance else -1
         if nearest >= 0 and distance[nearest] <= 1.0:

@@ -24,7 +24,10 @@ from damper_estimator.characterization.loops import Loop
 
 YIELD_RATIO = 2.0  # slope before the knee over slope beyond it, at least; the paper's for asymmetric dampers
 YIELD_LOSS = 0.10  # of the half's force, what the knee takes from the straight line at peak speed, at least
-FLAT_RISE, FLAT_KNEE = 0.15, 0.35  # a flat half: rise beyond the knee over peak force, and relative speed of the knee, at most
+FLAT_RISE, FLAT_KNEE = (
+    0.15,
+    0.35,
+)  # a flat half: rise beyond the knee over peak force, and relative speed of the knee, at most
 LOW, HIGH = 0.04, 0.03  # area between the branches at low and at high speed over peak force times peak speed, at least
 ELLIPSE = 0.95  # share of the hysteresis' energy that an ellipse explains
 SYMMETRIC = 0.10  # rms difference of both directions over their rms force, at most
@@ -92,7 +95,9 @@ def classify(loop: Loop) -> Pattern:
     elliptic = share >= ELLIPSE and abs(size) > LOW * abs(scale)
     flattened = tuple(_without_ellipse(half, size) for half in both) if elliptic else both
     rebound, compression = (_measures(half, scale) for half in flattened)
-    low, high = (0.5 * (getattr(rebound, name) + getattr(compression, name)) for name in ("hysteresis_low", "hysteresis_high"))
+    low, high = (
+        0.5 * (getattr(rebound, name) + getattr(compression, name)) for name in ("hysteresis_low", "hysteresis_high")
+    )
     difference, mean = both[0].middle - both[1].middle, 0.5 * (both[0].middle + both[1].middle)
     asymmetry = float(np.sqrt(np.mean(difference**2) / max(float(np.mean(mean**2)), 1e-300)))
     kind, why = _verdict(rebound, compression, low, high)
@@ -155,7 +160,9 @@ def _split(half: Half) -> float:
 
 
 def _verdict(rebound: HalfMeasures, compression: HalfMeasures, low: float, high: float) -> tuple[int, str]:
-    numbers = f"hysteresis {100 * low:+.1f} % of peak force times peak speed at low speed, {100 * high:+.1f} % at high speed"
+    numbers = (
+        f"hysteresis {100 * low:+.1f} % of peak force times peak speed at low speed, {100 * high:+.1f} % at high speed"
+    )
     if low < -LOW or (high > HIGH and low <= 0.5 * LOW):
         return 6, f"{numbers}: the restoring point lies above the yield point (types 2 and 3 inverted)"
     if abs(high) > HIGH and low > (0.5 * LOW if high > 0.0 else LOW):
@@ -166,7 +173,11 @@ def _verdict(rebound: HalfMeasures, compression: HalfMeasures, low: float, high:
         return 2, f"{numbers}: more force while the speed rises, at high speed alone"
     if not (rebound.yields or compression.yields):
         return 0, f"{numbers}; no knee: one slope up to peak speed"
-    speeds = [f"{half.knee_velocity:.3g} m/s in {name}" for half, name in ((rebound, "rebound"), (compression, "compression")) if half.yields]
+    speeds = [
+        f"{half.knee_velocity:.3g} m/s in {name}"
+        for half, name in ((rebound, "rebound"), (compression, "compression"))
+        if half.yields
+    ]
     knees = f"{numbers}; knee at {' and '.join(speeds)}"
     if all(half.flat for half in (rebound, compression) if half.yields):
         return 4, f"{knees}, flat beyond it"

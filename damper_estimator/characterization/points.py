@@ -55,7 +55,10 @@ def characteristic_points(loop: Loop) -> tuple[dict[str, Point], dict[str, Line]
     places = _places(loop)
     points = {name: _point(loop, name, places[name]) for name in POINTS}
     order = ["H", *POINTS]
-    lines = {end.lower(): _line(loop, end.lower(), places[start], places[end]) for start, end in zip(order, POINTS, strict=False)}
+    lines = {
+        end.lower(): _line(loop, end.lower(), places[start], places[end])
+        for start, end in zip(order, POINTS, strict=False)
+    }
     return points, lines
 
 

@@ -75,7 +75,9 @@ def quasi_static(slow: Measurement) -> QuasiStatic:
     for sign in (1.0, -1.0):
         inside = judged & (sign * kinematics.velocity > 0.5 * speed)
         if np.count_nonzero(inside) < 2 * _FEWEST or speed <= 0.0:
-            raise InputError(f"{slow.recording}: does not move slowly in both directions; a quasi-static test is a slow sine or triangle")
+            raise InputError(
+                f"{slow.recording}: does not move slowly in both directions; a quasi-static test is a slow sine or triangle"
+            )
         curves.append(_curve(kinematics.displacement[inside], slow.force[inside]))
     (x_up, up), (x_down, down) = curves
     x = np.linspace(min(x_up[0], x_down[0]), max(x_up[-1], x_down[-1]), _BINS)

@@ -47,7 +47,10 @@ def record(found: Characterization) -> dict[str, object]:
 
 def _diagram(diagram: Diagram) -> dict[str, object]:
     loop, pattern = diagram.loop, asdict(diagram.pattern)
-    thinned = {name: getattr(loop, name)[::_LOOP_STEP] for name in ("displacement", "velocity", "acceleration", "force", "spread")}
+    thinned = {
+        name: getattr(loop, name)[::_LOOP_STEP]
+        for name in ("displacement", "velocity", "acceleration", "force", "spread")
+    }
     return {
         "role": diagram.role,
         "subtracted_setting": diagram.subtrahend,

@@ -68,7 +68,9 @@ def derive(passive: dict[str, int], semi_active: dict[str, int], symmetric: bool
     if active:
         terms = "the terms in v and in x" if active == "complete" else "the term in v"
         words.append(f"semi-active types {_listed(semi_active)} make it {active}: {terms} (Table 10)")
-    words.append("one set of parameters for both directions" if symmetric else "parameters of its own for each direction")
+    words.append(
+        "one set of parameters for both directions" if symmetric else "parameters of its own for each direction"
+    )
     return Structure(name, active, symmetric, "; ".join(words))
 
 
@@ -84,7 +86,11 @@ def structure_model(structure: Structure) -> DamperModel:
             if label.startswith(("semi_active_squash", "command_lag")):
                 model = model.without(label)
     lag = [slot.address for slot in model.slots if slot.address.startswith("command_lag")]
-    stiffness = [slot.address for slot in model.slots if slot.address.startswith("semi_active_squash") and slot.address.endswith("stiffness")]
+    stiffness = [
+        slot.address
+        for slot in model.slots
+        if slot.address.startswith("semi_active_squash") and slot.address.endswith("stiffness")
+    ]
     # The published values belong to another damper; its region of validity does too.
     fixed = (*lag, *(stiffness if structure.semi_active == "simple" else ()))
     return replace(model, fixed=fixed, fit={}, notes=f"{structure.because}.")

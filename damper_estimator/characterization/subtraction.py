@@ -60,8 +60,16 @@ def _distance(a: Loop, b: Loop) -> float:
 
 
 def _what(a: Loop, b: Loop) -> str:
-    if np.isfinite(a.command) and np.isfinite(b.command) and abs(a.command - b.command) > 0.02 * max(abs(a.command), abs(b.command)):
+    if (
+        np.isfinite(a.command)
+        and np.isfinite(b.command)
+        and abs(a.command - b.command) > 0.02 * max(abs(a.command), abs(b.command))
+    ):
         return "command"
-    if np.isfinite(a.pressure) and np.isfinite(b.pressure) and abs(a.pressure - b.pressure) > 0.02 * max(a.pressure, b.pressure):
+    if (
+        np.isfinite(a.pressure)
+        and np.isfinite(b.pressure)
+        and abs(a.pressure - b.pressure) > 0.02 * max(a.pressure, b.pressure)
+    ):
         return "pressure"
     return "setting"

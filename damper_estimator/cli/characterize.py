@@ -48,8 +48,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quasi-static", metavar="BAG", type=Path, dest="slow",
         help="a slow test (about 5 mm/s); its force over displacement and direction is taken from everything first",
     )  # fmt: skip
-    parser.add_argument("--peaks", metavar="FILE.csv", type=Path, help="write peak velocities and the forces there as a table")
-    parser.add_argument("-o", "--output", metavar="MODEL.yaml", type=Path, help="write the structure as a model to fit; a folder for several dampers")
+    parser.add_argument(
+        "--peaks", metavar="FILE.csv", type=Path, help="write peak velocities and the forces there as a table"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="MODEL.yaml",
+        type=Path,
+        help="write the structure as a model to fit; a folder for several dampers",
+    )
     add_signals(parser)
     add_window(parser)
     add_json(parser)
@@ -73,7 +81,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def read(
-    paths: Sequence[Path], signal_map: SignalMap, wanted: Sequence[str], window: tuple[float, float] = (0.0, float("inf"))
+    paths: Sequence[Path],
+    signal_map: SignalMap,
+    wanted: Sequence[str],
+    window: tuple[float, float] = (0.0, float("inf")),
 ) -> dict[str, list[Measurement]]:
     """Measurements by damper; a damper without a measured force is left out unless it is asked for.
 
@@ -90,7 +101,9 @@ def read(
                 else:
                     found.setdefault(damper, []).append(measurement)
     if not found:
-        raise InputError(f"{paths[0]}: no damper has a measured force; characterize needs one (name its topic in a signal map)")
+        raise InputError(
+            f"{paths[0]}: no damper has a measured force; characterize needs one (name its topic in a signal map)"
+        )
     return found
 
 
@@ -100,7 +113,9 @@ def _write(arguments: argparse.Namespace, found: dict[str, Characterization]) ->
             write_text(_target(arguments.peaks, damper, len(found)), peaks_csv(own.diagrams))
         if arguments.output:
             if own.structure is None:
-                raise InputError(f"{own.recordings[0]}: no band of damper {damper} has a type, so no structure follows; drive sines between 0.5 and 15 Hz")
+                raise InputError(
+                    f"{own.recordings[0]}: no band of damper {damper} has a type, so no structure follows; drive sines between 0.5 and 15 Hz"
+                )
             write_text(_target(arguments.output, damper, len(found)), model_yaml(structure_model(own.structure)))
     bags = [str(path) for path in arguments.bags]
     write_json(arguments.json, {"bags": bags, "dampers": {damper: record(own) for damper, own in found.items()}})
@@ -129,7 +144,11 @@ def text(found: Characterization, slow: QuasiStatic | None) -> str:
         lines += ["", *_table([d for d in found.differences if d.role == role], f"{role.replace('_', '-')} part")]
     lines += ["", *_points(found)]
     for band in found.bands:
-        kinds = [f"{label} type {kind}" for label, kind in (("passive", band.passive), ("semi-active", band.semi_active)) if kind is not None]
+        kinds = [
+            f"{label} type {kind}"
+            for label, kind in (("passive", band.passive), ("semi-active", band.semi_active))
+            if kind is not None
+        ]
         lines.append(f"  {band.low:g} to {band.high:g} Hz: {', '.join(kinds) or 'no type'}; {band.why}")
     if found.structure is not None:
         lines.append(f"  structure: {found.structure.library_name}; {found.structure.because}")
@@ -154,7 +173,9 @@ def _points(found: Characterization) -> list[str]:
     """Points of the fastest motion; all of them are in the JSON and on the page."""
     fastest = max(found.diagrams, key=lambda d: d.loop.peak_velocity)
     loop = fastest.loop
-    lines = [f"  points at {loop.frequency:.3g} Hz, {1e3 * loop.amplitude:.3g} mm    x mm      v m/s    a m/s^2      F N   line to it: N s/m"]
+    lines = [
+        f"  points at {loop.frequency:.3g} Hz, {1e3 * loop.amplitude:.3g} mm    x mm      v m/s    a m/s^2      F N   line to it: N s/m"
+    ]
     for name, point in fastest.points.items():
         slope = fastest.lines[name.lower()].damping
         slope_text = f"{slope:.4g}" if slope == slope else "no length"

@@ -20,10 +20,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``MODEL --tables DIR`` and the grid."""
     parser.add_argument("model", metavar="MODEL", help="a model's name or a model file (YAML)")
     parser.add_argument("--tables", metavar="DIR", type=Path, required=True, help="folder that receives the files")
-    parser.add_argument("--velocity", metavar="M/S", type=numbers, default=(), help="velocities, separated by commas (default: over the region of the fit, else -1 to 1)")
-    parser.add_argument("--current", metavar="A", type=numbers, default=(), help="commands, separated by commas (default: five over the region of the fit)")
-    parser.add_argument("--temperature", metavar="C", type=numbers, default=(), help="temperatures, separated by commas (default: five over the region of the fit)")
-    parser.add_argument("--displacement", metavar="M", type=float, default=0.0, help="where the motion passes (default: %(default)s)")
+    parser.add_argument(
+        "--velocity",
+        metavar="M/S",
+        type=numbers,
+        default=(),
+        help="velocities, separated by commas (default: over the region of the fit, else -1 to 1)",
+    )
+    parser.add_argument(
+        "--current",
+        metavar="A",
+        type=numbers,
+        default=(),
+        help="commands, separated by commas (default: five over the region of the fit)",
+    )
+    parser.add_argument(
+        "--temperature",
+        metavar="C",
+        type=numbers,
+        default=(),
+        help="temperatures, separated by commas (default: five over the region of the fit)",
+    )
+    parser.add_argument(
+        "--displacement", metavar="M", type=float, default=0.0, help="where the motion passes (default: %(default)s)"
+    )
     add_json(parser)
 
 
@@ -36,16 +56,25 @@ def run(arguments: argparse.Namespace) -> int:
     """Writes the tables."""
     model = load_model(arguments.model)
     if not np.isfinite([*arguments.velocity, *arguments.current, *arguments.temperature, arguments.displacement]).all():
-        raise InputError(f"{arguments.model}: velocities, currents, temperatures and displacement must be finite numbers")
+        raise InputError(
+            f"{arguments.model}: velocities, currents, temperatures and displacement must be finite numbers"
+        )
     velocity = np.array(arguments.velocity) if arguments.velocity else None
     table = force_table(model, velocity, arguments.current, arguments.temperature, arguments.displacement)
     written = write_tables(model, table, arguments.tables)
     if arguments.json != STANDARD_OUTPUT:
         v = table.velocity
-        print(f"{model.name}: {v.size} velocities from {v[0]:g} to {v[-1]:g} m/s, {table.commands.size} command(s), {table.temperatures.size} temperature(s)")
+        print(
+            f"{model.name}: {v.size} velocities from {v[0]:g} to {v[-1]:g} m/s, {table.commands.size} command(s), {table.temperatures.size} temperature(s)"
+        )
         print(f"  steady force through {1e3 * table.displacement:g} mm, no memory: the middle of the model's loops")
         for path in written:
             print(f"  {path}")
-    grid = {"velocity_m_s": table.velocity, "command": table.commands, "temperature_degc": table.temperatures, "force_n": table.force}
+    grid = {
+        "velocity_m_s": table.velocity,
+        "command": table.commands,
+        "temperature_degc": table.temperatures,
+        "force_n": table.force,
+    }
     write_json(arguments.json, {"model": model.name, "displacement_m": table.displacement, "files": written, **grid})
     return 0

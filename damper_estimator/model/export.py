@@ -68,7 +68,9 @@ def force_table(
         InputError: where the model holds effects of the measurement chain, or gives no finite force somewhere.
     """
     if model.channel_effects:
-        raise InputError(f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; take them out before the export")
+        raise InputError(
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; take them out before the export"
+        )
     v = velocity_grid(model) if velocity is None else np.unique(np.asarray(velocity, float))
     levels = [_levels(model, name, given) for name, given in (("command", commands), ("temperature", temperatures))]
     force = np.array([[[steady_force(model, s, displacement, c, t) for s in v] for t in levels[1]] for c in levels[0]])
@@ -107,7 +109,9 @@ def _levels(model: DamperModel, name: str, given: Sequence[float]) -> np.ndarray
     return np.array([np.nan]) if bounds is None else np.unique(np.round(np.linspace(*bounds, 5), 6))
 
 
-def steady_force(model: DamperModel, velocity: float, displacement: float, command: float = np.nan, temperature: float = np.nan) -> float:
+def steady_force(
+    model: DamperModel, velocity: float, displacement: float, command: float = np.nan, temperature: float = np.nan
+) -> float:
     """The force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both sides."""
     if velocity == 0.0:
         slow = min(APPROACH / _LONGEST, 1e-3)
@@ -116,7 +120,9 @@ def steady_force(model: DamperModel, velocity: float, displacement: float, comma
     return _arrival(model, velocity, velocity, displacement, command, temperature)
 
 
-def _arrival(model: DamperModel, approach: float, velocity: float, displacement: float, command: float, temperature: float) -> float:
+def _arrival(
+    model: DamperModel, approach: float, velocity: float, displacement: float, command: float, temperature: float
+) -> float:
     seconds = min(APPROACH / abs(approach), _LONGEST)
     steps = int(np.clip(np.ceil(seconds / _STEP), 50, _MOST_STEPS))
     hold = round(_HOLD / _STEP)
@@ -148,7 +154,9 @@ def _number(value: float) -> str:
 
 def property_text(model: DamperModel, table: ForceTable, command: int, temperature: int) -> str:
     """One curve of a table as a damper property file with a [CURVE] block, in mm/s and N."""
-    setting = f"command {table.commands[command]:g}, temperature {table.temperatures[temperature]:g} deg C".replace("nan", "none")
+    setting = f"command {table.commands[command]:g}, temperature {table.temperatures[temperature]:g} deg C".replace(
+        "nan", "none"
+    )
     lines = [
         "$" + "-" * 60 + "HEADER", "[MDI_HEADER]", "FILE_TYPE = 'dpr'", "FILE_VERSION = 4.0", "FILE_FORMAT = 'ASCII'",
         f"$ model {model.name}; {setting}; displacement {1e3 * table.displacement:g} mm",
@@ -175,7 +183,13 @@ def read_table(path: Path) -> ForceTable:
         raise InputError(f"{path}: is not a force-velocity table; it wants the columns {', '.join(COLUMNS)}")
     axes = [np.unique(rows[:, i]) for i in range(3)]
     velocity, commands, temperatures = axes
-    return ForceTable(velocity, commands, temperatures, rows[:, 3].reshape(commands.size, temperatures.size, velocity.size), float("nan"))
+    return ForceTable(
+        velocity,
+        commands,
+        temperatures,
+        rows[:, 3].reshape(commands.size, temperatures.size, velocity.size),
+        float("nan"),
+    )
 
 
 def curve_model(table: ForceTable, command: int = 0, temperature: int = 0) -> DamperModel:
@@ -198,7 +212,10 @@ def write_tables(model: DamperModel, table: ForceTable, folder: Path) -> list[Pa
     write_text(written[0], table_csv(table))
     for i, command in enumerate(table.commands):
         for j, temperature in enumerate(table.temperatures):
-            parts = [model.name, *(f"{v:g}{unit}" for v, unit in ((command, "A"), (temperature, "C")) if not np.isnan(v))]
+            parts = [
+                model.name,
+                *(f"{v:g}{unit}" for v, unit in ((command, "A"), (temperature, "C")) if not np.isnan(v)),
+            ]
             written.append(folder / f"{'_'.join(parts)}.dpr")
             write_text(written[-1], property_text(model, table, i, j))
     return written

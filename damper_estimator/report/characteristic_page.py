@@ -23,13 +23,17 @@ def characteristic_page(found: Sequence[Characterization]) -> str:
     """The whole page as HTML; it needs nothing else, no network either."""
     data = [[_figure(d) for d in (*c.diagrams, *c.differences)] for c in found]
     dampers = ", ".join(c.damper for c in found)
-    return _environment().get_template("characteristics.html").render(
-        title=f"characteristic diagrams of {dampers}",
-        sections=[_section(c) for c in found],
-        style=_asset("page.css") + _asset("characteristics.css"),
-        script=_asset("characteristics.js"),
-        plotly=_plotly(),
-        data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+    return (
+        _environment()
+        .get_template("characteristics.html")
+        .render(
+            title=f"characteristic diagrams of {dampers}",
+            sections=[_section(c) for c in found],
+            style=_asset("page.css") + _asset("characteristics.css"),
+            script=_asset("characteristics.js"),
+            plotly=_plotly(),
+            data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+        )
     )
 
 
@@ -47,7 +51,11 @@ def _figure(diagram: Diagram) -> dict[str, object]:
         "level": float(np.nan_to_num(loop.command)),
         "steady": loop.steady,
         "force": closed(loop.force),
-        "motion": {"displacement": closed(1e3 * loop.displacement), "velocity": closed(loop.velocity), "acceleration": closed(loop.acceleration)},
+        "motion": {
+            "displacement": closed(1e3 * loop.displacement),
+            "velocity": closed(loop.velocity),
+            "acceleration": closed(loop.acceleration),
+        },
         "points": {
             "name": [p.name for p in points],
             "force": [p.force for p in points],
@@ -118,7 +126,14 @@ def _knee(half) -> str:
 
 def _details(diagram: Diagram) -> dict[str, object]:
     points = [
-        [p.name, MEANINGS[p.name], f"{1e3 * p.displacement:.2f}", f"{p.velocity:.4f}", f"{p.acceleration:.3g}", f"{p.force:.0f}"]
+        [
+            p.name,
+            MEANINGS[p.name],
+            f"{1e3 * p.displacement:.2f}",
+            f"{p.velocity:.4f}",
+            f"{p.acceleration:.3g}",
+            f"{p.force:.0f}",
+        ]
         + [number(value) for value in (line.stiffness / 1e3, line.damping, line.mass)]
         for p, line in zip(diagram.points.values(), diagram.lines.values(), strict=True)
     ]
@@ -127,7 +142,9 @@ def _details(diagram: Diagram) -> dict[str, object]:
 
 @cache
 def _environment() -> Environment:
-    return Environment(loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    return Environment(
+        loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
 
 
 def _asset(name: str) -> str:

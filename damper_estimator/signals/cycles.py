@@ -77,7 +77,9 @@ def find_cycles(kinematics: Kinematics, judged: np.ndarray | None = None) -> lis
     for part in kinematics.stretches():
         at = reversals(kinematics, part)
         # Into extension: the displacement is lower there than at the next turning point.
-        starts = [i for i, j in zip(at, at[1:], strict=False) if kinematics.displacement[i] < kinematics.displacement[j]]
+        starts = [
+            i for i, j in zip(at, at[1:], strict=False) if kinematics.displacement[i] < kinematics.displacement[j]
+        ]
         if at.size >= 2 and kinematics.displacement[at[-1]] < kinematics.displacement[at[-2]]:
             starts.append(at[-1])
         edges = [_crossing(kinematics, int(i), part) for i in starts]

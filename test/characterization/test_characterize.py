@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from conftest import measurement_of, sine, sine_test
+from shapes import measurement_of, sine, sine_test
 
 from damper_estimator.characterization import characterize, mean_loops, quasi_static
 from damper_estimator.characterization.record import PEAK_COLUMNS, peaks, peaks_csv, record
@@ -103,7 +103,8 @@ def test_a_slow_test_with_less_stroke_is_told():
 @pytest.mark.parametrize("noise", [0.0, 0.01])
 def test_subtraction_of_commands_recovers_the_planted_semi_active_part(noise):
     tests = [
-        sine_test(lambda x, v, a, c=c: viscous(x, v, a) + current_part(c, v), command=c, noise=noise, seed=int(c)) for c in (0.0, 1.0, 2.0)
+        sine_test(lambda x, v, a, c=c: viscous(x, v, a) + current_part(c, v), command=c, noise=noise, seed=int(c))
+        for c in (0.0, 1.0, 2.0)
     ]
     found = characterize(tests)
     assert [d.loop.command for d in found.differences] == [1.0, 2.0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SHAPES, loop_of
+from shapes import SHAPES, loop_of
 
 from damper_estimator.characterization.patterns import classify
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SHAPES, branches, loop_of, two_lines
+from shapes import SHAPES, branches, loop_of, two_lines
 
 from damper_estimator.characterization.points import POINTS, characteristic_points
 

@@ -32,7 +32,10 @@ def test_utfsm_grows_with_current_and_hysteresis_widens_with_frequency(measured)
     added = [d for d in found.differences if abs(d.loop.frequency - 2.03) < 0.05]
     forces = [d.points["E"].force for d in sorted(added, key=lambda d: d.loop.command)]
     assert forces == sorted(forces) and forces[-1] > 1200.0
-    at_1_ampere = sorted((d for d in found.differences if d.loop.command == 1.0 and d.loop.frequency > 0.4), key=lambda d: d.loop.frequency)
+    at_1_ampere = sorted(
+        (d for d in found.differences if d.loop.command == 1.0 and d.loop.frequency > 0.4),
+        key=lambda d: d.loop.frequency,
+    )
     lags = [d.pattern.hysteresis_low for d in at_1_ampere]
     assert lags == sorted(lags)
     assert [band.semi_active for band in found.bands] == [5, 5, None]

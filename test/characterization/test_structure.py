@@ -3,7 +3,12 @@
 import pytest
 import yaml
 
-from damper_estimator.characterization.structure import derive, passive_structure, semi_active_structure, structure_model
+from damper_estimator.characterization.structure import (
+    derive,
+    passive_structure,
+    semi_active_structure,
+    structure_model,
+)
 from damper_estimator.model.files import model_yaml, parse_model
 
 TABLE_9 = [
@@ -11,7 +16,13 @@ TABLE_9 = [
     ((0, 2, 6), "inertial_simple"), ((1, 1, 6), "inertial_simple"), ((0, 1, 3), "stiff_simple"), ((1, 3, 3), "stiff_simple"),
     ((0, 2, 5), "complete"), ((1, 3, 5), "complete"),
 ]  # fmt: skip
-TABLE_10 = [((0, 4, 4), "simple"), ((4, 4, 4), "simple"), ((0, 4, 6), "complete"), ((4, 5, 5), "complete"), ((0, 6, 5), "complete")]
+TABLE_10 = [
+    ((0, 4, 4), "simple"),
+    ((4, 4, 4), "simple"),
+    ((0, 4, 6), "complete"),
+    ((4, 5, 5), "complete"),
+    ((0, 6, 5), "complete"),
+]
 
 
 @pytest.mark.parametrize(("types", "structure"), TABLE_9)
@@ -26,7 +37,11 @@ def test_table_10(types, structure):
 
 def test_the_papers_case_study_gets_its_structure():
     structure = derive({"low": 3}, {"low": 5}, symmetric=False)
-    assert (structure.passive, structure.semi_active, structure.library_name) == ("stiff_simple", "complete", "lozoya_santos_stiff_simple")
+    assert (structure.passive, structure.semi_active, structure.library_name) == (
+        "stiff_simple",
+        "complete",
+        "lozoya_santos_stiff_simple",
+    )
 
 
 @pytest.mark.parametrize("types", [{"low": 1}, {"low": 3}, {"low": 2}, {"low": 5}], ids=str)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from conftest import sine
+from shapes import sine
 
 from damper_estimator.cli.main import main
 from damper_estimator.model import load_model
@@ -24,7 +24,9 @@ def write(path, law, frequency=2.0, amplitude=0.02, seconds=5.0, current=None):
         Stream("/suspension/force", kind, stamps, joint_states(["d"], stamps, effort=law(x, v, a)[:, None])),
     ]
     if current is not None:
-        streams.append(Stream("/suspension/d/current", "std_msgs/msg/Float64", stamps - 1, floats(np.full(time.size, current))))
+        streams.append(
+            Stream("/suspension/d/current", "std_msgs/msg/Float64", stamps - 1, floats(np.full(time.size, current)))
+        )
     with BagWriter(path) as bag:
         bag.write_streams(streams)
     return str(path)
@@ -37,14 +39,34 @@ def digressive(x, v, a):
 @pytest.fixture
 def bags(tmp_path):
     return [
-        write(tmp_path / f"{current}.mcap", lambda x, v, a, c=current: digressive(x, v, a) + 300.0 * c * np.tanh(v / 0.02), current=current)
+        write(
+            tmp_path / f"{current}.mcap",
+            lambda x, v, a, c=current: digressive(x, v, a) + 300.0 * c * np.tanh(v / 0.02),
+            current=current,
+        )
         for current in (0.0, 1.0)
     ]
 
 
 def test_results_go_to_standard_output_json_page_table_and_model(bags, tmp_path, capsys):
     out = {name: str(tmp_path / name) for name in ("r.json", "p.csv", "m.yaml", "p.html")}
-    assert main(["characterize", *bags, "--json", out["r.json"], "--peaks", out["p.csv"], "-o", out["m.yaml"], "--html", out["p.html"]]) == 0
+    assert (
+        main(
+            [
+                "characterize",
+                *bags,
+                "--json",
+                out["r.json"],
+                "--peaks",
+                out["p.csv"],
+                "-o",
+                out["m.yaml"],
+                "--html",
+                out["p.html"],
+            ]
+        )
+        == 0
+    )
     printed = capsys.readouterr().out
     assert "passive type 1, semi-active type 4" in printed
     assert "lozoya_santos_simple" in printed
@@ -63,7 +85,12 @@ def test_json_on_standard_output_stands_alone(bags, capsys):
 
 def test_settings_are_subtracted_and_a_slow_test_taken_off(bags, tmp_path, capsys):
     slow = write(tmp_path / "slow.mcap", lambda x, v, a: -200.0 - 3000.0 * x, frequency=0.05, seconds=45.0)
-    assert main(["characterize", bags[1], "--subtract", bags[0], "--quasi-static", slow, "--json", str(tmp_path / "r.json")]) == 0
+    assert (
+        main(
+            ["characterize", bags[1], "--subtract", bags[0], "--quasi-static", slow, "--json", str(tmp_path / "r.json")]
+        )
+        == 0
+    )
     found = json.loads((tmp_path / "r.json").read_text())["dampers"]["d"]
     assert found["differences"][0]["role"] == "command"
     assert found["differences"][0]["type"] == 4
