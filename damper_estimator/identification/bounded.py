@@ -3,19 +3,23 @@
 import numpy as np
 
 _RIDGE = 1e-7  # of a column's norm: far below what data tell, enough where they tell nothing
-_CHUNK = 512  # rows that are reduced at a time; they stay in the processor's cache
+_PIECE = 8000  # numbers that are reduced at a time; OpenBLAS starts threads above 9216
 _SILENT = 1e-12  # of the largest column: such a column has no influence at all
 
 
 def triangle(matrix: np.ndarray) -> np.ndarray:
-    """R (k, k) of the QR decomposition of a tall matrix (m, k): all that its m rows say about k unknowns."""
-    size, count = matrix.shape
-    chunks = max(size // max(_CHUNK, count), 1)
-    length = -(-size // chunks)
-    padded = np.zeros((chunks * length, count))
-    padded[:size] = matrix
-    small = np.linalg.qr(padded.reshape(chunks, length, count), mode="r")
-    return np.linalg.qr(small.reshape(-1, count), mode="r")
+    """R (k, k) of the QR decomposition of a tall matrix (m, k): all that its m rows say about k unknowns.
+
+    It is reduced in pieces, and the pieces again, each so small that the linear algebra library does not call for threads.
+    """
+    count = matrix.shape[1]
+    length = max(_PIECE // count, 2 * count)
+    while matrix.shape[0] > length:
+        pieces = -(-matrix.shape[0] // length)
+        padded = np.zeros((pieces * length, count))
+        padded[: matrix.shape[0]] = matrix
+        matrix = np.linalg.qr(padded.reshape(pieces, length, count), mode="r").reshape(-1, count)
+    return np.linalg.qr(matrix, mode="r")
 
 
 def bounded_least_squares(

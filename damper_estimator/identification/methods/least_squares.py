@@ -15,8 +15,10 @@ from damper_estimator.identification.methods.contract import Method, Solution
 from damper_estimator.identification.problem import Point, Problem
 
 _ITERATIONS = 60
-_GAIN = 1e-9  # of the cost: a promised gain below this is a hundredth of a standard error or less
+_GAIN = 1e-8  # of the cost: a promised gain below this is a hundredth of a standard error or less
+_SKETCH_GAIN = 1e-5  # the same while starts are compared
 _MOVE = 1e-7  # of a parameter's size
+_CREEP = 1e-3  # of the cost: a smaller gain in two steps is slow
 _PERFECT = 1e-22  # of the force's square: rounding
 _STARTS = 5
 _AGREE = 1e-3  # of the cost: two ends are the same
@@ -43,26 +45,29 @@ def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray) -> np
     ends: list[Point] = []
     for i in order[:_STARTS]:
         if np.isfinite(costs[i]):
-            ends.append(refine(sketch, candidates[i], size, _SKETCH_ITERATIONS)[0])
+            ends.append(refine(sketch, candidates[i], size, _SKETCH_ITERATIONS, _SKETCH_GAIN)[0])
         ends.sort(key=lambda end: end.cost)
         if len(ends) > 1 and ends[1].cost <= ends[0].cost * (1.0 + _AGREE):
             break
     return ends[0].searched if ends else candidates[0]
 
 
-def refine(problem: Problem, start: np.ndarray, size: np.ndarray, iterations: int = _ITERATIONS) -> tuple[Point, bool]:
+def refine(problem: Problem, start: np.ndarray, size: np.ndarray, iterations: int = _ITERATIONS, gain: float = _GAIN) -> tuple[Point, bool]:
     """The local minimum that is reached from ``start``, and whether it was.
 
     Args:
         start: (q,) between the bounds.
         size: (q,) magnitude of each parameter; below a tenth of it a parameter moves as if it were that large.
+        gain: share of the cost; the search ends where a step promises less.
     """
     point = problem.point(start)
     if not np.isfinite(point.cost):
         return point, False
     perfect = _PERFECT * float(problem.target @ problem.target)
-    radius = 1.0
+    radius, passed = 1.0, [point]
     for _ in range(iterations):
+        passed = _leap(problem, passed)
+        point = passed[-1]
         own_size = np.maximum(np.abs(point.searched), 0.1 * size)
         jacobian = np.column_stack([problem.jacobian(point, own_size), point.columns])
         if not np.isfinite(jacobian).all():
@@ -71,7 +76,7 @@ def refine(problem: Problem, start: np.ndarray, size: np.ndarray, iterations: in
         while True:
             step, promised = _step(problem, point, reduced, radius * own_size)
             length = float(np.max(np.abs(step) / own_size))
-            if promised <= _GAIN * point.cost or point.cost <= perfect or length <= _MOVE:
+            if promised <= gain * point.cost or point.cost <= perfect or length <= _MOVE:
                 return point, True
             trial = problem.point(problem.clipped(point.searched + step))
             ratio = (point.cost - trial.cost) / promised
@@ -80,9 +85,20 @@ def refine(problem: Problem, start: np.ndarray, size: np.ndarray, iterations: in
             elif ratio > 0.7 and length > 0.9 * radius:
                 radius *= 3.0
             if ratio > 1e-4:
-                point = trial
+                passed = [*passed[-2:], trial]
                 break
-    return point, False
+    return passed[-1], False
+
+
+def _leap(problem: Problem, passed: list[Point]) -> list[Point]:
+    """The points passed; where the search creeps along a bent valley, a better one far along it instead."""
+    point = passed[-1]
+    if len(passed) < 3 or passed[0].cost - point.cost > _CREEP * point.cost:
+        return passed
+    stride = point.searched - passed[0].searched
+    while (trial := problem.point(problem.clipped(point.searched + stride))).cost < point.cost:
+        point, stride = trial, 2.0 * stride
+    return passed if point is passed[-1] else [point]
 
 
 def _step(problem: Problem, point: Point, reduced: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, float]:
