@@ -1,5 +1,6 @@
 """Plays recorded messages to a running node over DDS, as fast as it answers, and keeps what it answers."""
 
+import subprocess
 import time
 from collections.abc import Callable, Iterable
 from importlib import import_module
@@ -16,7 +17,7 @@ from damper_estimator.node.health import SUBSCRIBERS
 WINDOW = 20  # displacement messages that may be unanswered
 PATIENCE = 0.5  # s, after which an unanswered message counts as one that gives no estimate
 PAUSE = 0.02  # s after a message of a slow channel: topics overtake each other
-DISCOVERY = 20.0  # s
+DISCOVERY = 120.0  # s; the kernels of a model that never ran here are compiled first, which a busy machine takes its time for
 DEPTH = 1000
 
 
@@ -28,8 +29,9 @@ class Player:
         health: every ``DiagnosticArray`` that came.
     """
 
-    def __init__(self, estimator: str = "/damper_estimator") -> None:
-        """``estimator``: full name of the node that is played to."""
+    def __init__(self, estimator: str = "/damper_estimator", process: subprocess.Popen | None = None) -> None:
+        """``estimator``: full name of the node that is played to; ``process``: its own, where waiting ends when it ends."""
+        self._process = process
         self.forces: list[DamperForces] = []
         self.health: list[DiagnosticArray] = []
         self._node = Node("player", start_parameter_services=False)
@@ -90,10 +92,12 @@ class Player:
         """Listens until a condition holds.
 
         Raises:
-            InputError: where it does not hold in time; ``what`` was waited for.
+            InputError: where it does not hold in time, or the estimator has ended; ``what`` was waited for.
         """
         end = time.monotonic() + patience
         while not condition():
+            if self._process is not None and self._process.poll() is not None:
+                raise InputError(f"the estimator ended while {what} was waited for; it said why")
             if time.monotonic() > end:
                 raise InputError(f"waited {patience:g} s for {what}; is the estimator running with the same ROS_DOMAIN_ID?")
             self._executor.spin_once(timeout_sec=0.05)

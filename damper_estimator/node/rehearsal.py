@@ -115,7 +115,7 @@ def _rehearse_with_own_node(replayed: Path, model: str, signals: Path | None) ->
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
     node = subprocess.Popen([EXECUTABLE, "--ros-args", *words])
     rclpy.init()
-    player = Player()
+    player = Player(process=node)
     try:
         return rehearse(player, replayed, signal_map)
     finally:

@@ -13,8 +13,7 @@ from damper_estimator.signals import load_signal_map
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
-ENDED_WITHIN = 60.0  # s, far more than a refusal needs on a busy machine
-HEALTH_WITHIN = 20.0  # s
+ENDED_WITHIN = 120.0  # s, far more than a refusal needs on a busy machine
 
 REFUSED = [
     ({}, "", "parameter model is not set"),
@@ -67,7 +66,7 @@ def level(player, ending: str) -> bytes | None:
 def test_health_follows_the_input(start, player):
     start(model="coulomb", dampers="[left, right]")
     told = "input /suspension/displacement"
-    player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet", HEALTH_WITHIN)
+    player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet")
     assert level(player, ": left") == WARN
     player.connect({"/suspension/displacement": JOINT_STATE})
     stamps = np.arange(10**18, 10**18 + 10**8, 10**6)
@@ -76,14 +75,14 @@ def test_health_follows_the_input(start, player):
         part = [("/suspension/displacement", message) for message in messages[first : first + 10]]
         player.play(part, {"/suspension/displacement"})
         seen = len(player.health)
-        player.wait(lambda seen=seen: len(player.health) > seen, "diagnostics", HEALTH_WITHIN)
+        player.wait(lambda seen=seen: len(player.health) > seen, "diagnostics")
         if level(player, told) == OK:
             break
     assert level(player, ": left") == OK
     assert level(player, ": right") == ERROR
     status = next(s for s in player.health[-1].status if s.name.endswith(told))
     assert {pair.key: pair.value for pair in status.values}["names not estimated"] == "stranger"
-    player.wait(lambda: level(player, told) == ERROR, "an error that the input has stopped", HEALTH_WITHIN)
+    player.wait(lambda: level(player, told) == ERROR, "an error that the input has stopped")
 
 
 def test_a_publisher_that_cannot_be_heard_is_reported(start, player):
@@ -94,7 +93,7 @@ def test_a_publisher_that_cannot_be_heard_is_reported(start, player):
     start(model="coulomb", qos_reliability="reliable")
     node = rclpy.create_node("unreliable")
     node.create_publisher(JointState, "/suspension/displacement", qos_profile_sensor_data)
-    player.wait(lambda: level(player, "input /suspension/displacement") == ERROR, "an error", HEALTH_WITHIN)
+    player.wait(lambda: level(player, "input /suspension/displacement") == ERROR, "an error")
     node.destroy_node()
     status = next(s for s in player.health[-1].status if "input" in s.name)
     assert "quality of service" in status.message
@@ -120,7 +119,7 @@ def test_namespace_and_remapping_move_the_relative_topics(start, tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_without_complaint(number, start, player):
     process = start(model="coulomb", dampers="[left]")
-    player.wait(lambda: player.health, "diagnostics", HEALTH_WITHIN)
+    player.wait(lambda: player.health, "diagnostics")
     process.send_signal(number)
     said = process.communicate(timeout=ENDED_WITHIN)[1]
     assert process.returncode == 0
@@ -139,12 +138,13 @@ def test_a_signal_while_it_starts_ends_it_without_complaint(number):
     )
     words = [sys.executable, "-c", code, "--ros-args", "-p", "model:=coulomb"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=ENDED_WITHIN)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0
+    assert [line for line in done.stderr.splitlines() if not line.startswith("[INFO]")] == []
 
 
 def test_the_shipped_parameter_file_starts_it(start, player):
     from damper_estimator.share import share_path
 
     start("--params-file", str(share_path("config/node.yaml")))
-    player.wait(lambda: level(player, "input /suspension/displacement") == WARN, "diagnostics", HEALTH_WITHIN)
+    player.wait(lambda: level(player, "input /suspension/displacement") == WARN, "diagnostics")
     assert load_signal_map(None).cutoff == 60.0  # the comment in the file says so
