@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test demo bench clean
+.PHONY: help env test demo bench real-data clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -23,6 +23,9 @@ test: env ## run all tests, those of the ROS node included
 
 demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
+
+real-data: env ## the tables of docs/real_data.md, where the recordings are there
+	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
 bench: env ## measure speed and print it
 	@for file in benchmarks/bench_*.py; do $(BIN)/python $$file || exit 1; done
