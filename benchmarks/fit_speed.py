@@ -1,9 +1,10 @@
-"""Prints how long fits take: the Carrera-Akutain model on two recordings of 30722 samples, and the baselines on the same.
+"""Prints how long fits take: the Carrera-Akutain model and baselines on two recordings of 30722 samples.
 
     python benchmarks/fit_speed.py
 
-The recordings are made with the model itself (random displacement of 5 and 10 mm rms, 0.1 to 20 Hz, 1.95 ms steps, 1 % force noise), so the
-printed deviation from the truth, in standard errors, says whether the fit arrived. The first fit warms the compile cache up.
+The recordings are made with the model itself (random displacement of 5 and 10 mm rms, 0.1 to 20 Hz, 1.95 ms steps,
+1 % force noise), so the printed deviation from the truth, in standard errors, says whether the fit arrived. The
+first fit warms the compile cache up.
 """
 
 from time import perf_counter
@@ -41,7 +42,9 @@ def recording(model: DamperModel, rms: float, seed: int) -> Measurement:
     force = model.force(kinematics.block)
     force += 0.01 * force.std() * random.standard_normal(SAMPLES)
     name = f"{1000 * rms:.0f} mm rms"
-    return Measurement(name, "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("damper"))
+    return Measurement(
+        name, "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("damper")
+    )
 
 
 def main() -> None:
@@ -57,7 +60,10 @@ def main() -> None:
         true = {slot.address: slot.value for slot in truth.slots}
         off = [abs(p.value - true[p.name]) / p.standard_error for p in result.parameters if p.name in true]
         worst = f"{max(off):.1f} standard errors" if name == truth.name else "-"
-        print(f"{name:<28} {len(result.parameters):>10} {seconds:>9.2f} {result.evaluations:>12}  {result.esr:<8.2g}  {worst}")
+        print(
+            f"{name:<28} {len(result.parameters):>10} {seconds:>9.2f} {result.evaluations:>12}"
+            f"  {result.esr:<8.2g}  {worst}"
+        )
 
 
 if __name__ == "__main__":

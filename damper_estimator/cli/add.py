@@ -1,7 +1,7 @@
 """Put an effect into a model.
 
-The effect goes where its kind belongs: sources before what acts on the force, modifiers after it, a compliance around the
-sources. Its values are the effect's defaults, or those given with --set; identify them with fit.
+The effect goes where its kind belongs: sources before what acts on the force, modifiers after it, a compliance
+around the sources. Its values are the effect's defaults, or those given with --set; identify them with fit.
 """
 
 import argparse
@@ -20,8 +20,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""
     parser.add_argument("effect", metavar="EFFECT", help="an effect's name; damper-estimator effects lists them")
     add_models(parser)
-    parser.add_argument("-o", "--output", metavar="MODEL.yaml", type=Path, required=True, help="where the changed model goes")
-    parser.add_argument("--set", dest="values", metavar="NAME=VALUE", action="append", default=[], help="a value of the effect; may be repeated")
+    parser.add_argument(
+        "-o", "--output", metavar="MODEL.yaml", type=Path, required=True, help="where the changed model goes"
+    )
+    parser.add_argument(
+        "--set",
+        dest="values",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a value of the effect; may be repeated",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -31,11 +40,15 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("path: is no effect; write it into the model file by hand")
     if effect.kind == "channel":
         title = effect.description.strip().partition("\n")[0].rstrip(".")
-        raise InputError(f"{effect.name}: {title} belongs to the measurement chain; mend it in the signal map, not in a model")
+        raise InputError(
+            f"{effect.name}: {title} belongs to the measurement chain; mend it in the signal map, not in a model"
+        )
     model = load_model(arguments.model)
     changed = model.with_effect(new_element(effect, model, _values(arguments.values)))
     save_model(changed, arguments.output)
-    print(f"{changed.name}: {' -> '.join(label for label, _ in labels(changed.effects))}; written to {arguments.output}")
+    print(
+        f"{changed.name}: {' -> '.join(label for label, _ in labels(changed.effects))}; written to {arguments.output}"
+    )
     return 0
 
 

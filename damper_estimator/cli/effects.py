@@ -22,7 +22,9 @@ def run(arguments: argparse.Namespace) -> int:
     chosen = [find_effect(arguments.name)] if arguments.name else list(all_effects().values())
     if arguments.json != STANDARD_OUTPUT:
         print(description(chosen[0]) if arguments.name else table(chosen))
-    write_json(arguments.json, as_json(chosen[0]) if arguments.name else {"effects": [as_json(effect) for effect in chosen]})
+    write_json(
+        arguments.json, as_json(chosen[0]) if arguments.name else {"effects": [as_json(effect) for effect in chosen]}
+    )
     return 0
 
 
@@ -98,7 +100,14 @@ def as_json(effect: Effect) -> dict[str, object]:
             for p in effect.parameters
         ],
         "settings": [
-            {"name": s.name, "unit": s.unit, "default": s.default, "lower": s.lower, "upper": s.upper, "meaning": s.meaning}
+            {
+                "name": s.name,
+                "unit": s.unit,
+                "default": s.default,
+                "lower": s.lower,
+                "upper": s.upper,
+                "meaning": s.meaning,
+            }
             for s in effect.settings
         ],
         "shows": effect.shows,

@@ -34,11 +34,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bags(parser)
     add_models(parser)
     parser.add_argument(
-        "-o", "--output", metavar="MODEL.yaml", type=Path, required=True, help="where the fitted model goes; a folder for several dampers"
+        "-o",
+        "--output",
+        metavar="MODEL.yaml",
+        type=Path,
+        required=True,
+        help="where the fitted model goes; a folder for several dampers",
     )
-    parser.add_argument("--method", default="least_squares", help=f"one of {', '.join(all_methods())} (default: %(default)s)")
-    parser.add_argument("--free", metavar="NAME", action="append", default=[], help="identify this parameter although it is fixed; may be repeated")
-    parser.add_argument("--fix", metavar="NAME", action="append", default=[], help="leave this parameter as it is; may be repeated")
+    parser.add_argument(
+        "--method", default="least_squares", help=f"one of {', '.join(all_methods())} (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--free",
+        metavar="NAME",
+        action="append",
+        default=[],
+        help="identify this parameter although it is fixed; may be repeated",
+    )
+    parser.add_argument(
+        "--fix", metavar="NAME", action="append", default=[], help="leave this parameter as it is; may be repeated"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the start values that are drawn (default: %(default)s)")
     add_signals(parser)
     add_window(parser)
@@ -47,7 +62,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Fits every damper, then writes all model files."""
-    measurements = read(arguments.bags, load_signal_map(arguments.signals), arguments.dampers, arguments.start, arguments.stop)
+    measurements = read(
+        arguments.bags, load_signal_map(arguments.signals), arguments.dampers, arguments.start, arguments.stop
+    )
     targets = output_paths(arguments.output, list(measurements))
     fits = {}
     for damper, own in measurements.items():
@@ -99,7 +116,9 @@ def output_paths(output: Path, dampers: list[str]) -> dict[str, Path]:
     if output.is_dir() or (len(dampers) > 1 and output.suffix not in (".yaml", ".yml")):
         return {damper: output / f"{damper}.yaml" for damper in dampers}
     if len(dampers) > 1:
-        raise InputError(f"{output}: is one file, but there are dampers {', '.join(dampers)}; name a folder, or choose one with -d")
+        raise InputError(
+            f"{output}: is one file, but there are dampers {', '.join(dampers)}; name a folder, or choose one with -d"
+        )
     return {dampers[0]: output}
 
 
@@ -109,7 +128,8 @@ def table(damper: str, result: Fit, target: Path) -> str:
     knots = _knots(result.model)
     lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
     for p in result.parameters:
-        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {p.unit if p.unit != '1' else ''}{knots.get(p.name, '')}"
+        unit = p.unit if p.unit != "1" else ""
+        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {unit}{knots.get(p.name, '')}"
         lines.append(row.rstrip())
     lines += [
         f"  rms error  {result.rmse_before_n:.4g} N -> {result.rmse_n:.4g} N",
@@ -123,7 +143,9 @@ def table(damper: str, result: Fit, target: Path) -> str:
 def _uncertainty(parameter: FittedParameter) -> str:
     if parameter.at_bound:
         return "at its bound"
-    return f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
+    return (
+        f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
+    )
 
 
 def _knots(model: DamperModel) -> dict[str, str]:
@@ -140,5 +162,7 @@ def _knots(model: DamperModel) -> dict[str, str]:
 
 def as_json(result: Fit, target: Path) -> dict[str, object]:
     """The result for programs: the fields of ``Fit``, with the model's name and file."""
-    plain = {field.name: getattr(result, field.name) for field in fields(result) if field.name not in ("model", "parameters")}
+    plain = {
+        field.name: getattr(result, field.name) for field in fields(result) if field.name not in ("model", "parameters")
+    }
     return {"model": result.model.name, "file": target, **plain, "parameters": [asdict(p) for p in result.parameters]}

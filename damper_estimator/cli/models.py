@@ -58,7 +58,8 @@ def description(model: DamperModel) -> str:
 def _parameter_lines(model: DamperModel) -> list[str]:
     width = max(len(slot.address) for slot in model.slots)
     return [
-        f"  {slot.address:<{width}}  {slot.value:>10.6g} {slot.parameter.unit}  (from {slot.parameter.lower:g} to {slot.parameter.upper:g})"
+        f"  {slot.address:<{width}}  {slot.value:>10.6g} {slot.parameter.unit}"
+        f"  (from {slot.parameter.lower:g} to {slot.parameter.upper:g})"
         f"{'  fixed' if slot.fixed else ''}  {slot.parameter.meaning}"
         for slot in model.slots
     ]
@@ -68,7 +69,9 @@ def _setting_lines(model: DamperModel) -> list[str]:
     lines = []
     for label, element in labels(model.effects):
         for setting in element.effect.settings:
-            lines.append(f"  {label}.{setting.name} = {element.settings[setting.name]} {setting.unit}  {setting.meaning}")
+            lines.append(
+                f"  {label}.{setting.name} = {element.settings[setting.name]} {setting.unit}  {setting.meaning}"
+            )
     return ["settings:", *lines] if lines else []
 
 
@@ -87,7 +90,12 @@ def as_json(model: DamperModel) -> dict[str, object]:
         "source": model.source,
         "notes": model.notes,
         "effects": [
-            {"label": label, "effect": element.effect.name, "description": element.effect.description.strip(), "settings": element.settings}
+            {
+                "label": label,
+                "effect": element.effect.name,
+                "description": element.effect.description.strip(),
+                "settings": element.settings,
+            }
             for label, element in labels(model.effects)
         ],
         "parameters": [

@@ -6,4 +6,15 @@ from damper_estimator.identification.problem import Point, Problem
 from damper_estimator.identification.rows import pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots
 
-__all__ = ["Fit", "FittedParameter", "Point", "Problem", "all_methods", "fit", "free_slots", "pooled_error", "rows_of", "usable"]
+__all__ = [
+    "Fit",
+    "FittedParameter",
+    "Point",
+    "Problem",
+    "all_methods",
+    "fit",
+    "free_slots",
+    "pooled_error",
+    "rows_of",
+    "usable",
+]

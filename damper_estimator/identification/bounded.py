@@ -10,7 +10,8 @@ _SILENT = 1e-12  # of the largest column: such a column has no influence at all
 def triangle(matrix: np.ndarray) -> np.ndarray:
     """R (k, k) of the QR decomposition of a tall matrix (m, k): all that its m rows say about k unknowns.
 
-    It is reduced in pieces, and the pieces again, each so small that the linear algebra library does not call for threads.
+    It is reduced in pieces, and the pieces again, each so small that the linear algebra library does not call for
+    threads.
     """
     count = matrix.shape[1]
     length = max(_PIECE // count, 2 * count)
@@ -27,7 +28,8 @@ def bounded_least_squares(
 ) -> np.ndarray:
     """The p that minimises |columns p - target|^2 with lower <= p <= upper.
 
-    Where the data do not determine p, it stays next to ``reference``: a ridge of 1e-7 of each column's norm holds it there.
+    Where the data do not determine p, it stays next to ``reference``: a ridge of 1e-7 of each column's norm holds
+    it there.
 
     Args:
         columns: (m, k).
@@ -62,5 +64,7 @@ def _between(matrix: np.ndarray, target: np.ndarray, low: np.ndarray, high: np.n
     step = low.copy()
     rest = target - matrix[:, ~open_] @ low[~open_]
     if open_.any():
-        step[open_] = lsq_linear(matrix[:, open_], rest, (low[open_], high[open_]), method="bvls", max_iter=10 * low.size).x
+        step[open_] = lsq_linear(
+            matrix[:, open_], rest, (low[open_], high[open_]), method="bvls", max_iter=10 * low.size
+        ).x
     return step

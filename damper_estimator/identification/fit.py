@@ -55,7 +55,8 @@ class Fit:
         seconds: time taken.
         evaluations: runs of the model, or a part of it, over all data.
         converged: whether the search met its criterion.
-        undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence on the force.
+        undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence on the
+            force.
         warnings: for the user, one sentence each.
     """
 
@@ -92,7 +93,8 @@ def fit(
         starts: start points that are spread out beside the model's own values; 0 to begin there alone.
 
     Raises:
-        InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no recording has.
+        InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no
+            recording has.
     """
     began = perf_counter()
     chosen = find_method(method)
@@ -105,7 +107,9 @@ def fit(
     starts_at, size = candidates(problem, used, seed, starts)
     solution = chosen.search(problem, _sketch(problem), starts_at, size, seed)
     if not np.isfinite(solution.point.cost):
-        raise InputError(f"model {model.name}: gives no finite force from any start value; mend its values or fix some parameters")
+        raise InputError(
+            f"model {model.name}: gives no finite force from any start value; mend its values or fix some parameters"
+        )
     known = uncertainty(problem, solution.point, size)
     return _result(model, problem, solution, known, used, perf_counter() - began, _lost(given, used))
 
@@ -123,7 +127,10 @@ def _rows(model: DamperModel, given: Sequence[Measurement], weights: Sequence[fl
         rows += [whole] if parts == [slice(0, whole.weight.size)] else [whole.part(part) for part in parts]
     rows = [own for own in rows if own.picks.size]
     if not rows:
-        _refuse(f"{', '.join(m.recording for m in given)}: too short, no sample can be judged; record longer or widen the window")
+        _refuse(
+            f"{', '.join(m.recording for m in given)}: too short, no sample can be judged; "
+            "record longer or widen the window"
+        )
     return rows
 
 
@@ -132,7 +139,10 @@ def _check_enough(problem: Problem) -> None:
     needed = max(_FEWEST_ROWS, _ROWS_PER_PARAMETER * free)
     if count < needed:
         where = ", ".join(dict.fromkeys(own.measurement.recording for own in problem.rows))
-        _refuse(f"{where}: only {count} independent samples for {free} parameters, {needed} are needed; record longer or fix some parameters")
+        _refuse(
+            f"{where}: only {count} independent samples for {free} parameters, {needed} are needed; "
+            "record longer or fix some parameters"
+        )
 
 
 def _sketch(problem: Problem) -> Problem:
@@ -189,7 +199,12 @@ def _result(
 
 
 def _warnings(
-    parameters: tuple[FittedParameter, ...], solution: Solution, known: Uncertainty, used: list[Measurement], lost: int, moved: list[str]
+    parameters: tuple[FittedParameter, ...],
+    solution: Solution,
+    known: Uncertainty,
+    used: list[Measurement],
+    lost: int,
+    moved: list[str],
 ) -> tuple[str, ...]:
     said = [solution.remark] if solution.remark else []
     said += [f"the knots of {label} were laid out anew over the recordings" for label in moved]
@@ -200,10 +215,16 @@ def _warnings(
         said.append(f"at a bound: {', '.join(bounded)}; no standard error can be given there")
     silent = [group[0] for group in known.undetermined if len(group) == 1]
     if silent:
-        said.append(f"{', '.join(silent)} cannot be determined from these data; fix what they do not tell, or record what excites it")
+        said.append(
+            f"{', '.join(silent)} cannot be determined from these data; "
+            "fix what they do not tell, or record what excites it"
+        )
     for group in known.undetermined:
         if len(group) > 1:
-            said.append(f"{', '.join(group[:-1])} and {group[-1]} trade off: these data cannot tell them apart; fix {'one' if len(group) == 2 else 'some'} of them")
+            said.append(
+                f"{', '.join(group[:-1])} and {group[-1]} trade off: these data cannot tell them apart; "
+                f"fix {'one' if len(group) == 2 else 'some'} of them"
+            )
     if lost:
         said.append(f"{lost} samples were left out, where a channel that the model needs was not recorded yet")
     if len({(m.cutoff, m.band) for m in used}) > 1:

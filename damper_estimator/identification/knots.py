@@ -1,9 +1,10 @@
 """Lays the knots of look-up curves over the range of the recording, where the model file left the effect's own.
 
-An effect with a rising list setting that gives a vector parameter its length is a curve (with several such, a surface), and the setting's unit tells its axis (m/s: velocity, m:
-displacement, m/s^2: acceleration, A: command, deg C: temperature). Its default knots are stretched, each side of zero by itself, so that the outer ones
-stand at the 0.5 and 99.5 percentiles; 0 stays where it is; a knot is left out where a neighbouring interval would hold too few
-samples to determine it. Knots that a model file gives are never moved.
+An effect with a rising list setting that gives a vector parameter its length is a curve (with several such, a
+surface), and the setting's unit tells its axis (m/s: velocity, m: displacement, m/s^2: acceleration, A: command,
+deg C: temperature). Its default knots are stretched, each side of zero by itself, so that the outer ones stand at
+the 0.5 and 99.5 percentiles; 0 stays where it is; a knot is left out where a neighbouring interval would hold too
+few samples to determine it. Knots that a model file gives are never moved.
 """
 
 from collections.abc import Mapping, Sequence

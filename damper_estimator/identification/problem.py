@@ -1,7 +1,8 @@
-"""The least-squares problem of a fit: parameters that are searched, parameters that are solved for, and the error they leave.
+"""The least-squares problem of a fit: parameters that are searched or solved for, and the error they leave.
 
-For given searched parameters q the force in band is c(q) + Phi(q) p with the linear parameters p, which are solved for between
-their bounds (variable projection). Every part of the model is run anew only when a parameter changes on which it depends.
+For given searched parameters q the force in band is c(q) + Phi(q) p with the linear parameters p, which are solved
+for between their bounds (variable projection). Every part of the model is run anew only when a parameter changes on
+which it depends.
 """
 
 from collections import OrderedDict
@@ -103,7 +104,8 @@ class Problem:
     def jacobian(self, point: Point, size: np.ndarray) -> np.ndarray:
         """(m, q) derivative of the rows by the searched parameters, the linear ones held; one-sided differences.
 
-        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero: the rest is rounding.
+        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero:
+        the rest is rounding.
 
         Args:
             size: (q,) magnitude of each parameter, to which the step is in proportion.
@@ -132,7 +134,7 @@ class Problem:
         return constant + columns @ point.solved[places]
 
     def _columns(self, i: int, term: Term, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """A term's rows without its solved parameters (m,), per unit of each (m, k), and which of ``solved`` they are."""
+        """A term's rows without its solved parameters (m,), per unit of each (m, k), and their places in ``solved``."""
         key = values[list(term.searched)].tobytes()
         cache = self._cache[i]
         if key in cache:

@@ -1,7 +1,7 @@
 """What a fit leaves in the model file: where it comes from, how well it agrees, where it is valid."""
 
 from collections.abc import Mapping, Sequence
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -22,12 +22,14 @@ def fit_record(
     """
     return {
         "bags": list(dict.fromkeys(measurement.recording for measurement in measurements)),
-        "date": datetime.now(timezone.utc).date().isoformat(),
+        "date": datetime.now(UTC).date().isoformat(),
         "cutoff": float(measurements[0].cutoff),
         "band": float(measurements[0].band),
         "residual_stddev": float(f"{residual_stddev:.6g}"),
         "region": region(measurements),
-        "standard_errors": {name: float(f"{error:.6g}") for name, error in standard_errors.items() if np.isfinite(error)},
+        "standard_errors": {
+            name: float(f"{error:.6g}") for name, error in standard_errors.items() if np.isfinite(error)
+        },
     }
 
 

@@ -62,22 +62,28 @@ def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0) -> Rows:
 def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
     """The parts of a measurement that a model can be fitted to; most often one, the whole.
 
-    Where a slow channel that the model uses begins late (its first message comes some seconds into the recording), the samples before are left out:
-    without it, effects give no force, which is right live but would be fitted as if it were the damper's.
+    Where a slow channel that the model uses begins late (its first message comes some seconds into the recording),
+    the samples before are left out: without it, effects give no force, which is right live but would be fitted as
+    if it were the damper's.
 
     Raises:
-        InputError: where the force was not measured, a channel that the model uses was not recorded, or its force is no number.
+        InputError: where the force was not measured, a channel that the model uses was not recorded, or its force
+            is no number.
     """
     where, block = measurement.recording, measurement.kinematics.block
     if measurement.force is None:
         raise InputError(f"{where}: has no measured force of damper {measurement.damper!r}; this verb needs one")
     if not np.isfinite(measurement.force[measurement.judged]).all():
-        raise InputError(f"{where}: the measured force of damper {measurement.damper!r} is not a number in places; clean the recording")
+        raise InputError(
+            f"{where}: the measured force of damper {measurement.damper!r} is not a number in places; "
+            "clean the recording"
+        )
     used = [row for row in SLOW_CHANNELS if np.isnan(block[row]).any() and _depends(model, block, row)]
     missing = [SLOW_CHANNELS[row] for row in used if np.isnan(block[row]).all()]
     if missing:
         raise InputError(
-            f"{where}: has no {' and no '.join(missing)}, which model {model.name} uses; name the topic in the signal map or choose another model"
+            f"{where}: has no {' and no '.join(missing)}, which model {model.name} uses; "
+            "name the topic in the signal map or choose another model"
         )
     # The force before the first and after the last sample of the gauge need not be a number.
     good = np.isfinite(measurement.force) & np.isfinite(block[used]).all(axis=0)
@@ -99,7 +105,7 @@ def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
 
 
 def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> list[slice]:
-    """Parts of ``length`` seconds, evenly spread over a measurement, of about ``samples`` in all; the whole where it is shorter."""
+    """Parts of ``length`` seconds, evenly spread, of about ``samples`` in all; the whole where it is shorter."""
     size = len(measurement.kinematics)
     each = max(int(length * measurement.kinematics.rate), 2)
     if size <= max(samples, 2 * each):

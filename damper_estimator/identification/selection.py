@@ -11,12 +11,13 @@ from damper_estimator.model import DamperModel, Slot
 def free_slots(model: DamperModel, free: Iterable[str] = (), fix: Iterable[str] = ()) -> tuple[int, ...]:
     """Positions in ``model.slots`` of the parameters that are identified.
 
-    The later word wins: what the model file fixes, then ``fix``, then ``free``; so ``fix=["*"], free=["coulomb"]`` identifies
-    friction alone.
+    The later word wins: what the model file fixes, then ``fix``, then ``free``; so ``fix=["*"], free=["coulomb"]``
+    identifies friction alone.
 
     Args:
-        free, fix: addresses (``bouc_wen#2.alpha``, ``viscous_curve.force[3]``), a whole vector (``viscous_curve.force``), a whole effect
-            (``bouc_wen#2``), a parameter's bare name, or a pattern of these with ``*`` and ``?``.
+        free, fix: addresses (``bouc_wen#2.alpha``, ``viscous_curve.force[3]``), a whole vector
+            (``viscous_curve.force``), a whole effect (``bouc_wen#2``), a parameter's bare name, or a pattern of
+            these with ``*`` and ``?``.
 
     Raises:
         InputError: names every name that the model does not have, or says that nothing is left to identify.

@@ -1,8 +1,9 @@
 """Where a search begins: the model's own values, values of the data's size, and points spread evenly around them.
 
-A parameter's size follows from its unit: a force is measured by the recording's rms force, a length by its rms displacement and a time by
-the ratio of that to the rms velocity, so ``N s/m`` becomes rms force over rms velocity. Only parameters with a force or a velocity in their unit
-are sized so; times, gains and volumes belong to the damper and not to the recording, and keep the model's values.
+A parameter's size follows from its unit: a force is measured by the recording's rms force, a length by its rms
+displacement and a time by the ratio of that to the rms velocity, so ``N s/m`` becomes rms force over rms velocity.
+Only parameters with a force or a velocity in their unit are sized so; times, gains and volumes belong to the damper
+and not to the recording, and keep the model's values.
 """
 
 import re
@@ -30,10 +31,13 @@ _BASE = {
 }
 
 
-def candidates(problem: Problem, measurements: Sequence[Measurement], seed: int, count: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+def candidates(
+    problem: Problem, measurements: Sequence[Measurement], seed: int, count: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Start points (s, q), the model's own values first, and the size (q,) of each searched parameter.
 
-    ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts them. With ``count`` 0 the model's values are all there is.
+    ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts
+    them. With ``count`` 0 the model's values are all there is.
     """
     own = problem.start
     slots = [problem.model.slots[i] for i in problem.searched]
@@ -99,7 +103,7 @@ def _low_discrepancy(count: int, dimensions: int, seed: int) -> np.ndarray:
 
 
 def _placed(slot: Slot, own: float, sized: float, shares: np.ndarray) -> np.ndarray:
-    """Values of a parameter at shares (s,) of the range in which it is looked for: by ratio where it has one sign, else evenly."""
+    """Values of a parameter at shares (s,) of the range in which it is looked for; by ratio where it has one sign."""
     lower, upper = slot.parameter.lower, slot.parameter.upper
     known = np.isfinite(sized)
     if _either_sign(slot):

@@ -1,7 +1,8 @@
 """Takes a model apart into parts whose forces add up, and finds the parameters in which a part is linear.
 
-A linear parameter can be solved for instead of searched, but only where every later entry of its list, and of the lists around it, is linear in
-the force. What stands before an entry that is not, or behind a compliance, stays together as one part.
+A linear parameter can be solved for instead of searched, but only where every later entry of its list, and of the
+lists around it, is linear in the force. What stands before an entry that is not, or behind a compliance, stays
+together as one part.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,8 @@ class Term:
     Attributes:
         model: the entries that make this part, and those that act on it, as a model of their own.
         slots: positions in the whole model's ``slots`` of this part's slots, in the same order.
-        linear: those of ``slots`` to which the part's force is proportional, taken together; empty where there are none.
+        linear: those of ``slots`` to which the part's force is proportional, taken together; empty where there are
+            none.
     """
 
     model: DamperModel
@@ -70,7 +72,9 @@ def adds(effect: Effect) -> bool:
 
     A channel effect with linear parameters (an offset, a spring rate) adds, one without (a gain, a skew) rewrites.
     """
-    return effect.kind in ("source", "path", "series") or (effect.kind == "channel" and any(p.linear for p in effect.parameters))
+    return effect.kind in ("source", "path", "series") or (
+        effect.kind == "channel" and any(p.linear for p in effect.parameters)
+    )
 
 
 def _split(nodes: tuple[_Node, ...]) -> list[_Part]:
@@ -105,7 +109,9 @@ def _term(model: DamperModel, part: _Part) -> Term:
     slots = tuple(i for i, slot in enumerate(model.slots) if slot.entry in part.kept)
     linear = ()
     if part.source is not None:
-        linear = tuple(i for i in slots if model.slots[i].entry == part.source.position and model.slots[i].parameter.linear)
+        linear = tuple(
+            i for i in slots if model.slots[i].entry == part.source.position and model.slots[i].parameter.linear
+        )
     own = replace(model, effects=_pruned(model.effects, part.kept, [0]), fixed=(), fit={})
     return Term(own, slots, linear)
 

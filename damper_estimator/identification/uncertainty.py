@@ -4,10 +4,12 @@ The covariance is that of least squares with correlated residuals,
 
     C = (J'J)^-1 (J' R J) (J'J)^-1 m_e / (m_e - k)
 
-with J (m, k) the derivative of the rows by the free parameters that are not at a bound, and R the residual's autocovariance (Toeplitz), estimated for each
-recording up to ``MEMORY`` seconds with Parzen's taper. Band-limited residuals repeat themselves: R counts only what is new. m_e, the effective number
-of samples, is m over the residual's correlation length; the last factor is the usual correction for k fitted parameters. The residual is taken as stationary;
-where a model lacks an effect, it is not noise alone, and the errors are those of this excitation.
+with J (m, k) the derivative of the rows by the free parameters that are not at a bound, and R the residual's
+autocovariance (Toeplitz), estimated for each recording up to ``MEMORY`` seconds with Parzen's taper. Band-limited
+residuals repeat themselves: R counts only what is new. m_e, the effective number of samples, is m over the
+residual's correlation length; the last factor is the usual correction for k fitted parameters. The residual is
+taken as stationary; where a model lacks an effect, it is not noise alone, and the errors are those of this
+excitation.
 """
 
 from dataclasses import dataclass
@@ -33,7 +35,8 @@ class Uncertainty:
     """What the data say about the free parameters.
 
     Attributes:
-        standard_error: (free,) in order of ``Problem.free``; NaN at a bound, and where the data say nothing or it is wider than the bounds.
+        standard_error: (free,) in order of ``Problem.free``; NaN at a bound, and where the data say nothing or it
+            is wider than the bounds.
         at_bound: (free,) bool.
         undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence.
     """
@@ -125,7 +128,7 @@ def _covariance(problem: Problem, residual: np.ndarray, scores: np.ndarray, coun
 
 
 def _spectrum(residual: np.ndarray, rate: float) -> tuple[np.ndarray, float]:
-    """Power spectrum (n + 1,) of a residual's tapered autocovariance, for transforms of 2 n, and its correlation length in rows."""
+    """Power spectrum (n + 1,) of a residual's tapered autocovariance, and its correlation length in rows."""
     size = residual.size
     power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2 / size
     covariance = np.fft.irfft(power, 2 * size)
@@ -156,7 +159,10 @@ def _connected(silent: np.ndarray, contributions: np.ndarray) -> list[list[int]]
     projector = silent.T @ silent
     amount = np.diag(projector)
     share = amount / contributions**2
-    left = [int(i) for i in np.flatnonzero((amount > _TAKES_PART**2 * amount.max()) | (share > _TAKES_PART**2 * share.max()))]
+    left = [
+        int(i)
+        for i in np.flatnonzero((amount > _TAKES_PART**2 * amount.max()) | (share > _TAKES_PART**2 * share.max()))
+    ]
     linked = projector**2 > _LINKED**2 * np.outer(amount, amount)
     groups = []
     while left:

@@ -57,11 +57,18 @@ def identified(path):
 
 def test_a_bag_becomes_a_fitted_model_file(bag, damper, tmp_path, capsys):
     out = tmp_path / "fitted.yaml"
-    assert main(["fit", bag("one", left=damper), bag("two", left=damper, seed=1), "-m", "linear_viscous", "-o", str(out)]) == 0
+    assert (
+        main(["fit", bag("one", left=damper), bag("two", left=damper, seed=1), "-m", "linear_viscous", "-o", str(out)])
+        == 0
+    )
     assert identified(out)["linear_viscous.rebound"] == pytest.approx(3100.0, rel=0.02)
     assert identified(out)["static_force.force"] == pytest.approx(-150.0, abs=5.0)
     record = yaml.safe_load(out.read_text())["fit"]
-    assert len(record["bags"]) == 2 and record["residual_stddev"] > 0.0 and set(record["standard_errors"]) == set(identified(out))
+    assert (
+        len(record["bags"]) == 2
+        and record["residual_stddev"] > 0.0
+        and set(record["standard_errors"]) == set(identified(out))
+    )
     text = capsys.readouterr().out
     assert "linear_viscous.rebound" in text and "±" in text and "ESR" in text and "N s/m" in text
 
@@ -78,7 +85,10 @@ def test_json_has_the_documented_keys(bag, damper, tmp_path, capsys):
 
 def test_several_dampers_go_into_a_folder(bag, damper, tmp_path):
     softer = damper.with_values({"linear_viscous.rebound": 900.0})
-    assert main(["fit", bag("both", left=damper, right=softer), "-m", "linear_viscous", "-o", str(tmp_path / "models")]) == 0
+    assert (
+        main(["fit", bag("both", left=damper, right=softer), "-m", "linear_viscous", "-o", str(tmp_path / "models")])
+        == 0
+    )
     assert identified(tmp_path / "models" / "left.yaml")["linear_viscous.rebound"] == pytest.approx(3100.0, rel=0.02)
     assert identified(tmp_path / "models" / "right.yaml")["linear_viscous.rebound"] == pytest.approx(900.0, rel=0.02)
 
@@ -93,13 +103,37 @@ def test_a_damper_without_force_is_left_out_unless_it_is_asked_for(bag, damper, 
 
 def test_parameters_are_fixed_and_freed_by_name(bag, damper, tmp_path):
     out = tmp_path / "fitted.yaml"
-    words = ["fit", bag("one", left=damper), "-m", "linear_viscous", "-o", str(out), "--fix", "*", "--free", "static_force"]
+    words = [
+        "fit",
+        bag("one", left=damper),
+        "-m",
+        "linear_viscous",
+        "-o",
+        str(out),
+        "--fix",
+        "*",
+        "--free",
+        "static_force",
+    ]
     assert main(words) == 0
     assert identified(out)["linear_viscous.rebound"] == 2000.0 and identified(out)["static_force.force"] != 0.0
 
 
 def test_a_window_is_taken_from_the_recording(bag, damper, tmp_path, capsys):
-    words = ["fit", bag("one", left=damper), "-m", "linear_viscous", "-o", str(tmp_path / "a.yaml"), "--from", "2", "--to", "5", "--json", "-"]
+    words = [
+        "fit",
+        bag("one", left=damper),
+        "-m",
+        "linear_viscous",
+        "-o",
+        str(tmp_path / "a.yaml"),
+        "--from",
+        "2",
+        "--to",
+        "5",
+        "--json",
+        "-",
+    ]
     assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["dampers"]["left"]["samples"] == pytest.approx(2.8 * RATE, abs=3)
 
@@ -130,7 +164,10 @@ def test_a_recording_without_any_force_is_refused(bag, tmp_path, capsys):
 
 
 def test_several_dampers_do_not_fit_into_one_file(bag, damper, tmp_path, capsys):
-    assert main(["fit", bag("both", left=damper, right=damper), "-m", "linear_viscous", "-o", str(tmp_path / "x.yaml")]) == 1
+    assert (
+        main(["fit", bag("both", left=damper, right=damper), "-m", "linear_viscous", "-o", str(tmp_path / "x.yaml")])
+        == 1
+    )
     assert "folder" in capsys.readouterr().err and not (tmp_path / "x.yaml").exists()
 
 
@@ -139,3 +176,15 @@ def test_a_model_in_a_folder_that_is_missing_is_not_written(bag, damper, tmp_pat
     target.write_text("no folder")
     assert main(["fit", bag("one", left=damper), "-m", "linear_viscous", "-o", str(target / "x.yaml")]) == 1
     assert len(capsys.readouterr().err.strip().splitlines()) <= 2
+
+
+def test_a_real_damper_is_identified_and_agrees_on_another_file(shared_data, tmp_path, capsys):
+    """Magneto-rheological damper at 0.5 A: fitted to 5 mm at 3 Hz, judged on 10 mm at 2 Hz."""
+    files = [str(shared_data / "utfsm_mr_damper" / f"ME{name}.txt.gz") for name in ("5mm3Hz", "10mm2Hz")]
+    assert main(["import", *files, "--columns", "utfsm_mr_damper", "-o", str(tmp_path)]) == 0
+    out, unseen = str(tmp_path / "fitted.yaml"), str(tmp_path / "ME10mm2Hz_0.5A.mcap")
+    assert main(["fit", str(tmp_path / "ME5mm3Hz_0.5A.mcap"), "-m", "memoryless_baseline", "-o", out]) == 0
+    assert 400.0 < identified(out)["tanh_hysteresis.force"] < 1000.0
+    capsys.readouterr()
+    assert main(["compare", unseen, "-m", out, "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["dampers"]["mr_damper"]["esr"] < 0.05

@@ -32,12 +32,22 @@ def deviations(result, truth):
 @pytest.fixture
 def baseline():
     return load_model("memoryless_baseline").with_values(
-        {"tanh_hysteresis.force": 420.0, "tanh_hysteresis.steepness": 55.0, "tanh_hysteresis.shift": 0.004, "viscous.rate": 2100.0, "static_force.force": 25.0}
+        {
+            "tanh_hysteresis.force": 420.0,
+            "tanh_hysteresis.steepness": 55.0,
+            "tanh_hysteresis.shift": 0.004,
+            "viscous.rate": 2100.0,
+            "static_force.force": 25.0,
+        }
     )
 
 
 def test_the_truth_lies_in_the_stated_intervals_as_often_as_stated(baseline, measured):
-    away = [d for seed in SEEDS for d in deviations(fit(load_model("memoryless_baseline"), [measured(baseline, seed)]), baseline).values()]
+    away = [
+        d
+        for seed in SEEDS
+        for d in deviations(fit(load_model("memoryless_baseline"), [measured(baseline, seed)]), baseline).values()
+    ]
     assert len(away) == 5 * len(SEEDS)
     assert COVERED[0] <= np.mean(np.abs(away) < 1.96) <= COVERED[1]
     assert 0.7 < np.std(away) < 1.3
@@ -63,9 +73,17 @@ def test_the_carrera_akutain_model_is_recovered_from_two_excitations(measured):
 
 
 RECOVERED = {
-    "a lag of the force": (("viscous", {"rate": 2200.0}), ("coulomb", {"force": 80.0}), ("force_lag", {"time_constant": 0.004})),
+    "a lag of the force": (
+        ("viscous", {"rate": 2200.0}),
+        ("coulomb", {"force": 80.0}),
+        ("force_lag", {"time_constant": 0.004}),
+    ),
     "a groove": (("viscous", {"rate": 1500.0}), ("position_gain", {"gain": 0.6, "middle": 0.004})),
-    "a skew and an offset of the gauge": (("viscous", {"rate": 2200.0}), ("channel_skew", {"skew": 0.003}), ("force_offset", {"offset": 40.0})),
+    "a skew and an offset of the gauge": (
+        ("viscous", {"rate": 2200.0}),
+        ("channel_skew", {"skew": 0.003}),
+        ("force_offset", {"offset": 40.0}),
+    ),
     "friction with memory": (("viscous", {"rate": 900.0}), ("dahl", {"force": 120.0, "stiffness": 3e5})),
 }
 
@@ -90,7 +108,9 @@ def test_a_compliance_around_the_damper_is_recovered(entry, model_of, measured):
 
 
 def test_a_poor_start_is_overcome_by_the_datas_own(baseline, measured):
-    far = load_model("memoryless_baseline").with_values({"tanh_hysteresis.steepness": 4000.0, "tanh_hysteresis.shift": -0.05})
+    far = load_model("memoryless_baseline").with_values(
+        {"tanh_hysteresis.steepness": 4000.0, "tanh_hysteresis.shift": -0.05}
+    )
     result = fit(far, [measured(baseline)])
     assert max(map(abs, deviations(result, baseline).values())) < FAR
 
@@ -119,7 +139,9 @@ def test_a_weight_of_zero_takes_a_recording_out(baseline, measured):
 
 @pytest.mark.parametrize("factor", [0.01, 20.0])
 def test_forces_in_another_scale_give_parameters_in_that_scale(factor, baseline, measured):
-    normal, scaled = (fit(load_model("memoryless_baseline"), [measured(baseline, scale=scale)]) for scale in (1.0, factor))
+    normal, scaled = (
+        fit(load_model("memoryless_baseline"), [measured(baseline, scale=scale)]) for scale in (1.0, factor)
+    )
     powers = {"tanh_hysteresis.force": factor, "viscous.rate": factor, "static_force.force": factor}
     for name, value in values(normal).items():
         assert values(scaled)[name] == pytest.approx(value * powers.get(name, 1.0), rel=1e-4)
@@ -150,7 +172,9 @@ def test_a_parameter_that_is_stopped_by_its_bound_is_named(entry, model_of, meas
 
 
 def test_every_value_keeps_its_bounds_whatever_the_data(entry, model_of, measured):
-    strange = measured(model_of(entry("viscous", rate=2e5), entry("static_force", force=-20000.0)), rms=0.05, scale=-1.0)
+    strange = measured(
+        model_of(entry("viscous", rate=2e5), entry("static_force", force=-20000.0)), rms=0.05, scale=-1.0
+    )
     result = fit(load_model("memoryless_baseline"), [strange])
     for slot in result.model.slots:
         assert slot.parameter.lower <= slot.value <= slot.parameter.upper
@@ -186,7 +210,9 @@ def test_the_error_is_the_documented_one(baseline, measured):
     error = (own.in_band(result.model.force(own.kinematics.block)) - own.in_band(own.force))[own.judged]
     assert result.rmse_n == pytest.approx(np.sqrt(np.mean(error**2)))
     assert result.esr == pytest.approx(error.var() / own.in_band(own.force)[own.judged].var())
-    assert (result.rmse_before_n, result.esr_before, result.samples) == pooled_error(load_model("memoryless_baseline"), [own])
+    assert (result.rmse_before_n, result.esr_before, result.samples) == pooled_error(
+        load_model("memoryless_baseline"), [own]
+    )
 
 
 def test_the_model_remembers_what_it_was_fitted_to(baseline, measured):
@@ -216,6 +242,14 @@ def test_a_command_that_begins_late_costs_only_what_came_before(entry, model_of,
     assert result.samples < own.judged.sum() - 400
     assert any("samples were left out" in warning for warning in result.warnings)
     assert max(abs(d) for d in deviations(result, model).values() if np.isfinite(d)) < FAR
+
+
+def test_without_filters_every_sample_counts(baseline, measured):
+    own = replace(measured(baseline), cutoff=0.0, band=0.0)
+    result = fit(load_model("memoryless_baseline"), [own])
+    assert result.samples == own.judged.sum()
+    assert max(map(abs, deviations(result, baseline).values())) < FAR
+    assert result.rmse_n == pytest.approx(0.01 * own.force.std(), rel=0.1)
 
 
 def refusal(*arguments, **options):

@@ -34,7 +34,9 @@ def test_bounded_linear_least_squares_agrees_with_scipys(seed, count, size):
 def test_what_the_data_do_not_determine_stays_at_the_reference():
     column = np.linspace(0.0, 1.0, 50)
     columns = np.column_stack([column, np.zeros(50), column])
-    found = bounded_least_squares(columns, 6.0 * column, np.full(3, -100.0), np.full(3, 100.0), np.array([1.0, 7.0, 3.0]))
+    found = bounded_least_squares(
+        columns, 6.0 * column, np.full(3, -100.0), np.full(3, 100.0), np.array([1.0, 7.0, 3.0])
+    )
     np.testing.assert_allclose(found, [2.0, 7.0, 4.0], rtol=RIDGE)
 
 
@@ -48,7 +50,11 @@ def test_a_tall_matrix_is_reduced_without_loss():
 @pytest.fixture
 def problems(entry, model_of, measured):
     """A small problem twice: with its linear parameters solved for, and the rows to search all of them."""
-    truth = model_of(entry("tanh_hysteresis", force=400.0, steepness=50.0, shift=0.003), entry("viscous", rate=1800.0), entry("static_force", force=-40.0))
+    truth = model_of(
+        entry("tanh_hysteresis", force=400.0, steepness=50.0, shift=0.003),
+        entry("viscous", rate=1800.0),
+        entry("static_force", force=-40.0),
+    )
     start = model_of(entry("tanh_hysteresis"), entry("viscous"), entry("static_force"))
     rows = rows_of(measured(truth, noise=0.05))
     return Problem(start, [rows], range(len(start.slots))), rows
@@ -64,7 +70,9 @@ def test_solving_for_the_linear_parameters_equals_searching_for_all(problems):
     point, converged = refine(problem, problem.start, np.array([30.0, 0.01]))
     bounds = (problem.lower, problem.upper)
     first = np.array([slot.value for slot in start.slots])
-    full = least_squares(residual, first, bounds=bounds, x_scale=np.maximum(np.abs(first), 0.01), ftol=1e-14, xtol=1e-12, gtol=1e-12)
+    full = least_squares(
+        residual, first, bounds=bounds, x_scale=np.maximum(np.abs(first), 0.01), ftol=1e-14, xtol=1e-12, gtol=1e-12
+    )
     assert converged
     assert point.cost == pytest.approx(full.cost, rel=COST)
     np.testing.assert_allclose(problem.vector(point.searched, point.solved), full.x, rtol=SAME)
@@ -88,7 +96,10 @@ def test_the_jacobian_is_the_derivative_with_the_linear_parameters_held(problems
         plus, minus = values.copy(), values.copy()
         plus[problem.searched[j]] += step
         minus[problem.searched[j]] -= step
-        central = (rows.of(problem.model.with_vector(plus).force(block)) - rows.of(problem.model.with_vector(minus).force(block))) / (2 * step)
+        central = (
+            rows.of(problem.model.with_vector(plus).force(block))
+            - rows.of(problem.model.with_vector(minus).force(block))
+        ) / (2 * step)
         np.testing.assert_allclose(jacobian[:, j], central, atol=1e-3 * np.abs(central).max())
 
 

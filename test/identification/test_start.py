@@ -85,5 +85,7 @@ def test_a_surface_is_laid_over_both_its_axes(entry, model_of, own):
     element = with_placed_knots(model_of(entry("force_surface")), [own]).effects[0]
     for name, row in (("velocity", V), ("acceleration", A)):
         values = own.kinematics.block[row, own.judged]
-        np.testing.assert_allclose(np.array(element.settings[name])[[0, -1]], np.percentile(values, (0.5, 99.5)), rtol=1e-5)
+        np.testing.assert_allclose(
+            np.array(element.settings[name])[[0, -1]], np.percentile(values, (0.5, 99.5)), rtol=1e-5
+        )
     assert len(element.parameters["force"]) == len(element.settings["velocity"]) * len(element.settings["acceleration"])

@@ -13,7 +13,9 @@ from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERA
 TOLERANCE = 1e-9  # of the force
 SOLVED = 1e-6  # of the force, behind a compliance, which is solved to a tolerance of its own
 LEAVES = st.sampled_from(["linear_viscous", "coulomb", "gas_spring", "static_force", "tanh_hysteresis", "bouc_wen"])
-ACTING = st.sampled_from(["force_lag", "position_gain", "cavitation_limit", "force_offset", "force_gain_error", "channel_skew"])
+ACTING = st.sampled_from(
+    ["force_lag", "position_gain", "cavitation_limit", "force_offset", "force_gain_error", "channel_skew"]
+)
 
 
 def entry(name, path=(), **values):
@@ -78,7 +80,9 @@ def test_a_part_is_proportional_to_its_linear_parameters(entries, factor):
             scaled = np.where(np.isin(term.slots, term.linear), factor * values, values)
             force = term.model.force(block)
             np.testing.assert_allclose(
-                term.model.with_vector(scaled).force(block), factor * force, atol=TOLERANCE * (1.0 + factor * np.abs(force).max())
+                term.model.with_vector(scaled).force(block),
+                factor * force,
+                atol=TOLERANCE * (1.0 + factor * np.abs(force).max()),
             )
 
 
@@ -105,10 +109,14 @@ def linear_addresses(*entries):
 
 
 def test_nothing_is_linear_before_a_nonlinear_modifier_or_behind_a_compliance():
-    assert linear_addresses(entry("coulomb"), entry("cavitation_limit"), entry("static_force")) == {"static_force.force"}
+    assert linear_addresses(entry("coulomb"), entry("cavitation_limit"), entry("static_force")) == {
+        "static_force.force"
+    }
     assert linear_addresses(entry("oil_spring", (entry("coulomb"),)), entry("viscous")) == {"viscous.rate"}
     assert linear_addresses(entry("path", (entry("coulomb"),)), entry("force_lag")) == {"coulomb.force"}
-    assert linear_addresses(entry("path", (entry("coulomb"), entry("cavitation_limit"))), entry("viscous")) == {"viscous.rate"}
+    assert linear_addresses(entry("path", (entry("coulomb"), entry("cavitation_limit"))), entry("viscous")) == {
+        "viscous.rate"
+    }
 
 
 def test_a_modifiers_own_parameters_are_never_linear():

@@ -1,4 +1,4 @@
-"""What a method of identification is: a search for the best parameters of a ``Problem``, declared as ``METHOD = Method(...)``."""
+"""What a method of identification is: a search in a ``Problem``, declared in its file as ``METHOD = Method(...)``."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,7 +30,6 @@ class Solution:
     remark: str = ""
 
 
-# (problem, a smaller problem on excerpts of the same data, candidates (s, q) with the model's own values first, size (q,), seed)
 Search = Callable[[Problem, Problem, np.ndarray, np.ndarray, int], Solution]
 
 
@@ -39,8 +38,9 @@ class Method:
     """A method of identification.
 
     Attributes:
-        search: (problem, sketch, candidates, size, seed) to solution: the problem; the same on excerpts of the data, to try out
-            cheaply; start candidates (s, q), the model's own values first; magnitudes (q,) of the searched parameters; seed.
+        search: (problem, sketch, candidates, size, seed) to solution: the problem; the same on excerpts of the
+            data, to try out cheaply; start candidates (s, q), the model's own values first; magnitudes (q,) of the
+            searched parameters; seed.
     """
 
     search: Search

@@ -2,10 +2,10 @@
 
     minimise  sum over rows of (c(q) + Phi(q) p - F)^2,      lower <= q, p <= upper
 
-Each step solves the linearised problem in q and p together inside a box: the bounds, cut by a trust region that is proportional to each
-parameter's size; p is then solved for exactly at the new q. Several starts are tried on excerpts of the data until two
-of them agree; the best is finished on all of it. Source: Golub and Pereyra 2003 (variable projection), Kaufman 1975 (the step);
-Lozoya-Santos et al. identify by the trust region as well.
+Each step solves the linearised problem in q and p together inside a box: the bounds, cut by a trust region that is
+proportional to each parameter's size; p is then solved for exactly at the new q. Several starts are tried on
+excerpts of the data until two of them agree; the best is finished on all of it. Source: Golub and Pereyra 2003
+(variable projection), Kaufman 1975 (the step); Lozoya-Santos et al. identify by the trust region as well.
 """
 
 import numpy as np
@@ -52,7 +52,9 @@ def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray) -> np
     return ends[0].searched if ends else candidates[0]
 
 
-def refine(problem: Problem, start: np.ndarray, size: np.ndarray, iterations: int = _ITERATIONS, gain: float = _GAIN) -> tuple[Point, bool]:
+def refine(
+    problem: Problem, start: np.ndarray, size: np.ndarray, iterations: int = _ITERATIONS, gain: float = _GAIN
+) -> tuple[Point, bool]:
     """The local minimum that is reached from ``start``, and whether it was.
 
     Args:
@@ -102,11 +104,23 @@ def _leap(problem: Problem, passed: list[Point]) -> list[Point]:
 
 
 def _step(problem: Problem, point: Point, reduced: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, float]:
-    """Step (q,) of the searched parameters within ``reach``, and the gain in cost that the linearised problem promises."""
-    lower = np.concatenate([np.maximum(problem.lower[problem.searched] - point.searched, -reach), problem.lower[problem.solved] - point.solved])
-    upper = np.concatenate([np.minimum(problem.upper[problem.searched] - point.searched, reach), problem.upper[problem.solved] - point.solved])
+    """Step (q,) of the searched parameters within ``reach``, and the gain that the linearised problem promises."""
+    lower = np.concatenate(
+        [
+            np.maximum(problem.lower[problem.searched] - point.searched, -reach),
+            problem.lower[problem.solved] - point.solved,
+        ]
+    )
+    upper = np.concatenate(
+        [
+            np.minimum(problem.upper[problem.searched] - point.searched, reach),
+            problem.upper[problem.solved] - point.solved,
+        ]
+    )
     count = lower.size
-    step = bounded_least_squares(reduced[:, :count], -reduced[:, count], lower, upper, np.clip(np.zeros(count), lower, upper))
+    step = bounded_least_squares(
+        reduced[:, :count], -reduced[:, count], lower, upper, np.clip(np.zeros(count), lower, upper)
+    )
     left = reduced[:, :count] @ step + reduced[:, count]
     return step[: point.searched.size], 0.5 * float(reduced[:, count] @ reduced[:, count] - left @ left)
 
