@@ -34,6 +34,8 @@ class Measurement:
         raw_displacement: (n,) m, before the filter.
         cutoff, band: Hz.
         signals: the damper's entry of the signal map.
+        acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN where it has a hole;
+            None without one. Models never see it: theirs is the displacement's derivative.
     """
 
     recording: str
@@ -47,6 +49,7 @@ class Measurement:
     cutoff: float
     band: float
     signals: DamperSignals
+    acceleration: np.ndarray | None = None
 
     def in_band(self, force: np.ndarray) -> np.ndarray:
         """A force (n,) through the comparison's zero-phase low-pass."""
@@ -62,6 +65,7 @@ class Measurement:
             force=None if self.force is None else self.force[window],
             judged=self.judged[window] & kinematics.warm(),
             raw_displacement=self.raw_displacement[window],
+            acceleration=None if self.acceleration is None else self.acceleration[window],
         )
 
 
@@ -113,7 +117,17 @@ def measure(
         cutoff=chosen.cutoff,
         band=chosen.band,
         signals=signals,
+        acceleration=_acceleration(data, signals, kinematics, chosen.cutoff, max_gap),
     )
+
+
+def _acceleration(
+    data: dict[str, ChannelData], signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
+) -> np.ndarray | None:
+    if "acceleration" not in data:
+        return None
+    values, near = _filtered(data["acceleration"], signals.acceleration.skew, kinematics, cutoff, max_gap)
+    return np.where(near, values, np.nan)
 
 
 def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[float, float]]:
@@ -169,31 +183,39 @@ def _held(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:
 def _damper_force(
     data: ChannelData, signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Measured damper force at the kinematics' stamps through the same causal filter, and where it was really near.
+    """Measured damper force at the kinematics' stamps through the same causal filter, and where it was really near."""
+    force, near = _filtered(data, signals.force.skew, kinematics, cutoff, max_gap)
+    return force - signals.spring_rate * kinematics.displacement - signals.preload, near
 
-    The gauge is linear between its samples; the filter runs over the stamps of both channels, so it is exact for both.
+
+def _filtered(
+    data: ChannelData, skew: float, kinematics: Kinematics, cutoff: float, max_gap: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """A fast channel at the kinematics' stamps through the causal filter, and where it was really near.
+
+    The channel is linear between its samples; the filter runs over the stamps of both, so it is exact for both.
     """
-    stamp, value = _in_order(data, signals.force.skew)
+    stamp, value = _in_order(data, skew)
     if not stamp.size:
         return np.full(len(kinematics), np.nan), np.zeros(len(kinematics), bool)
-    force = np.empty(len(kinematics))
+    filtered = np.empty(len(kinematics))
     for part in kinematics.stretches():
         own = kinematics.stamp[part]
         between = stamp[(stamp > own[0]) & (stamp < own[-1])]
         grid = np.union1d(own, between)
         dt = np.diff(grid, prepend=grid[0]) / 1e9
         on_grid = np.interp(grid - own[0], stamp - own[0], value)
-        force[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
+        filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
     after = np.searchsorted(stamp, kinematics.stamp)
     before = np.searchsorted(stamp, kinematics.stamp, side="right") - 1
     inside = (before >= 0) & (after < stamp.size)
     hole = np.where(inside, stamp[np.minimum(after, stamp.size - 1)] - stamp[np.maximum(before, 0)], np.iinfo(np.int64).max)
     near = hole <= max_gap * 1e9
-    return force - signals.spring_rate * kinematics.displacement - signals.preload, _settled(near, kinematics)
+    return filtered, _settled(near, kinematics)
 
 
 def _settled(near: np.ndarray, kinematics: Kinematics) -> np.ndarray:
-    """``near`` less the warm-up that follows each hole in the force."""
+    """``near`` less the warm-up that follows each hole in the channel."""
     returns = near & ~np.concatenate([[True], near[:-1]])
     for i in np.flatnonzero(returns):
         until = np.searchsorted(kinematics.stamp, kinematics.stamp[i] + 200_000_000)
