@@ -34,7 +34,13 @@ if COMPILED:
 
 def compiled(function: Callable) -> Callable:
     """Decorator: the function in machine code, cached beside its file (or in the user's cache where that is read-only)."""
-    return njit(cache=True, error_model="numpy")(function) if COMPILED else function
+    if not COMPILED:
+        return function
+    try:
+        return njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:
+        # A read-only installation and no home folder: nowhere to keep machine code, so every start compiles anew.
+        return njit(error_model="numpy")(function)
 
 
 def plain(function: Callable) -> Callable:
