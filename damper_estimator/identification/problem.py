@@ -7,19 +7,32 @@ which it depends.
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from damper_estimator.identification.bounded import bounded_least_squares
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.terms import Term, terms
-from damper_estimator.model import DamperModel
+from damper_estimator.model import DamperModel, Slot
 
 _KEPT = 4  # settings of the parameters for which a term's columns are remembered
 _STEP = 1e-5  # of a parameter's size: well above the tolerance to which compliances are solved
 
 _SILENT = 1e-7  # of the measured force
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What differs between the recordings of a joint fit.
+
+    Attributes:
+        names: of the settings.
+        each: positions in ``model.slots`` of the parameters that have a value of their own in each.
+    """
+
+    names: tuple[str, ...]
+    each: frozenset[int]
 
 
 @dataclass(frozen=True)
@@ -47,27 +60,49 @@ class Problem:
     Attributes:
         model: with the start values.
         rows: of every measurement.
-        searched, solved: positions in ``model.slots`` of the free parameters that are searched, and solved for.
+        settings: of a joint fit, None for another.
+        slots: the model's, and for a joint fit one per setting of those that differ.
+        free: positions in ``slots`` of all that is identified.
+        searched, solved: those of ``free`` that are searched, and solved for.
         lower, upper: (slots,) bounds of all slots.
         target: (m,) rows of the measured force.
         evaluations: how often the model was run so far, or a part of it, over all rows.
     """
 
-    def __init__(self, model: DamperModel, rows: Sequence[Rows], free: Sequence[int]):
-        """``free``: positions in ``model.slots``."""
-        self.model = model
-        self.rows = tuple(rows)
-        self.free = tuple(free)
+    def __init__(self, model: DamperModel, rows: Sequence[Rows], free: Sequence[int], settings: Settings | None = None):
+        """``free``: positions in ``model.slots``; in a joint fit the rows come in order of their ``setting``."""
+        self.model, self.rows, self.settings = model, tuple(rows), settings
+        self.slots, self._places = _laid_out(model, settings)
+        self.free = tuple(dict.fromkeys(self._places[:, list(free)].T.ravel().tolist()))
+        self._given = tuple(free)
         self.target = np.concatenate([own.target for own in self.rows])
-        self.lower = np.array([slot.parameter.lower for slot in model.slots])
-        self.upper = np.array([slot.parameter.upper for slot in model.slots])
+        self.lower = np.array([slot.parameter.lower for slot in self.slots])
+        self.upper = np.array([slot.parameter.upper for slot in self.slots])
         self.evaluations = 0
         self._terms = terms(model)
-        linear = {slot for term in self._terms for slot in term.linear}
+        linear = {int(place) for term in self._terms for slot in term.linear for place in self._places[:, slot]}
         self.searched = np.array([slot for slot in self.free if slot not in linear], int)
         self.solved = np.array([slot for slot in self.free if slot in linear], int)
-        self._start = np.array([slot.value for slot in model.slots])
-        self._cache: list[OrderedDict] = [OrderedDict() for _ in self._terms]
+        self._start = np.array([slot.value for slot in self.slots])
+        self._parts = [_Part(term, k, self._places[k], part) for k, part in self._spans() for term in self._terms]
+        self._cache: list[OrderedDict] = [OrderedDict() for _ in self._parts]
+
+    def on(self, rows: Sequence[Rows]) -> "Problem":
+        """The same problem on other rows."""
+        return Problem(self.model, rows, self._given, self.settings)
+
+    def model_at(self, vector: np.ndarray, setting: int = 0) -> DamperModel:
+        """The model with the values (slots,) of one setting."""
+        return self.model.with_vector(vector[self._places[setting]])
+
+    def _spans(self) -> list[tuple[int, slice]]:
+        """The settings that have rows, with their part of the residual."""
+        ends = np.cumsum([own.picks.size for own in self.rows])
+        spans: dict[int, slice] = {}
+        for own, end in zip(self.rows, ends.tolist(), strict=True):
+            first = spans[own.setting].start if own.setting in spans else end - own.picks.size
+            spans[own.setting] = slice(first, end)
+        return list(spans.items())
 
     @property
     def start(self) -> np.ndarray:
@@ -84,34 +119,34 @@ class Problem:
         values[self.searched], values[self.solved] = searched, solved
         return values
 
-    def point(self, searched: np.ndarray) -> Point:
-        """The best that can be done with these values of the searched parameters."""
+    def point(self, searched: np.ndarray, solved: np.ndarray | None = None) -> Point:
+        """The best that can be done with these values of the searched parameters, or how it is with those of the linear ones too."""
         self.evaluations += 1
         values = self.vector(searched, self._start[self.solved])
         constant, columns = np.zeros(self.target.size), np.zeros((self.target.size, self.solved.size))
-        for i, term in enumerate(self._terms):
-            own_constant, own_columns, places = self._columns(i, term, values)
-            constant += own_constant
-            columns[:, places] = own_columns
+        for i, part in enumerate(self._parts):
+            own_constant, own_columns, places = self._columns(i, part, values)
+            constant[part.span] += own_constant
+            columns[part.span, places] += own_columns
         if not (np.isfinite(constant).all() and np.isfinite(columns).all()):
             return Point(searched, values[self.solved], constant, columns, float("inf"))
-        low, high = self.lower[self.solved], self.upper[self.solved]
-        reference = np.clip(values[self.solved], low, high)
-        solved = bounded_least_squares(columns, self.target - constant, low, high, reference)
+        if solved is None:
+            low, high = self.lower[self.solved], self.upper[self.solved]
+            reference = np.clip(values[self.solved], low, high)
+            solved = bounded_least_squares(columns, self.target - constant, low, high, reference)
         residual = constant + columns @ solved - self.target
         return Point(searched, solved, residual, columns, 0.5 * float(residual @ residual))
 
     def jacobian(self, point: Point, size: np.ndarray) -> np.ndarray:
         """(m, q) derivative of the rows by the searched parameters, the linear ones held; one-sided differences.
 
-        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero:
-        the rest is rounding.
+        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero: the rest is rounding.
 
         Args:
             size: (q,) magnitude of each parameter, to which the step is in proportion.
         """
         values = self.vector(point.searched, point.solved)
-        before = [self._force_at(i, term, point) for i, term in enumerate(self._terms)]
+        before = [self._force_at(i, part, point) for i, part in enumerate(self._parts)]
         derivative = np.zeros((self.target.size, self.searched.size))
         for j, slot in enumerate(self.searched):
             step = _STEP * size[j]
@@ -121,44 +156,82 @@ class Problem:
             changed[slot] += step
             step = changed[slot] - values[slot]
             self.evaluations += 1
-            for term, force in zip(self._terms, before, strict=True):
-                if slot in term.searched:
-                    derivative[:, j] += (self._run(term, changed) - force) / step
+            for part, force in zip(self._parts, before, strict=True):
+                if slot in part.searched:
+                    derivative[part.span, j] += (self._run(part, changed[part.slots]) - force) / step
         silent = np.linalg.norm(derivative, axis=0) * size < _SILENT * np.linalg.norm(self.target)
         derivative[:, silent] = 0.0
         return derivative
 
-    def _force_at(self, i: int, term: Term, point: Point) -> np.ndarray:
-        """(m,) rows of one term at a point, from what is remembered."""
-        constant, columns, places = self._columns(i, term, self.vector(point.searched, self._start[self.solved]))
+    def _force_at(self, i: int, part: "_Part", point: Point) -> np.ndarray:
+        """Rows of one part at a point, from what is remembered."""
+        constant, columns, places = self._columns(i, part, self.vector(point.searched, self._start[self.solved]))
         return constant + columns @ point.solved[places]
 
-    def _columns(self, i: int, term: Term, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """A term's rows without its solved parameters (m,), per unit of each (m, k), and their places in ``solved``."""
-        key = values[list(term.searched)].tobytes()
+    def _columns(self, i: int, part: "_Part", values: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[int]]:
+        """A part's rows without its solved parameters (r,), per unit of each (r, k), and which of ``solved`` they are."""
+        key = values[part.searched].tobytes()
         cache = self._cache[i]
         if key in cache:
             cache.move_to_end(key)
             return cache[key]
-        places = [k for k, slot in enumerate(self.solved) if slot in term.linear]
-        own = self.solved[places]
-        values = values.copy()
-        values[own] = 0.0
+        own = values[part.slots]
+        order = {slot: k for k, slot in enumerate(part.slots.tolist())}
+        places = [k for k, slot in enumerate(self.solved.tolist()) if slot in part.linear]
+        linear = [order[slot] for slot in part.linear]
+        mine = [order[int(self.solved[k])] for k in places]
+        own[mine] = 0.0
+        size = part.span.stop - part.span.start
         # A term with nothing but solved parameters is zero without them.
-        still = not term.linear or values[list(term.linear)].any()
-        constant = self._run(term, values) if still else np.zeros(self.target.size)
-        columns = np.empty((self.target.size, own.size))
-        values[list(term.linear)] = 0.0
-        for k, slot in enumerate(own):
-            values[slot] = 1.0
-            columns[:, k] = self._run(term, values)
-            values[slot] = 0.0
+        still = not linear or own[linear].any()
+        constant = self._run(part, own) if still else np.zeros(size)
+        columns = np.empty((size, len(mine)))
+        own[linear] = 0.0
+        for k, slot in enumerate(mine):
+            own[slot] = 1.0
+            columns[:, k] = self._run(part, own)
+            own[slot] = 0.0
         cache[key] = constant, columns, places
         if len(cache) > _KEPT:
             cache.popitem(last=False)
         return cache[key]
 
-    def _run(self, term: Term, values: np.ndarray) -> np.ndarray:
-        """(m,) rows of one term's force."""
-        model = term.model.with_vector(values[list(term.slots)])
-        return np.concatenate([own.of(model.force(own.measurement.kinematics.block)) for own in self.rows])
+    def _run(self, part: "_Part", values: np.ndarray) -> np.ndarray:
+        """Rows of one part's force with the values of its slots."""
+        model = part.term.model.with_vector(values)
+        rows = [own for own in self.rows if own.setting == part.setting]
+        return np.concatenate([own.of(model.force(own.measurement.kinematics.block)) for own in rows])
+
+
+class _Part:
+    """One term of the model over the rows of one setting.
+
+    Attributes:
+        span: of the residual.
+        slots: positions in the problem's slots of the term's.
+        searched: those on which it depends otherwise than linearly.
+        linear: those in which it is linear.
+    """
+
+    def __init__(self, term: Term, setting: int, places: np.ndarray, span: slice):
+        """``places``: where the setting's values stand, by position in ``model.slots``."""
+        self.term, self.setting, self.span = term, setting, span
+        self.slots = places[list(term.slots)]
+        self.searched = places[list(term.searched)]
+        self.linear = tuple(places[list(term.linear)].tolist())
+
+
+def _laid_out(model: DamperModel, settings: Settings | None) -> tuple[tuple[Slot, ...], np.ndarray]:
+    """The slots of a problem, and (settings, model slots) int where each setting finds its own."""
+    if settings is None:
+        return model.slots, np.arange(len(model.slots))[None, :]
+    slots: list[Slot] = []
+    places = np.zeros((len(settings.names), len(model.slots)), int)
+    for position, slot in enumerate(model.slots):
+        if position in settings.each:
+            places[:, position] = len(slots) + np.arange(len(settings.names))
+            slots += [replace(slot, address=f"{slot.address}@{name}") for name in settings.names]
+        else:
+            places[:, position] = len(slots)
+            slots.append(slot)
+    return tuple(slots), places

@@ -31,6 +31,7 @@ class Rows:
         picks: (r,) int, the samples that are rows.
         target: (r,) measured force in band, N times root weight.
         rate: Hz, rows per second.
+        setting: in a joint fit, which of its settings was in place.
     """
 
     measurement: Measurement
@@ -38,6 +39,7 @@ class Rows:
     picks: np.ndarray
     target: np.ndarray
     rate: float
+    setting: int = 0
 
     def of(self, force: np.ndarray) -> np.ndarray:
         """(r,) rows of a force (n,) over the whole measurement."""
@@ -45,17 +47,17 @@ class Rows:
 
     def part(self, part: slice) -> "Rows":
         """The rows of a part of the measurement, as a recording of its own."""
-        return rows_of(self.measurement.part(part.start, part.stop), self.weight[part])
+        return rows_of(self.measurement.part(part.start, part.stop), self.weight[part], self.setting)
 
 
-def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0) -> Rows:
+def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0, setting: int = 0) -> Rows:
     """The rows of a measurement; ``weight`` of the squared error, one number or (n,)."""
     rate, band = measurement.kinematics.rate, measurement.band
     stride = max(1, int(rate / (ROWS_PER_BAND * band))) if band > 0.0 and np.isfinite(rate) else 1
     on_grid = np.arange(measurement.judged.size) % stride == 0
     picks = np.flatnonzero(measurement.judged & on_grid)
     weight = np.broadcast_to(np.asarray(weight, float), measurement.judged.shape)
-    rows = Rows(measurement, weight, picks, np.zeros(0), rate / stride)
+    rows = Rows(measurement, weight, picks, np.zeros(0), rate / stride, setting)
     return replace(rows, target=rows.of(measurement.force))
 
 

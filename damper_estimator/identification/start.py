@@ -40,7 +40,7 @@ def candidates(
     them. With ``count`` 0 the model's values are all there is.
     """
     own = problem.start
-    slots = [problem.model.slots[i] for i in problem.searched]
+    slots = [problem.slots[i] for i in problem.searched]
     if not slots:
         return own[None, :], own
     natural = _natural_sizes(measurements)

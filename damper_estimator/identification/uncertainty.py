@@ -82,7 +82,7 @@ def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty
     # A parameter may stand at its bound only because another takes its part, so both are asked here.
     contributions = np.maximum(np.abs(values) * every.norms, _FLOOR * np.linalg.norm(problem.target))
     groups = [group for group in _undetermined(every, contributions) if len(group) > 1 or not at_bound[group[0]]]
-    addresses = [problem.model.slots[slot].address for slot in free]
+    addresses = [problem.slots[slot].address for slot in free]
     return Uncertainty(error, at_bound, tuple(tuple(addresses[i] for i in group) for group in groups))
 
 
