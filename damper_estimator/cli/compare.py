@@ -1,12 +1,14 @@
 """How well a model agrees with the measurement, and where it fails.
 
 Measured and modelled force pass the same filters; judged from 0.2 s after each reset on. Several recordings are
-pooled and also told one by one; several models (-m repeated) stand side by side.
+pooled and also told one by one; several models (-m repeated) stand side by side. Errors are also told by the
+excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given by --group.
 """
 
 import argparse
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 from damper_estimator.cli.common import (
@@ -19,6 +21,7 @@ from damper_estimator.cli.common import (
     progress,
     write_json,
 )
+from damper_estimator.cli.groups import parse_groups
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.model import load_model
@@ -26,6 +29,8 @@ from damper_estimator.recordings import Bag, open_bag
 from damper_estimator.signals import Measurement, SignalMap, load_signal_map, measure
 from damper_estimator.signals.channels import signals_for
 from damper_estimator.validation import Comparison, compare, per_recording
+from damper_estimator.validation.spectra import partial_coherence
+from damper_estimator.validation.velocity import velocity_agreement
 
 _REGIONS = 5
 
@@ -34,6 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``BAG... -m MODEL [-m MODEL]`` and what is common."""
     add_bags(parser)
     add_models(parser, several=True)
+    parser.add_argument(
+        "--group", metavar="NAME=BAG,...", action="append", default=[],
+        help="tell the error of these recordings together under a name; may be repeated",
+    )  # fmt: skip
     add_signals(parser)
     add_window(parser)
     add_json(parser)
@@ -42,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compares; see the module's docstring."""
+    grouping = parse_groups(arguments.group, arguments.bags)
     records: dict[str, object] = {}
     sections, notes = [], []
     with ExitStack() as stack:
@@ -52,7 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
             notes += missing
             if not measurements:
                 continue
-            comparisons = [compare(load_model(model, name), *measurements) for model in arguments.models]
+            judged = [compare(load_model(model, name), *measurements) for model in arguments.models]
+            comparisons = [replace(comparison, grouping=grouping) for comparison in judged]
             records[name] = _record(comparisons, arguments.models)
             if arguments.json != "-":
                 _print(name, comparisons)
@@ -123,7 +134,10 @@ def _record(comparisons: Sequence[Comparison], models: Sequence[str]) -> dict[st
         if len(comparison.traces) > 1:
             record["bags"] = [own.record() | {"bag": own.recordings[0]} for own in per_recording(comparison)]
         records.append(record)
-    return records[0] | ({"models": records} if len(records) > 1 else {})
+    measurements = [t.measurement for t in comparisons[0].traces]
+    velocities = {m.recording: own.record() for m in measurements if (own := velocity_agreement(m)) is not None}
+    first = records[0] | {"partial_coherence": partial_coherence(measurements).record()}
+    return first | ({"velocity": velocities} if velocities else {}) | ({"models": records} if len(records) > 1 else {})
 
 
 def _print(name: str, comparisons: Sequence[Comparison]) -> None:
@@ -140,6 +154,8 @@ def _print(name: str, comparisons: Sequence[Comparison]) -> None:
             print(f"  note: {warning}")
     for c in comparisons:
         _print_regions(c, len(comparisons) > 1)
+    for c in comparisons:
+        _print_excitations(c, len(comparisons) > 1)
 
 
 def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
@@ -161,3 +177,12 @@ def _print_regions(comparison: Comparison, named: bool) -> None:
     print(f"  where the error{of} is:")
     for region in comparison.regions[:_REGIONS]:
         print(f"    {region.sentence}")
+
+
+def _print_excitations(comparison: Comparison, named: bool) -> None:
+    of = f" of {comparison.model.name}" if named else ""
+    for group in comparison.groups:
+        low, high = group.peak_velocity_m_s
+        slow, fast = group.frequency_hz
+        span = f"{low:.2g} to {high:.2g} m/s, {slow:.2g} to {fast:.2g} Hz, {group.cycles} cycles"
+        print(f"  {group.name}{of}: {group.rmse_n:.4g} N rms, {100 * group.relative_rms:.3g} % of force ({span})")

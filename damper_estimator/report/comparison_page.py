@@ -8,6 +8,7 @@ from importlib import resources
 
 from jinja2 import Environment, PackageLoader
 
+from damper_estimator.report.excitation_figures import partial_coherence_figure, relative_rms_figure
 from damper_estimator.report.figures import coherence_figure, error_map, passage
 from damper_estimator.report.wording import (
     MEASURES,
@@ -18,6 +19,7 @@ from damper_estimator.report.wording import (
     recording_name,
 )
 from damper_estimator.validation import Comparison, per_recording
+from damper_estimator.validation.spectra import partial_coherence
 
 POINTS = 120_000  # samples of all recordings and dampers together: about 5 MB with two models
 _FEWEST = 2_000
@@ -55,6 +57,8 @@ def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Sect
         ],
         "maps": [error_map(c) for c in models],
         "coherence": coherence_figure(models),
+        "relative_rms": relative_rms_figure(models),
+        "partial_coherence": partial_coherence_figure(partial_coherence([t.measurement for t in first.traces])),
     }
     text = {
         "damper": first.damper,
@@ -63,6 +67,8 @@ def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Sect
         "models": [_model_text(c) for c in models],
         "recordings": [recording_name(path) for path in first.recordings],
         "by_recording": [_by_recording(c) for c in models] if len(recordings) > 1 else [],
+        "groups": [row for c in models for row in _groups(c)],
+        "grouping": _grouping(first),
         "quality": quality_rows(first),
         "chain": _chain(first),
     }
@@ -96,6 +102,28 @@ def _model_text(comparison: Comparison) -> dict[str, object]:
             for label, rms in comparison.contributions.items()
         ],
     }
+
+
+def _grouping(comparison: Comparison) -> str:
+    if comparison.grouping:
+        return "; ".join(f"{name}: {', '.join(map(recording_name, own))}" for name, own in comparison.grouping.items())
+    return "whole cycles of low or high peak velocity (LV, HV) and low or high frequency (LF, HF), by the recordings' ranges"
+
+
+def _groups(comparison: Comparison) -> list[list[str]]:
+    """Rows of the table of groups."""
+    return [
+        [
+            comparison.model.name,
+            group.name,
+            f"{group.cycles}",
+            " to ".join(number(v) for v in group.peak_velocity_m_s),
+            " to ".join(number(v) for v in group.frequency_hz),
+            number(group.rmse_n),
+            number(100.0 * group.relative_rms),
+        ]
+        for group in comparison.groups
+    ]
 
 
 def _by_recording(comparison: Comparison) -> dict[str, object]:

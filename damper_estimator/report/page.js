@@ -120,7 +120,7 @@
       this.drawTime();
       this.drawClouds();
       for (const figure of this.element.querySelectorAll(".map")) this.drawMap(figure);
-      this.drawCoherence();
+      for (const figure of this.element.querySelectorAll(".curves")) this.drawCurves(figure);
       this.drawn = true;
     }
 
@@ -175,13 +175,14 @@
       Plotly.react(figure, data, layout({ xaxis: axis(own.xaxis.title.text), yaxis: axis(own.yaxis.title.text) }), CONFIG);
     }
 
-    drawCoherence() {
-      const figure = this.element.querySelector(".coherence");
-      if (!this.data.coherence) { figure.textContent = "The recording is too short to tell."; return; }
-      const traces = this.data.coherence.data.map((trace) => Object.assign({}, trace, { line: { color: modelColour(Number(trace.role.slice(5))), width: 1.6 } }));
-      const own = this.data.coherence.layout;
+    drawCurves(figure) {
+      const curves = this.data[figure.dataset.name];
+      if (!curves) { figure.textContent = "The recording is too short to tell."; return; }
+      const paint = (trace) => modelColour(Number(trace.role.slice(5)));
+      const traces = curves.data.map((trace) => Object.assign({}, trace, { line: { color: paint(trace), width: 1.6 }, marker: { color: paint(trace), size: 5 } }));
+      const own = curves.layout, y = { range: own.yaxis.range, rangemode: own.yaxis.rangemode };
       Plotly.react(figure, traces, layout({ showlegend: own.showlegend, xaxis: axis(own.xaxis.title.text),
-        yaxis: axis(own.yaxis.title.text, { range: own.yaxis.range }) }), CONFIG);
+        yaxis: axis(own.yaxis.title.text, y) }), CONFIG);
     }
   }
 

@@ -1,7 +1,7 @@
 """How well a model agrees with measurements, and where it does not."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation.coherence import Coherence, coherence
+from damper_estimator.validation.groups import FrequencyError, GroupError, given_group_errors, group_errors, relative_rms
 from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.noise import noise_floor
 from damper_estimator.validation.quality import DataQuality, data_quality
@@ -30,6 +31,7 @@ class Comparison:
         data_quality: of the recordings.
         noise_floor_n: N, what a perfect model would still show; NaN where it cannot be estimated.
         warnings: what the user should know about these numbers.
+        grouping: recordings (paths) by the user's own groups; empty: groups form by velocity and frequency.
     """
 
     model: DamperModel
@@ -40,6 +42,7 @@ class Comparison:
     data_quality: DataQuality
     noise_floor_n: float
     warnings: tuple[str, ...]
+    grouping: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @property
     def damper(self) -> str:
@@ -67,14 +70,33 @@ class Comparison:
         rms = {label: float(np.sqrt(square / self.measures.samples)) for label, square in squares.items()}
         return dict(sorted(rms.items(), key=lambda item: -item[1]))
 
+    @cached_property
+    def relative_rms(self) -> tuple[FrequencyError, ...]:
+        """rms error over rms force by frequency of the excitation."""
+        return relative_rms(self.traces)
+
+    @cached_property
+    def groups(self) -> tuple[GroupError, ...]:
+        """Errors of the user's groups, or of groups of cycles as the recordings' own ranges form them."""
+        if not self.grouping:
+            return group_errors(self.traces)
+        members = {name: [i for i, path in enumerate(self.recordings) if path in own] for name, own in self.grouping.items()}
+        return given_group_errors(self.traces, {name: own for name, own in members.items() if own})
+
     def record(self) -> dict[str, object]:
-        """For JSON: the keys of INTERFACES.md and a few more."""
+        """For JSON: the documented keys and a few more."""
         return {
             "model": self.model.name,
             **self.measures.record(),
             "noise_floor_n": self.noise_floor_n,
             "regions": [region.record() for region in self.regions],
             "coherence": {"frequency_hz": self.coherence.frequency, "value": self.coherence.value},
+            "relative_rms": {
+                "frequency_hz": [row.frequency_hz for row in self.relative_rms],
+                "value": [row.relative_rms for row in self.relative_rms],
+                "cycles": [row.cycles for row in self.relative_rms],
+            },
+            "groups": [group.record() for group in self.groups],
             "data_quality": self.data_quality.record(),
             "contributions_rms_n": self.contributions,
             "warnings": list(self.warnings),

@@ -36,6 +36,15 @@ class VelocityAgreement:
     rms_difference: float
     relative_difference: float
 
+    def record(self) -> dict[str, float]:
+        """For JSON: the numbers."""
+        return {
+            "correlation": self.correlation,
+            "gain": self.gain,
+            "rms_difference_m_s": self.rms_difference,
+            "relative_difference": self.relative_difference,
+        }
+
 
 def velocity_agreement(measurement: Measurement) -> VelocityAgreement | None:
     """Compares the two ways; None without an accelerometer, or where no stretch is longer than 2 s."""

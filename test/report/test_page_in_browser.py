@@ -83,7 +83,7 @@ def test_the_page_can_be_walked_through(tmp_path):
     told = re.search(r'<pre id="told">(.*?)</pre>', dom)
     assert told, "the walk did not end"
     assert told.group(1).split(";") == [
-        "figures 6",
+        "figures 8",
         "all 0.0,20.0",
         "region 2.0 lines",
         "zoom 3.0,4.0 true",
