@@ -18,8 +18,8 @@ help: ## this list
 env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it is up to date
 	@tools/environment "$(PYTHON)"
 
-test: env ## run all tests, those of the ROS node included
-	@$(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
+test: env ## run all tests, those of the ROS node included (a browser's settings stay in out)
+	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" $(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
 
 demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
