@@ -8,8 +8,9 @@ from typing import NoReturn
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.identification.front import Front
 from damper_estimator.identification.knots import moved_knots, with_placed_knots
-from damper_estimator.identification.methods.contract import Solution, find_method
+from damper_estimator.identification.methods.contract import Solution, Wishes, find_method
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, excerpts, pooled_error, rows_of, usable
@@ -58,6 +59,7 @@ class Fit:
         undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence on the
             force.
         warnings: for the user, one sentence each.
+        front: of a method with several objectives.
     """
 
     model: DamperModel
@@ -72,6 +74,7 @@ class Fit:
     converged: bool
     undetermined: tuple[tuple[str, ...], ...]
     warnings: tuple[str, ...]
+    front: Front | None = None
 
 
 def fit(
@@ -83,6 +86,7 @@ def fit(
     seed: int = 0,
     weights: Sequence[float | np.ndarray] | None = None,
     starts: int | None = None,
+    wishes: Wishes = Wishes(),
 ) -> Fit:
     """Identifies a model's free parameters on all measurements together.
 
@@ -91,6 +95,7 @@ def fit(
         seed: of what is drawn at random; equal seeds give equal results.
         weights: of the squared error, per measurement a number or (n,); equal for all samples where left out.
         starts: start points that are spread out beside the model's own values; 0 to begin there alone.
+        wishes: what else the method is told; its seed is ``seed``.
 
     Raises:
         InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no
@@ -105,7 +110,7 @@ def fit(
     problem = Problem(placed, rows, free_slots(placed, free, fix))
     _check_enough(problem)
     starts_at, size = candidates(problem, used, seed, starts)
-    solution = chosen.search(problem, _sketch(problem), starts_at, size, seed)
+    solution = chosen.search(problem, _sketch(problem), starts_at, size, replace(wishes, seed=seed))
     if not np.isfinite(solution.point.cost):
         raise InputError(
             f"model {model.name}: gives no finite force from any start value; mend its values or fix some parameters"
@@ -155,7 +160,7 @@ def _sketch(problem: Problem) -> Problem:
         share = SKETCH_SAMPLES * len(own.measurement.kinematics) // total
         rows += [own.part(part) for part in excerpts(own.measurement, share)]
     rows = [own for own in rows if own.picks.size]
-    return Problem(problem.model, rows, problem.free) if rows else problem
+    return problem.on(rows) if rows else problem
 
 
 def _lost(given: list[Measurement], used: list[Measurement]) -> int:
@@ -195,6 +200,7 @@ def _result(
         converged=solution.converged,
         undetermined=known.undetermined,
         warnings=_warnings(parameters, solution, known, used, lost, moved_knots(model, problem.model)),
+        front=solution.front,
     )
 
 

@@ -1,7 +1,7 @@
 """What a method of identification is: a search in a ``Problem``, declared in its file as ``METHOD = Method(...)``."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -10,6 +10,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification import methods
+from damper_estimator.identification.front import Front
 from damper_estimator.identification.problem import Point, Problem
 
 
@@ -22,15 +23,43 @@ class Solution:
         converged: whether the method's own criterion was met.
         evaluations: runs of the model over all measurements of the problem, or their equal in samples.
         remark: what the user should know of the search, "" for nothing.
+        front: what a method with several objectives found; the point is one of it.
     """
 
     point: Point
     converged: bool
     evaluations: int
     remark: str = ""
+    front: Front | None = None
 
 
-Search = Callable[[Problem, Problem, np.ndarray, np.ndarray, int], Solution]
+def _silent(text: str) -> None:
+    """Tells nobody."""
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What a caller may want of a search; a method takes what concerns it.
+
+    Attributes:
+        seed: of what is drawn at random; equal seeds give equal results.
+        progress: receives a line from time to time.
+        groups: objectives by name, each the recordings that it judges; empty forms them from the recordings.
+        pick: which point of a front becomes the model: ``knee``, a group's name, or a number.
+        front: points found before, among which one is picked without a search.
+        generations, population: of evolutionary methods; None for the method's own.
+    """
+
+    seed: int = 0
+    progress: Callable[[str], None] = _silent
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    pick: str = "knee"
+    front: Front | None = None
+    generations: int | None = None
+    population: int | None = None
+
+
+Search = Callable[[Problem, Problem, np.ndarray, np.ndarray, Wishes], Solution]
 
 
 @dataclass(frozen=True)
@@ -38,12 +67,14 @@ class Method:
     """A method of identification.
 
     Attributes:
-        search: (problem, sketch, candidates, size, seed) to solution: the problem; the same on excerpts of the
+        search: (problem, sketch, candidates, size, wishes) to solution: the problem; the same on excerpts of the
             data, to try out cheaply; start candidates (s, q), the model's own values first; magnitudes (q,) of the
-            searched parameters; seed.
+            searched parameters; wishes.
+        several: whether it has several objectives, and so takes groups and a choice from its front.
     """
 
     search: Search
+    several: bool = False
 
 
 @cache

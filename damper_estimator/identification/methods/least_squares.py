@@ -11,7 +11,7 @@ excerpts of the data until two of them agree; the best is finished on all of it.
 import numpy as np
 
 from damper_estimator.identification.bounded import bounded_least_squares, triangle
-from damper_estimator.identification.methods.contract import Method, Solution
+from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.problem import Point, Problem
 
 _ITERATIONS = 60
@@ -25,8 +25,8 @@ _AGREE = 1e-3  # of the cost: two ends are the same
 _SKETCH_ITERATIONS = 25
 
 
-def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, seed: int) -> Solution:
-    """See the module; deterministic, so ``seed`` has done its work in the candidates."""
+def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
+    """See the module; deterministic: the seed has done its work in the candidates."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
     start = _best_start(sketch, candidates, size)
