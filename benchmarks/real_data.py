@@ -8,14 +8,18 @@ Two sets of recordings of magneto-rheological dampers, which are not part of the
 
 import argparse
 import os
+import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+import peers
 
 from damper_estimator import files
 from damper_estimator.cli.main import main as damper_estimator
@@ -23,6 +27,7 @@ from damper_estimator.identification import fit
 from damper_estimator.model import load_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import SignalMap, measure
+from damper_estimator.signals.channels import damper_names
 from damper_estimator.validation.comparison import compare, per_recording
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -73,6 +78,18 @@ LABCONTROL = (
     ),
     Setting("1.98 V", ("lab/ensaio.B.1.mcap", "lab/ensaio.B.6.mcap"), tuple(f"lab/ensaio.B.{k}.mcap" for k in (3, 5, 7, 9))),
 )
+PLANT = (
+    Setting("passenger", ("bags/passenger_random.mcap",), ("bags/passenger_road.mcap", "bags/passenger_dyno.mcap")),
+    Setting("semi-active", ("bags/semi_active_random.mcap",), ("bags/semi_active_road.mcap",)),
+)
+
+
+def installed_peers() -> list[str]:
+    """The black-box peers, where their libraries are installed (pip install sysidentpy scikit-learn)."""
+    if find_spec("sysidentpy") and find_spec("sklearn"):
+        return list(peers.PEERS)
+    print("sysidentpy or scikit-learn is not installed: the table goes without the black-box peers", file=sys.stderr)
+    return []
 
 
 def import_all(folder: Path) -> None:
@@ -80,7 +97,8 @@ def import_all(folder: Path) -> None:
     for name, target, pattern in (("utfsm_mr_damper", "utfsm", "*.gz"), ("labcontrol_mr_damper", "lab", "*.mat")):
         inputs = sorted(str(path) for path in (DATA / name).glob(pattern))
         columns = ROOT / "config" / "columns" / f"{name}.yaml"
-        status = damper_estimator(["import", *inputs, "--columns", str(columns), "-o", str(folder / target), "--json", os.devnull])
+        with redirect_stdout(sys.stderr):
+            status = damper_estimator(["import", *inputs, "--columns", str(columns), "-o", str(folder / target)])
         if status:
             raise SystemExit(status)
 
@@ -91,17 +109,30 @@ def score(folder: Path, setting: Setting, name: str) -> Score:
     def read(paths: Sequence[str]) -> list:
         measurements = []
         for path in paths:
-            with open_bag(folder / path) as bag:
-                measurements.append(measure(bag, SignalMap(), "mr_damper"))
+            with open_bag((ROOT if path.startswith("bags/") else folder) / path) as bag:
+                measurements.append(measure(bag, SignalMap(), damper_names(bag)[0]))
         return measurements
 
     began = perf_counter()
+    if name in peers.PEERS:
+        force, count = peers.PEERS[name](read(setting.fitted))
+        seconds = perf_counter() - began
+        return Score(setting.name, name, count, *_judged(force, read(setting.unseen)), seconds)
     fitted = fit(load_model(name), read(setting.fitted))
     seconds = perf_counter() - began
     judged = compare(fitted.model, *read(setting.unseen))
     each = tuple(part.measures.esr for part in per_recording(judged))
     measures = judged.measures
     return Score(setting.name, name, len(fitted.parameters), measures.esr, measures.correlation, each, seconds)
+
+
+def _judged(force: peers.Peer, measurements: Sequence) -> tuple[float, float, tuple[float, ...]]:
+    """ESR and correlation over all recordings, and ESR of each, of a peer; in band, as ``compare`` judges models."""
+    pairs = [(m.in_band(m.force)[m.judged], m.in_band(force(m))[m.judged]) for m in measurements]
+    each = tuple(float(np.var(modelled - measured) / np.var(measured)) for measured, modelled in pairs)
+    measured, modelled = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    esr = float(np.var(modelled - measured) / np.var(measured))
+    return esr, float(np.corrcoef(measured, modelled)[0, 1]), each
 
 
 def table(settings: Sequence[Setting], scores: Sequence[Score]) -> str:
@@ -145,7 +176,7 @@ def detail(setting: Setting, scores: Sequence[Score], names: Sequence[str]) -> s
 def main() -> None:
     """Runs everything and writes the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--models", nargs="+", default=MODELS)
+    parser.add_argument("--models", nargs="+", default=[*MODELS, *installed_peers()])
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("-o", "--output", type=Path)
     arguments = parser.parse_args()
@@ -155,7 +186,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         import_all(folder)
-        for title, settings in (("utfsm_mr_damper", UTFSM), ("labcontrol_mr_damper", LABCONTROL)):
+        sets = (("utfsm_mr_damper", UTFSM), ("labcontrol_mr_damper", LABCONTROL), ("simulated dampers (bags/)", PLANT))
+        for title, settings in sets:
             tasks = [(folder, setting, model) for setting in settings for model in arguments.models]
             with ProcessPoolExecutor(arguments.jobs) as pool:
                 scores = list(pool.map(score, *zip(*tasks, strict=True)))

@@ -30,12 +30,12 @@ class Measurement:
         force: (n,) N, the damper's force through the same causal filter; None where none was recorded.
         judged: (n,) bool, samples that count: warm, and with a measured force near.
         counts: what a node would have dropped, in order of arrival.
-        gauge: (m,) N, the force channel as it came, before spring and filter; empty without.
+        gauge: (m,) N, the finite values of the force channel as they came, before spring and filter; empty without.
         raw_displacement: (n,) m, before the filter.
         cutoff, band: Hz.
         signals: the damper's entry of the signal map.
-        acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN where it has a hole;
-            None without one. Models never see it: theirs is the displacement's derivative.
+        acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN where it has a
+            hole; None without one. Models never see it: theirs is the displacement's derivative.
     """
 
     recording: str
@@ -112,7 +112,7 @@ def measure(
         force=force,
         judged=kinematics.warm() & near,
         counts=counts,
-        gauge=data["force"].value if "force" in data else np.zeros(0),
+        gauge=_finite(data["force"].value) if "force" in data else np.zeros(0),
         raw_displacement=raw,
         cutoff=chosen.cutoff,
         band=chosen.band,
@@ -128,6 +128,10 @@ def _acceleration(
         return None
     values, near = _filtered(data["acceleration"], signals.acceleration.skew, kinematics, cutoff, max_gap)
     return np.where(near, values, np.nan)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return values[np.isfinite(values)]
 
 
 def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[float, float]]:

@@ -10,7 +10,13 @@ import numpy as np
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation.coherence import Coherence, coherence
-from damper_estimator.validation.groups import FrequencyError, GroupError, given_group_errors, group_errors, relative_rms
+from damper_estimator.validation.groups import (
+    FrequencyError,
+    GroupError,
+    given_group_errors,
+    group_errors,
+    relative_rms,
+)
 from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.noise import noise_floor
 from damper_estimator.validation.quality import DataQuality, data_quality
@@ -80,7 +86,9 @@ class Comparison:
         """Errors of the user's groups, or of groups of cycles as the recordings' own ranges form them."""
         if not self.grouping:
             return group_errors(self.traces)
-        members = {name: [i for i, path in enumerate(self.recordings) if path in own] for name, own in self.grouping.items()}
+        members = {
+            name: [i for i, path in enumerate(self.recordings) if path in own] for name, own in self.grouping.items()
+        }
         return given_group_errors(self.traces, {name: own for name, own in members.items() if own})
 
     def record(self) -> dict[str, object]:

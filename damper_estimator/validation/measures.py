@@ -1,4 +1,4 @@
-"""Error measures of a model against a measurement, as INTERFACES.md defines them."""
+"""Error measures of a model against a measurement."""
 
 from dataclasses import asdict, dataclass
 
