@@ -1,4 +1,4 @@
-"""Characteristic diagrams of a damper: mean loops, points A to H, pattern types, and the model structure they call for."""
+"""Characteristic diagrams of a damper: mean loops, points A to H, pattern types, the structure they call for."""
 
 from damper_estimator.characterization.characteristics import BANDS, Band, Characterization, Diagram, characterize
 from damper_estimator.characterization.loops import Loop, mean_loops

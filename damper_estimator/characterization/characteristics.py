@@ -25,7 +25,8 @@ class Diagram:
     Attributes:
         loop, pattern: the loop and its type.
         points, lines: A to H and a to h.
-        role: ``total``, ``semi_active``, or what a second recording was subtracted for (``command``, ``pressure``, ``setting``).
+        role: ``total``, ``semi_active``, or what a second recording was subtracted for (``command``, ``pressure``,
+            ``setting``).
         subtrahend: the command (or pressure) whose loop was subtracted; NaN for none.
     """
 
@@ -96,8 +97,9 @@ def characterize(
     loops = _loops(measurements, slow, notes)
     if not loops:
         raise InputError(
-            f"{measurements[0].recording}: has no passage that characterizes a damper; wants {FEWEST_STEADY + 1} sine cycles of one "
-            f"frequency and amplitude after another, or {FEWEST_RANDOM} single cycles that look like a sine"
+            f"{measurements[0].recording}: has no passage that characterizes a damper; wants "
+            f"{FEWEST_STEADY + 1} sine cycles of one frequency and amplitude "
+            f"after another, or {FEWEST_RANDOM} single cycles that look like a sine"
         )
     passive, added = semi_active(loops)
     asked = _requested(loops, _loops(subtracted, slow, notes), measurements, subtracted) if subtracted else []
@@ -124,13 +126,14 @@ def _loops(measurements: Sequence[Measurement], slow: QuasiStatic | None, notes:
         share = max(slow.outside(m.kinematics.displacement) for m in measurements)
         if share > 0.01:
             notes.append(
-                f"the slow test covers less stroke: {100 * share:.0f} % of the samples lie beyond it, where its last value was subtracted"
+                f"the slow test covers less stroke: {100 * share:.0f} % of the samples lie beyond it, where "
+                "its last value was subtracted"
             )
     steady, single = mean_loops(measurements, forces)
     if single:
         notes.append(
-            f"{len(single)} of the diagrams are means over single cycles that look like a sine, taken from a motion that is not "
-            "one: their histories differ, so take their hysteresis with caution"
+            f"{len(single)} of the diagrams are means over single cycles that look like a sine, taken from a "
+            "motion that is not one: their histories differ, so take their hysteresis with caution"
         )
     return [*steady, *single]
 
@@ -156,8 +159,8 @@ def _requested(
             ", ".join(f"{loop.frequency:.3g} Hz {1e3 * loop.amplitude:.3g} mm" for loop in others) or "no steady cycles"
         )
         raise InputError(
-            f"{subtracted[0].recording}: has no motion in common with {measurements[0].recording}; it has {there}; two settings are "
-            "subtracted at one frequency and amplitude"
+            f"{subtracted[0].recording}: has no motion in common with {measurements[0].recording}; it has "
+            f"{there}; two settings are subtracted at one frequency and amplitude"
         )
     return found
 
@@ -202,7 +205,8 @@ def _band(name: str, passive: Sequence[Diagram], active: Sequence[Diagram]) -> B
             )
     if p is None and sa is None:
         words.append(
-            f"no steady sine cycles between {low:g} and {high:g} Hz, nor {FEWEST_RANDOM} single ones of a kind; drive it there"
+            f"no steady sine cycles between {low:g} and {high:g} Hz, nor {FEWEST_RANDOM} single ones of a "
+            "kind; drive it there"
         )
     kind = None if sa is None else sa.pattern.type
     reading = TABLE_10_READING.get(kind, kind)

@@ -53,7 +53,7 @@ class Loop:
         return float(np.abs(self.velocity).max())
 
     def less(self, other: "Loop") -> "Loop":
-        """This loop's force less that of another at the same phase, such as the semi-active part; motion is this loop's."""
+        """This loop with the other's force at the same phase subtracted; the motion stays its own."""
         return replace(
             self,
             force=self.force - other.force,

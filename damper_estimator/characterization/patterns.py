@@ -10,9 +10,10 @@
 | 5 | yes | yes | yes |
 | 6 | any | no, or it leads | falling speed has more force (types 2 and 3 inverted) |
 
-A hysteresis that is an ellipse all over the speed range is that of a spring or a mass: every structure has these terms, so
-it is told and left out of the type. The paper names no thresholds; those below are ours. Source: Lozoya-Santos et al.,
-section 2.1 (Table 5 swaps the restoring points' columns; by its text and by geometry B is in compression, F in rebound).
+A hysteresis that is an ellipse all over the speed range is that of a spring or a mass: every structure has these
+terms, so it is told and left out of the type. The paper names no thresholds; those below are ours. Source:
+Lozoya-Santos et al., section 2.1 (Table 5 swaps the restoring points' columns; by its text and by geometry B is in
+compression, F in rebound).
 """
 
 from dataclasses import dataclass, replace
@@ -43,8 +44,8 @@ class HalfMeasures:
         high_damping, low_damping: N s/m, slopes of the mean curve before and beyond the knee.
         ratio: high over low; infinite where the low one is not positive.
         rise: force gained beyond the knee over force at peak speed.
-        hysteresis_low, hysteresis_high: area between falling and rising branch below and beyond the middle of their knees, over
-        peak force times peak speed; negative: more force while the speed rises.
+        hysteresis_low, hysteresis_high: area between falling and rising branch below and beyond their knees, over
+            peak force times peak speed; negative: more force while the speed rises.
     """
 
     yields: bool
@@ -153,7 +154,7 @@ def _measures(half: Half, scale: float) -> HalfMeasures:
 
 
 def _split(half: Half) -> float:
-    """Where low speed ends: what lies between the two knees belongs to the side on which the branches are farther apart."""
+    """Where low speed ends: what lies between the knees belongs to the side with the branches farther apart."""
     first, last = sorted((half.before.knee, half.after.knee))
     low, high = (abs(float(half.hysteresis[inside].mean())) for inside in (GRID <= first, GRID > last))
     return last if low >= high else first

@@ -1,9 +1,9 @@
 """The eight characteristic points A to H of a mean loop and the lines a to h that lead to them.
 
-In order of time: a to the return A (compression's peak speed), b to the restoring point B, c to the reversal C, d to the
-yield point D, e to the return E (rebound's peak speed), f to the restoring point F, g to the reversal G, h to the yield
-point H. Where a direction has no knee, its yield and restoring points coincide with the return (type 0), and the lines
-between them have no length. Source: Lozoya-Santos et al., section 2.1 and figure 2.
+In order of time: a to the return A (compression's peak speed), b to the restoring point B, c to the reversal C, d to
+the yield point D, e to the return E (rebound's peak speed), f to the restoring point F, g to the reversal G, h to the
+yield point H. Where a direction has no knee, its yield and restoring points coincide with the return (type 0), and
+the lines between them have no length. Source: Lozoya-Santos et al., section 2.1 and figure 2.
 """
 
 from dataclasses import dataclass

@@ -2,7 +2,8 @@
 
     F_s(x, v) = w F_rebound(x) + (1 - w) F_compression(x),      w = (1 + clip(v / v_s, -1, 1)) / 2
 
-with v_s the slow test's own speed, so that the force does not jump between the two curves where the motion stands still.
+with v_s the slow test's own speed, so that the force does not jump between the two curves where the motion stands
+still.
 Source: HIS paper, section 2.2 and figure 4 (5 mm/s).
 """
 
@@ -76,7 +77,8 @@ def quasi_static(slow: Measurement) -> QuasiStatic:
         inside = judged & (sign * kinematics.velocity > 0.5 * speed)
         if np.count_nonzero(inside) < 2 * _FEWEST or speed <= 0.0:
             raise InputError(
-                f"{slow.recording}: does not move slowly in both directions; a quasi-static test is a slow sine or triangle"
+                f"{slow.recording}: does not move slowly in both directions; a quasi-static test is a slow "
+                "sine or triangle"
             )
         curves.append(_curve(kinematics.displacement[inside], slow.force[inside]))
     (x_up, up), (x_down, down) = curves

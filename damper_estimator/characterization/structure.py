@@ -21,8 +21,8 @@ _TERMS = {
 
 
 TABLE_10_READING = {1: 4, 2: 5, 3: 5}
-"""Types that semi-active diagrams have by their shape and Table 10 does not know, as what it would call them: with a yield
-but without hysteresis is 4, with hysteresis 5."""
+"""Types that semi-active diagrams have by their shape and Table 10 does not know, as what it would call them:
+with a yield but without hysteresis is 4, with hysteresis 5."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def _listed(types: dict[str, int]) -> str:
 
 
 def structure_model(structure: Structure) -> DamperModel:
-    """The structure as a model with all of its parameters free but the coil's lag; without a semi-active part where there is none."""
+    """The structure as a model, all parameters free but the coil's lag; no semi-active part where there is none."""
     model = load_model(structure.library_name)
     if not structure.semi_active:
         for label in sorted({slot.address.split(".")[0] for slot in model.slots}, reverse=True):

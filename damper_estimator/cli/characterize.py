@@ -1,8 +1,9 @@
 """Characteristic diagrams (F-x, F-v, F-a), their pattern types, and the model structure that they call for.
 
-Cycles of one frequency, amplitude and command are averaged over their phase; the first of each passage is left out. With
-several commands the semi-active part is what a command adds to the smallest one at the same motion. Types are those of
-Lozoya-Santos et al., 0 to 6, for 0.5 to 3, 3 to 7 and 7 to 15 Hz. -o writes the structure as a model that fit takes.
+Cycles of one frequency, amplitude and command are averaged over their phase; the first of each passage is left out.
+With several commands the semi-active part is what a command adds to the smallest one at the same motion. Types are
+those of Lozoya-Santos et al., 0 to 6, for 0.5 to 3, 3 to 7 and 7 to 15 Hz. -o writes the structure as a model that
+fit takes.
 """
 
 import argparse
@@ -42,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bags(parser)
     parser.add_argument(
         "--subtract", metavar="BAG", type=Path, action="append", default=[],
-        help="the same motion at another setting (current, pressure, adjuster); its loops are subtracted; may be repeated",
+        help="the same motion at another setting (current, pressure, adjuster), to be subtracted; may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--quasi-static", metavar="BAG", type=Path, dest="slow",
@@ -114,7 +115,8 @@ def _write(arguments: argparse.Namespace, found: dict[str, Characterization]) ->
         if arguments.output:
             if own.structure is None:
                 raise InputError(
-                    f"{own.recordings[0]}: no band of damper {damper} has a type, so no structure follows; drive sines between 0.5 and 15 Hz"
+                    f"{own.recordings[0]}: no band of damper {damper} has a type, so no structure follows; "
+                    "drive sines between 0.5 and 15 Hz"
                 )
             write_text(_target(arguments.output, damper, len(found)), model_yaml(structure_model(own.structure)))
     bags = [str(path) for path in arguments.bags]
@@ -156,15 +158,19 @@ def text(found: Characterization, slow: QuasiStatic | None) -> str:
 
 
 def _table(diagrams: Sequence[Diagram], title: str) -> list[str]:
-    head = f"  {title:<18} Hz      mm  command  cycles  m/s rebound   N there  m/s compr.   N there  type  low    high   symmetric"
+    head = f"  {title:<18} Hz      mm  command  cycles  m/s rebound   N there  m/s compr.   N there"
+    head += "  type  low    high   symmetric"
     rows = []
     for d in diagrams:
         p, row = d.pattern, peaks(d.loop)
         command = "-" if d.loop.command != d.loop.command else f"{d.loop.command:.3g}"
         rows.append(
-            f"  {'' if d.loop.steady else 'single cycles':<14}{d.loop.frequency:6.2f}  {1e3 * d.loop.amplitude:6.2f}  {command:>7}  {d.loop.cycles:6d}"
-            f"  {row['peak_velocity_rebound_m_s']:11.4f}  {row['force_rebound_n']:8.0f}  {row['peak_velocity_compression_m_s']:10.4f}"
-            f"  {row['force_compression_n']:8.0f}  {p.type:4d}  {100 * p.hysteresis_low:+5.1f}  {100 * p.hysteresis_high:+5.1f}  {'yes' if p.symmetric else 'no'}"
+            f"  {'' if d.loop.steady else 'single cycles':<14}{d.loop.frequency:6.2f}  "
+            f"{1e3 * d.loop.amplitude:6.2f}  {command:>7}  {d.loop.cycles:6d}"
+            f"  {row['peak_velocity_rebound_m_s']:11.4f}  {row['force_rebound_n']:8.0f}  "
+            f"{row['peak_velocity_compression_m_s']:10.4f}"
+            f"  {row['force_compression_n']:8.0f}  {p.type:4d}  {100 * p.hysteresis_low:+5.1f}  "
+            f"{100 * p.hysteresis_high:+5.1f}  {'yes' if p.symmetric else 'no'}"
         )
     return [head, *rows]
 
@@ -174,12 +180,14 @@ def _points(found: Characterization) -> list[str]:
     fastest = max(found.diagrams, key=lambda d: d.loop.peak_velocity)
     loop = fastest.loop
     lines = [
-        f"  points at {loop.frequency:.3g} Hz, {1e3 * loop.amplitude:.3g} mm    x mm      v m/s    a m/s^2      F N   line to it: N s/m"
+        f"  points at {loop.frequency:.3g} Hz, {1e3 * loop.amplitude:.3g} mm    x mm      v m/s    a m/s^2     "
+        " F N   line to it: N s/m"
     ]
     for name, point in fastest.points.items():
         slope = fastest.lines[name.lower()].damping
         slope_text = f"{slope:.4g}" if slope == slope else "no length"
         lines.append(
-            f"    {name}  {MEANINGS[name]:<24}{1e3 * point.displacement:8.2f}  {point.velocity:9.4f}  {point.acceleration:9.3f}  {point.force:7.0f}   {slope_text}"
+            f"    {name}  {MEANINGS[name]:<24}{1e3 * point.displacement:8.2f}  {point.velocity:9.4f}  "
+            f"{point.acceleration:9.3f}  {point.force:7.0f}   {slope_text}"
         )
     return lines

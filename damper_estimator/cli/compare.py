@@ -2,7 +2,8 @@
 
 Measured and modelled force pass the same filters; judged from 0.2 s after each reset on. Several recordings are
 pooled and also told one by one; several models (-m repeated) stand side by side. Errors are also told by the
-excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given by --group.
+excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given by
+--group.
 """
 
 import argparse

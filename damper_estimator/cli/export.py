@@ -1,8 +1,8 @@
 """Export a model as force-velocity tables, per current and temperature, for other programs.
 
-Forces are those of a steady passage through one displacement: hysteresis is replaced by the middle of its loops, and what
-depends on position is taken at --displacement. Writes force_velocity.csv and, for multibody programs, a damper property
-file (.dpr, [CURVE] in mm/s and N) for each current and temperature.
+Forces are those of a steady passage through one displacement: hysteresis is replaced by the middle of its loops, and
+what depends on position is taken at --displacement. Writes force_velocity.csv and, for multibody programs, a damper
+property file (.dpr, [CURVE] in mm/s and N) for each current and temperature.
 """
 
 import argparse
@@ -65,7 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json != STANDARD_OUTPUT:
         v = table.velocity
         print(
-            f"{model.name}: {v.size} velocities from {v[0]:g} to {v[-1]:g} m/s, {table.commands.size} command(s), {table.temperatures.size} temperature(s)"
+            f"{model.name}: {v.size} velocities from {v[0]:g} to {v[-1]:g} m/s, {table.commands.size} "
+            f"command(s), {table.temperatures.size} temperature(s)"
         )
         print(f"  steady force through {1e3 * table.displacement:g} mm, no memory: the middle of the model's loops")
         for path in written:

@@ -2,12 +2,14 @@
 
 Each force is that of a passage at constant velocity through the chosen displacement: friction and hysteresis have slid,
 lags and delays have passed, the acceleration is zero. That is the middle of the model's loops; at velocity 0 it is the
-mean of arriving from either side. A table has no memory: hysteresis, position beyond the chosen one, and heating are lost.
+mean of arriving from either side. A table has no memory: hysteresis, position beyond the chosen one, and heating are
+lost.
 
-Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n; our signs, empty where a channel plays no
-part) and for every command and temperature a property file of the kind that ADAMS reads for dampers (``.dpr``): plain text,
-``$`` starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force on a line each, rising,
-positive in extension and where the force resists it; between the points the program lays its own spline.
+Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n; our signs, empty where a channel
+plays no part) and for every command and temperature a property file of the kind that ADAMS reads for dampers
+(``.dpr``): plain text, ``$`` starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force
+on a line each, rising, positive in extension and where the force resists it; between the points the program lays its
+own spline.
 """
 
 from collections.abc import Sequence
@@ -59,8 +61,8 @@ def force_table(
     """The model's steady force on a grid.
 
     Args:
-        velocity: (k,) m/s; None takes a grid that is fine around zero, over the region of the last fit or to 1 m/s, and the
-            knots of the model's own curves.
+        velocity: (k,) m/s; None takes a grid that is fine around zero, over the region of the last fit or to 1 m/s,
+            and the knots of the model's own curves.
         commands, temperatures: empty takes five over the region of the last fit, or none where it has no such channel.
         displacement: m.
 
@@ -69,7 +71,8 @@ def force_table(
     """
     if model.channel_effects:
         raise InputError(
-            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; take them out before the export"
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; take "
+            "them out before the export"
         )
     v = velocity_grid(model) if velocity is None else np.unique(np.asarray(velocity, float))
     levels = [_levels(model, name, given) for name, given in (("command", commands), ("temperature", temperatures))]
@@ -77,7 +80,8 @@ def force_table(
     if not np.isfinite(force).all():
         c, t, k = np.argwhere(~np.isfinite(force))[0]
         raise InputError(
-            f"model {model.name}: gives no finite force at {v[k]:g} m/s, command {levels[0][c]:g}, temperature {levels[1][t]:g}; "
+            f"model {model.name}: gives no finite force at {v[k]:g} m/s, command {levels[0][c]:g}, temperature "
+            f"{levels[1][t]:g}; "
             "name currents and temperatures that it needs"
         )
     return ForceTable(v, levels[0], levels[1], force, displacement)
@@ -112,7 +116,7 @@ def _levels(model: DamperModel, name: str, given: Sequence[float]) -> np.ndarray
 def steady_force(
     model: DamperModel, velocity: float, displacement: float, command: float = np.nan, temperature: float = np.nan
 ) -> float:
-    """The force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both sides."""
+    """Force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both sides."""
     if velocity == 0.0:
         slow = min(APPROACH / _LONGEST, 1e-3)
         arrivals = [_arrival(model, sign * slow, 0.0, displacement, command, temperature) for sign in (1.0, -1.0)]
@@ -161,7 +165,8 @@ def property_text(model: DamperModel, table: ForceTable, command: int, temperatu
         "$" + "-" * 60 + "HEADER", "[MDI_HEADER]", "FILE_TYPE = 'dpr'", "FILE_VERSION = 4.0", "FILE_FORMAT = 'ASCII'",
         f"$ model {model.name}; {setting}; displacement {1e3 * table.displacement:g} mm",
         "$ steady force at constant velocity, no memory; positive in extension",
-        "$" + "-" * 60 + "UNITS", "[UNITS]", "LENGTH = 'mm'", "ANGLE = 'degrees'", "FORCE = 'newton'", "MASS = 'kg'", "TIME = 'second'",
+        "$" + "-" * 60 + "UNITS", "[UNITS]", "LENGTH = 'mm'", "ANGLE = 'degrees'", "FORCE = 'newton'",
+        "MASS = 'kg'", "TIME = 'second'",
         "$" + "-" * 60 + "CURVE", "[CURVE]", "{   vel          force}",
     ]  # fmt: skip
     rows = zip(1e3 * table.velocity, table.force[command, temperature], strict=True)

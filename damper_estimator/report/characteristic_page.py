@@ -1,4 +1,4 @@
-"""The page of ``characterize``: F-x, F-v and F-a loops with points A to H, the types by band and the structure they call for."""
+"""The page of ``characterize``: loops with points A to H, the types by band and the structure they call for."""
 
 import json
 from collections.abc import Sequence

@@ -107,7 +107,7 @@ def _model_text(comparison: Comparison) -> dict[str, object]:
 def _grouping(comparison: Comparison) -> str:
     if comparison.grouping:
         return "; ".join(f"{name}: {', '.join(map(recording_name, own))}" for name, own in comparison.grouping.items())
-    return "whole cycles of low or high peak velocity (LV, HV) and low or high frequency (LF, HF), by the recordings' ranges"
+    return "whole cycles of low or high peak velocity (LV, HV) and frequency (LF, HF), by the recordings' own ranges"
 
 
 def _groups(comparison: Comparison) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""Cycles of a recording, found by the reversals of the motion, each with its frequency, stroke and likeness to a sine."""
+"""Cycles of a recording, found by the reversals of the motion: frequency, stroke and likeness to a sine."""
 
 from dataclasses import dataclass
 

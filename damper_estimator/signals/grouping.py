@@ -2,8 +2,9 @@
 
     high velocity:  peak velocity > 0.4 of the largest           high frequency:  f > sqrt(f_min f_max)
 
-The factor and the mean give the groups of Gao et al., Table 1 (1.5 and 12 Hz, 0.1 to 1.2 m/s), whose objectives are means
-over such groups. Where the frequencies span less than a factor of two, or the peak velocities do, that letter is left out.
+The factor and the mean give the groups of Gao et al., Table 1 (1.5 and 12 Hz, 0.1 to 1.2 m/s), whose objectives are
+means over such groups. Where the frequencies span less than a factor of two, or the peak velocities do, that letter
+is left out.
 """
 
 from collections.abc import Iterable, Sequence
@@ -66,7 +67,8 @@ class Grouped:
     Attributes:
         limits: that made them.
         names: in order LVLF, LVHF, HVLF, HVHF.
-        labels: for each recording (n,) int, the index of each sample's group in ``names``; -1 outside of whole judged cycles.
+        labels: for each recording (n,) int, the index of each sample's group in ``names``; -1 outside of whole judged
+            cycles.
         cycles: for each recording its whole judged cycles.
     """
 

@@ -39,8 +39,8 @@ class GroupError:
         samples: judged samples.
         peak_velocity_m_s, frequency_hz: smallest and largest of its cycles.
         rmse_n, relative_rms: over its samples.
-        mean_square_n2: mean over its recordings of their mean square error, the objective of Gao et al., eq. (9), before it
-            is divided by that of the starting point.
+        mean_square_n2: mean over its recordings of their mean square error, the objective of Gao et al., eq. (9),
+            before it is divided by that of the starting point.
     """
 
     name: str

@@ -2,11 +2,11 @@
 
     g_iy.rest^2 = |P_iy|^2 / (P_ii P_yy),      P = inverse of the cross-spectral matrix of all inputs and the force
 
-Velocity and acceleration are the displacement's derivatives: as they are, any of them explains all of the others, and their
-partial coherences do not exist. So each takes part as its own curve, the mean force over it, found in turns until they
-add up (an additive model); curves that bend differently are no longer copies of each other. A curve that another still
-explains to 99.9 % at a frequency gives NaN there. Source: Bendat and Piersol, Random Data, chapter 7; black-box paper,
-reference 9 (partial coherence), by curves instead of raw signals for the reason given.
+Velocity and acceleration are the displacement's derivatives: as they are, any of them explains all of the others, and
+their partial coherences do not exist. So each takes part as its own curve, the mean force over it, found in turns
+until they add up (an additive model); curves that bend differently are no longer copies of each other. A curve that
+another still explains to 99.9 % at a frequency gives NaN there. Source: Bendat and Piersol, Random Data, chapter 7;
+black-box paper, reference 9 (partial coherence), by curves instead of raw signals for the reason given.
 """
 
 from collections.abc import Mapping, Sequence
@@ -48,10 +48,13 @@ class PartialCoherence:
 
 
 def partial_coherence(measurements: Sequence[Measurement]) -> PartialCoherence:
-    """Of the measured force with the curves over displacement, velocity and acceleration, pooled over all recordings."""
+    """Of the measured force with the curves over velocity, displacement and acceleration, all recordings pooled."""
     names = ("velocity", "displacement", "acceleration")
     judged = [m.judged for m in measurements]
-    raw = {n: np.concatenate([getattr(m.kinematics, n)[j] for m, j in zip(measurements, judged, strict=True)]) for n in names}
+    raw = {
+        n: np.concatenate([getattr(m.kinematics, n)[j] for m, j in zip(measurements, judged, strict=True)])
+        for n in names
+    }
     force = np.concatenate([m.force[j] for m, j in zip(measurements, judged, strict=True)])
     curves = additive_curves(raw, force)
     sizes = {n: float(np.std(np.interp(raw[n], *curves[n]))) for n in names}

@@ -1,8 +1,9 @@
 """The step test: the damper is moved by some 50 mm at once and held; force over displacement, measured and modelled.
 
-A step passes every speed from rest to its peak and back within one stroke, so it shows what sines hide: the gas force left
-at both ends, the opening of the valves on the way up and their closing on the way down. Source: Carrera Akutain et al.,
-section 5 and figure 14 (two-post rig, 50 mm; the correlation coefficient is told in the force-displacement plot).
+A step passes every speed from rest to its peak and back within one stroke, so it shows what sines hide: the gas force
+left at both ends, the opening of the valves on the way up and their closing on the way down. Source: Carrera Akutain
+et al., section 5 and figure 14 (two-post rig, 50 mm; the correlation coefficient is told in the force-displacement
+plot).
 """
 
 from dataclasses import dataclass
@@ -80,7 +81,8 @@ def step_check(model: DamperModel, measurement: Measurement, least_height: float
         )
     if not steps:
         raise InputError(
-            f"{measurement.recording}: damper {measurement.damper} makes no step of {1e3 * least_height:g} mm or more between two rests; a step "
+            f"{measurement.recording}: damper {measurement.damper} makes no step of {1e3 * least_height:g} mm "
+            "or more between two rests; a step "
             "test moves some 50 mm within a tenth of a second and holds"
         )
     return tuple(steps)

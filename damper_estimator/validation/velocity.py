@@ -1,8 +1,8 @@
 """Velocity by differentiating the displacement against velocity by integrating a measured acceleration.
 
-Neither is the true one (black-box paper, section 2 and figure 1): the first carries the displacement's noise, the second
-the accelerometer's zero. Both lose what is slower than 0.5 Hz here, where integration drifts. How far they agree says how
-far the velocity can be trusted, and whether the accelerometer measures the same motion at all.
+Neither is the true one (black-box paper, section 2 and figure 1): the first carries the displacement's noise, the
+second the accelerometer's zero. Both lose what is slower than 0.5 Hz here, where integration drifts. How far they
+agree says how far the velocity can be trusted, and whether the accelerometer measures the same motion at all.
 """
 
 from dataclasses import dataclass

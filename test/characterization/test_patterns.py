@@ -1,4 +1,5 @@
-"""Pattern types: each shape by formula is classified as what it was built to be, and stays so under what must not matter."""
+"""Pattern types: each shape by formula is classified as what it was built to be, and stays so under what must not
+matter."""
 
 import numpy as np
 import pytest

@@ -12,8 +12,9 @@ from damper_estimator.characterization.structure import (
 from damper_estimator.model.files import model_yaml, parse_model
 
 TABLE_9 = [
-    ((0, 1, 1), "simple"), ((1, 1, 1), "simple"), ((0, 1), "simple"), ((0, 1, 2), "inertial_simple"), ((0, 2, 2), "inertial_simple"),
-    ((0, 2, 6), "inertial_simple"), ((1, 1, 6), "inertial_simple"), ((0, 1, 3), "stiff_simple"), ((1, 3, 3), "stiff_simple"),
+    ((0, 1, 1), "simple"), ((1, 1, 1), "simple"), ((0, 1), "simple"),
+    ((0, 1, 2), "inertial_simple"), ((0, 2, 2), "inertial_simple"), ((0, 2, 6), "inertial_simple"),
+    ((1, 1, 6), "inertial_simple"), ((0, 1, 3), "stiff_simple"), ((1, 3, 3), "stiff_simple"),
     ((0, 2, 5), "complete"), ((1, 3, 5), "complete"),
 ]  # fmt: skip
 TABLE_10 = [

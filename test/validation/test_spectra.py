@@ -60,7 +60,9 @@ def test_a_damper_with_a_spring_shows_velocity_and_displacement(measured, motion
     low = (found.frequency > 0.5) & (found.frequency < 4.0)  # the spring is small beside the damper beyond
     assert np.nanmedian(found.partial["velocity"][low]) > 0.9
     assert np.nanmedian(found.partial["displacement"][low]) > 0.8
-    alone = partial_coherence([measured(time, x, lambda k: 800.0 * np.tanh(k.velocity / 0.1) + 30.0 * noise(time.size, 3))])
+    alone = partial_coherence(
+        [measured(time, x, lambda k: 800.0 * np.tanh(k.velocity / 0.1) + 30.0 * noise(time.size, 3))]
+    )
     assert np.nanmedian(alone.partial["displacement"][low]) < 0.3
     assert alone.curve_rms_n["displacement"] < 0.02 * alone.curve_rms_n["velocity"]
 
@@ -84,7 +86,9 @@ def test_a_zero_error_of_the_accelerometer_is_not_a_difference(measured, motion)
 
 
 def test_a_wrong_gain_of_the_accelerometer_is_seen(measured, motion):
-    assert velocity_agreement(with_accelerometer(measured, motion, lambda a: 1.1 * a)).gain == pytest.approx(1.1, abs=0.01)
+    assert velocity_agreement(with_accelerometer(measured, motion, lambda a: 1.1 * a)).gain == pytest.approx(
+        1.1, abs=0.01
+    )
 
 
 def test_a_hole_splits_the_comparison(measured, motion):
