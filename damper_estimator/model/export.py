@@ -116,7 +116,7 @@ def _levels(model: DamperModel, name: str, given: Sequence[float]) -> np.ndarray
 def steady_force(
     model: DamperModel, velocity: float, displacement: float, command: float = np.nan, temperature: float = np.nan
 ) -> float:
-    """Force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both sides."""
+    """Force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both."""
     if velocity == 0.0:
         slow = min(APPROACH / _LONGEST, 1e-3)
         arrivals = [_arrival(model, sign * slow, 0.0, displacement, command, temperature) for sign in (1.0, -1.0)]
