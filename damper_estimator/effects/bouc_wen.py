@@ -14,6 +14,7 @@ from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.signals.layout import DT, X
 
 _PART = 0.3  # of the length over which z settles
+_SLID = 1e-11  # of saturation
 
 
 @compiled
@@ -34,6 +35,9 @@ def moved(z, move, delta, beta, gamma, n):
     h = move / parts
     for _ in range(parts):
         k1 = slope(z, direction, delta, beta, gamma, n)
+        # Slid through: the rest of the way changes nothing.
+        if abs(k1 * move) <= _SLID * limit:
+            break
         k2 = slope(z + 0.5 * h * k1, direction, delta, beta, gamma, n)
         k3 = slope(z + 0.5 * h * k2, direction, delta, beta, gamma, n)
         k4 = slope(z + h * k3, direction, delta, beta, gamma, n)

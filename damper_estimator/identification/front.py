@@ -1,6 +1,6 @@
 """A Pareto front: solutions of which none is better than another in every objective, and what is read off it.
 
-    knee:            the point that is nearest to the best of every objective, each scaled by its range over the front
+    knee:            the point that is nearest to the best of every objective, logarithms scaled by their range
     regimes (4.3):   mean and spread of every parameter over the solutions that are best for one group
 
 Source: Gao et al., eqs. (9), (10), section 4.3.
@@ -48,8 +48,10 @@ class Front:
         if pick in self.groups:
             return int(np.argmin(self.objectives[:, self.groups.index(pick)]))
         if pick == "knee":
-            low, high = self.objectives.min(axis=0), self.objectives.max(axis=0)
-            scaled = (self.objectives - low) / np.where(high > low, high - low, 1.0)
+            # Objectives are ratios, so their logarithms are compared.
+            level = np.log(np.maximum(self.objectives, np.finfo(float).tiny))
+            low, high = level.min(axis=0), level.max(axis=0)
+            scaled = (level - low) / np.where(high > low, high - low, 1.0)
             return int(np.argmin(np.linalg.norm(scaled, axis=1)))
         if pick.isdecimal() and int(pick) < len(self.values):
             return int(pick)

@@ -91,6 +91,16 @@ class Problem:
         """The same problem on other rows."""
         return Problem(self.model, rows, self._given, self.settings)
 
+    def weighted(self, weight: np.ndarray) -> "Problem":
+        """The same problem with each row's squared error counted ``weight`` (m,) times as much."""
+        rows, first = [], 0
+        for own in self.rows:
+            share = np.zeros(own.weight.size)
+            share[own.picks] = own.weight[own.picks] * weight[first : first + own.picks.size]
+            first += own.picks.size
+            rows.append(own.weighing(share))
+        return self.on(rows)
+
     def model_at(self, vector: np.ndarray, setting: int = 0) -> DamperModel:
         """The model with the values (slots,) of one setting."""
         return self.model.with_vector(vector[self._places[setting]])

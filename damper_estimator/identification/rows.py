@@ -45,6 +45,11 @@ class Rows:
         """(r,) rows of a force (n,) over the whole measurement."""
         return self.measurement.in_band(force)[self.picks] * np.sqrt(self.weight[self.picks])
 
+    def weighing(self, weight: np.ndarray) -> "Rows":
+        """The same rows with another weight (n,)."""
+        rows = replace(self, weight=weight)
+        return replace(rows, target=rows.of(self.measurement.force))
+
     def part(self, part: slice) -> "Rows":
         """The rows of a part of the measurement, as a recording of its own."""
         return rows_of(self.measurement.part(part.start, part.stop), self.weight[part], self.setting)
