@@ -20,7 +20,7 @@ def test_a_planted_speed_band_comes_first_in_words(viscous, motion, measured):
     c = compare(viscous, measured(*motion(60.0, rms=0.03), speeds))
     first = c.regions[0]
     assert first.where == "rebound between 0.1 and 0.2 m/s"
-    assert first.direction == "rebound" and (first.low, first.high) == (0.1, 0.2)
+    assert first.direction == "rebound" and (first.low, first.high) == pytest.approx((0.1, 0.2))
     assert first.share_of_squared_error > 0.8 and first.share_of_samples < 0.3
     assert "too soft" in first.what and "N too soft" in first.sentence
 
