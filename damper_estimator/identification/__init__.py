@@ -1,7 +1,9 @@
 """Identification: the parameters with which a model agrees best with what was measured, and how far to trust them."""
 
 from damper_estimator.identification.fit import Fit, FittedParameter, fit
-from damper_estimator.identification.methods.contract import all_methods
+from damper_estimator.identification.front import Front, load_front
+from damper_estimator.identification.joint import JointFit, fit_joint, settings_by_channel
+from damper_estimator.identification.methods.contract import Wishes, all_methods
 from damper_estimator.identification.problem import Point, Problem
 from damper_estimator.identification.rows import pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots
@@ -9,12 +11,18 @@ from damper_estimator.identification.selection import free_slots
 __all__ = [
     "Fit",
     "FittedParameter",
+    "Front",
+    "JointFit",
     "Point",
     "Problem",
+    "Wishes",
     "all_methods",
     "fit",
+    "fit_joint",
     "free_slots",
+    "load_front",
     "pooled_error",
     "rows_of",
+    "settings_by_channel",
     "usable",
 ]

@@ -102,33 +102,48 @@ def fit(
             recording has.
     """
     began = perf_counter()
-    chosen = find_method(method)
     given = list(measurements) or _refuse("there are no recordings to fit to")
-    rows = _rows(model, given, [1.0] * len(given) if weights is None else weights)
-    used = [own.measurement for own in rows]
-    placed = with_placed_knots(model, used)
+    rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights)
+    placed = with_placed_knots(model, [own.measurement for own in rows])
     problem = Problem(placed, rows, free_slots(placed, free, fix))
+    solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
+    said = warnings_of(problem, model, solution, known, given)
+    return result(model, problem, solution, known, perf_counter() - began, said)
+
+
+def identified(
+    problem: Problem, method: str, starts: int | None, wishes: Wishes
+) -> tuple[Solution, Uncertainty]:
+    """Where the method ended on the problem, and how far that can be trusted.
+
+    Raises:
+        InputError: unknown method, too few samples, no finite force.
+    """
+    chosen = find_method(method)
     _check_enough(problem)
-    starts_at, size = candidates(problem, used, seed, starts)
-    solution = chosen.search(problem, _sketch(problem), starts_at, size, replace(wishes, seed=seed))
+    starts_at, size = candidates(problem, [own.measurement for own in problem.rows], wishes.seed, starts)
+    solution = chosen.search(problem, _sketch(problem), starts_at, size, wishes)
     if not np.isfinite(solution.point.cost):
-        raise InputError(
-            f"model {model.name}: gives no finite force from any start value; mend its values or fix some parameters"
-        )
-    known = uncertainty(problem, solution.point, size)
-    return _result(model, problem, solution, known, used, perf_counter() - began, _lost(given, used))
+        name = problem.model.name
+        raise InputError(f"model {name}: gives no finite force from any start value; mend its values or fix some parameters")
+    return solution, uncertainty(problem, solution.point, size)
 
 
 def _refuse(reason: str) -> NoReturn:
     raise InputError(reason)
 
 
-def _rows(model: DamperModel, given: Sequence[Measurement], weights: Sequence[float | np.ndarray]) -> list[Rows]:
-    """The rows of the usable parts of all measurements."""
+def judged_rows(
+    model: DamperModel,
+    given: Sequence[Measurement],
+    weights: Sequence[float | np.ndarray],
+    settings: Sequence[int] | None = None,
+) -> list[Rows]:
+    """The rows of the usable parts of all measurements; ``settings`` of a joint fit, one for each measurement."""
     rows = []
-    for measurement, weight in zip(given, weights, strict=True):
+    for measurement, weight, setting in zip(given, weights, settings or [0] * len(given), strict=True):
         parts = usable(model, measurement)
-        whole = rows_of(measurement, weight)
+        whole = rows_of(measurement, weight, setting)
         rows += [whole] if parts == [slice(0, whole.weight.size)] else [whole.part(part) for part in parts]
     rows = [own for own in rows if own.picks.size]
     if not rows:
@@ -163,33 +178,38 @@ def _sketch(problem: Problem) -> Problem:
     return problem.on(rows) if rows else problem
 
 
-def _lost(given: list[Measurement], used: list[Measurement]) -> int:
-    return sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
+def parameters_of(problem: Problem, solution: Solution, known: Uncertainty) -> tuple[FittedParameter, ...]:
+    """All that was identified, in order of ``problem.free``."""
+    vector = problem.vector(solution.point.searched, solution.point.solved)
+    rows = zip(problem.free, known.standard_error, known.at_bound, strict=True)
+    return tuple(
+        FittedParameter(slot.address, float(vector[i]), float(error), slot.parameter.unit, bool(bound))
+        for i, error, bound in rows
+        for slot in [problem.slots[i]]
+    )
 
 
-def _result(
+def result(
     model: DamperModel,
     problem: Problem,
     solution: Solution,
     known: Uncertainty,
-    used: list[Measurement],
     seconds: float,
-    lost: int,
+    warnings: tuple[str, ...],
+    setting: int = 0,
 ) -> Fit:
+    """What was identified for one setting, with its errors over that setting's recordings; ``model`` is the one before."""
     began = perf_counter()
-    vector = problem.vector(solution.point.searched, solution.point.solved)
-    fitted = problem.model.with_vector(vector)
-    slots = [problem.model.slots[i] for i in problem.free]
-    parameters = tuple(
-        FittedParameter(slot.address, float(vector[i]), float(error), slot.parameter.unit, bool(bound))
-        for slot, i, error, bound in zip(slots, problem.free, known.standard_error, known.at_bound, strict=True)
-    )
+    used = [own.measurement for own in problem.rows if own.setting == setting]
+    fitted = problem.model_at(problem.vector(solution.point.searched, solution.point.solved), setting)
+    every = zip(problem.free, parameters_of(problem, solution, known), strict=True)
+    own = [replace(p, name=p.name.partition("@")[0]) for i, p in every if i in problem.places[setting]]
     rmse_before, esr_before, _ = pooled_error(model, used)
     rmse, esr, samples = pooled_error(fitted, used)
-    record = fit_record(used, rmse, {p.name: p.standard_error for p in parameters})
+    record = fit_record(used, rmse, {p.name: p.standard_error for p in own})
     return Fit(
         model=replace(fitted, fit=record),
-        parameters=parameters,
+        parameters=tuple(own),
         rmse_n=rmse,
         esr=esr,
         rmse_before_n=rmse_before,
@@ -199,19 +219,18 @@ def _result(
         evaluations=solution.evaluations,
         converged=solution.converged,
         undetermined=known.undetermined,
-        warnings=_warnings(parameters, solution, known, used, lost, moved_knots(model, problem.model)),
+        warnings=warnings,
         front=solution.front,
     )
 
 
-def _warnings(
-    parameters: tuple[FittedParameter, ...],
-    solution: Solution,
-    known: Uncertainty,
-    used: list[Measurement],
-    lost: int,
-    moved: list[str],
+def warnings_of(
+    problem: Problem, model: DamperModel, solution: Solution, known: Uncertainty, given: Sequence[Measurement]
 ) -> tuple[str, ...]:
+    """What the user should know of an identification; ``model`` is the one before, ``given`` all that was asked for."""
+    used = [own.measurement for own in problem.rows]
+    lost = sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
+    parameters, moved = parameters_of(problem, solution, known), moved_knots(model, problem.model)
     said = [solution.remark] if solution.remark else []
     said += [f"the knots of {label} were laid out anew over the recordings" for label in moved]
     if not solution.converged:

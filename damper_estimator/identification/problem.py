@@ -62,6 +62,7 @@ class Problem:
         rows: of every measurement.
         settings: of a joint fit, None for another.
         slots: the model's, and for a joint fit one per setting of those that differ.
+        places: (settings, model slots) int, where in ``slots`` each setting finds its own.
         free: positions in ``slots`` of all that is identified.
         searched, solved: those of ``free`` that are searched, and solved for.
         lower, upper: (slots,) bounds of all slots.
@@ -72,19 +73,19 @@ class Problem:
     def __init__(self, model: DamperModel, rows: Sequence[Rows], free: Sequence[int], settings: Settings | None = None):
         """``free``: positions in ``model.slots``; in a joint fit the rows come in order of their ``setting``."""
         self.model, self.rows, self.settings = model, tuple(rows), settings
-        self.slots, self._places = _laid_out(model, settings)
-        self.free = tuple(dict.fromkeys(self._places[:, list(free)].T.ravel().tolist()))
+        self.slots, self.places = _laid_out(model, settings)
+        self.free = tuple(dict.fromkeys(self.places[:, list(free)].T.ravel().tolist()))
         self._given = tuple(free)
         self.target = np.concatenate([own.target for own in self.rows])
         self.lower = np.array([slot.parameter.lower for slot in self.slots])
         self.upper = np.array([slot.parameter.upper for slot in self.slots])
         self.evaluations = 0
         self._terms = terms(model)
-        linear = {int(place) for term in self._terms for slot in term.linear for place in self._places[:, slot]}
+        linear = {int(place) for term in self._terms for slot in term.linear for place in self.places[:, slot]}
         self.searched = np.array([slot for slot in self.free if slot not in linear], int)
         self.solved = np.array([slot for slot in self.free if slot in linear], int)
         self._start = np.array([slot.value for slot in self.slots])
-        self._parts = [_Part(term, k, self._places[k], part) for k, part in self._spans() for term in self._terms]
+        self._parts = [_Part(term, k, self.places[k], part) for k, part in self._spans() for term in self._terms]
         self._cache: list[OrderedDict] = [OrderedDict() for _ in self._parts]
 
     def on(self, rows: Sequence[Rows]) -> "Problem":
@@ -103,7 +104,7 @@ class Problem:
 
     def model_at(self, vector: np.ndarray, setting: int = 0) -> DamperModel:
         """The model with the values (slots,) of one setting."""
-        return self.model.with_vector(vector[self._places[setting]])
+        return self.model.with_vector(vector[self.places[setting]])
 
     def _spans(self) -> list[tuple[int, slice]]:
         """The settings that have rows, with their part of the residual."""

@@ -34,6 +34,17 @@ def free_slots(model: DamperModel, free: Iterable[str] = (), fix: Iterable[str] 
     return tuple(chosen)
 
 
+def named_slots(model: DamperModel, names: Iterable[str]) -> tuple[int, ...]:
+    """Positions in ``model.slots`` of the parameters that names mean, as in ``free_slots``.
+
+    Raises:
+        InputError: names every name that the model does not have.
+    """
+    names = list(names)
+    _check_names(model, names)
+    return tuple(i for i, slot in enumerate(model.slots) if _named(slot, names))
+
+
 def _check_names(model: DamperModel, names: list[str]) -> None:
     unknown = [name for name in names if not any(_named(slot, [name]) for slot in model.slots)]
     if unknown:
