@@ -35,7 +35,7 @@ class Stream:
 
     def _run(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
         """Runs the stretches between resets; a force that is not finite resets the model, and the next sample starts anew."""
-        size = block.shape[1]
+        block, size = np.ascontiguousarray(block), block.shape[1]
         starts = np.flatnonzero(block[DT] <= 0.0)
         force = np.empty(size)
         first, length = 0, size

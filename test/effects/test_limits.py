@@ -1,0 +1,189 @@
+"""Limits in which one effect must become another, or a known form."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
+
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.model import make_element
+from damper_estimator.model.damper_model import DamperModel
+from damper_estimator.signals.layout import COMMAND, DT, ROWS, TEMPERATURE, A, T, V, X
+
+
+def sweep(amplitude=0.03, frequency=2.0, seconds=1.0, rate=1000, command=np.nan, temperature=np.nan):
+    """Exact kinematics of a sine."""
+    time = np.arange(round(seconds * rate) + 1) / rate
+    omega = 2 * np.pi * frequency
+    block = np.full((ROWS, time.size), np.nan)
+    block[T], block[DT] = time, np.diff(time, prepend=0.0)
+    block[X], block[V] = amplitude * np.sin(omega * time), amplitude * omega * np.cos(omega * time)
+    block[A] = -(omega**2) * block[X]
+    block[COMMAND], block[TEMPERATURE] = command, temperature
+    return block
+
+
+def entry(name, path=(), **values):
+    return make_element(find_effect(name), values, path)
+
+
+def force(block, *entries):
+    return DamperModel("m", "", entries).force(block)
+
+
+DASHPOT = {"rebound": 2000.0, "compression": 1500.0}
+
+
+@pytest.mark.parametrize("name", ["kwok", "guo", "cesmeci"])
+def test_sigmoids_saturate_and_without_hysteresis_are_odd_in_velocity(name):
+    block = sweep(amplitude=1.0, frequency=5.0)
+    own = force(block, entry(name, force=100.0, damping=50.0, hysteresis=0.0))
+    limit = 100.0 * (np.pi / 2 if name == "cesmeci" else 1.0)
+    assert np.abs(own).max() == pytest.approx(limit, rel=0.01)
+    assert np.sign(own[np.abs(block[V]) > 0.1]) == pytest.approx(np.sign(block[V][np.abs(block[V]) > 0.1]))
+
+
+def test_kwok_and_guo_without_hysteresis_are_the_same_and_a_steep_one_is_coulombs():
+    block = sweep()
+    kwok, guo = (force(block, entry(n, force=80.0, damping=500.0, hysteresis=0.0)) for n in ("kwok", "guo"))
+    assert kwok == pytest.approx(guo, abs=1e-9)
+    assert kwok == pytest.approx(force(block, entry("coulomb", force=80.0, transition=0.002)), abs=1e-9)
+
+
+def test_guos_loop_opens_with_displacement_and_cesmecis_with_acceleration():
+    """At zero velocity: by h x in the one, by h sgn(a) in the other."""
+    block = sweep()
+    turning = np.argmax(block[X])
+    guo = force(block, entry("guo", force=100.0, hysteresis=20.0))
+    assert guo[turning] == pytest.approx(100.0 * np.tanh(20.0 * 0.03), rel=1e-3)
+    cesmeci = force(block, entry("cesmeci", force=100.0, hysteresis=-0.4))
+    assert cesmeci[turning] == pytest.approx(100.0 * np.arctan(0.4), rel=1e-2)
+
+
+@pytest.mark.parametrize("name", ["squash_displacement", "squash_stroke_side", "squash_acceleration_sign"])
+def test_squashes_stay_below_their_height_and_reach_half_of_it_at_unit_argument(name):
+    block = sweep(amplitude=2.0)
+    own = force(block, entry(name, force=200.0, damping=10.0, **{find_effect(name).parameters[2].name: 0.0}))
+    assert np.abs(own).max() < 200.0
+    at_one = np.argmin(np.abs(block[V] - 0.1))
+    assert own[at_one] == pytest.approx(200.0 * 10 * block[V][at_one] / (1 + abs(10 * block[V][at_one])))
+
+
+def test_semi_active_force_vanishes_without_current_and_grows_with_it():
+    forces = [force(sweep(command=c), entry("semi_active_squash")) for c in (np.nan, 0.0, 0.5, 1.0)]
+    assert not forces[0].any() and not forces[1].any()
+    assert np.abs(forces[3]).max() > 2.0 * np.abs(forces[2]).max() > 0.0
+
+
+def test_coil_lag_reaches_the_command_and_starts_on_it():
+    block = sweep(command=1.0)
+    lagged = force(block, entry("command_lag"), entry("semi_active_squash"))
+    assert np.array_equal(lagged, force(block, entry("semi_active_squash")))
+    block[COMMAND, :100] = 0.0
+    late = force(block, entry("command_lag", time_constant=0.02), entry("semi_active_squash"))
+    plain = force(block, entry("semi_active_squash"))
+    assert np.abs(late[110]) < 0.9 * np.abs(plain[110])
+    assert late[400:] == pytest.approx(plain[400:], rel=1e-5, abs=1e-3)
+
+
+def test_stribeck_without_excess_is_coulomb():
+    block = sweep()
+    assert force(block, entry("stribeck", force=70.0, excess=0.0, transition=0.01)) == pytest.approx(
+        force(block, entry("coulomb", force=70.0, transition=0.01)), abs=1e-9
+    )
+
+
+def test_lugre_without_excess_and_damping_is_dahl():
+    block = sweep(rate=20000)
+    lugre = force(block, entry("lugre", force=60.0, excess=0.0, stiffness=5e4, viscous=0.0))
+    dahl = force(block, entry("dahl", force=60.0, stiffness=5e4, exponent=1.0))
+    assert lugre == pytest.approx(dahl, abs=0.2)
+
+
+def test_smooth_curve_is_scipys_pchip_between_its_knots():
+    v = np.array([-1.0, -0.3, -0.1, 0.0, 0.05, 0.4, 1.0])
+    f = np.array([-900.0, -500.0, -250.0, 0.0, 180.0, 180.0, 700.0])
+    block = sweep(amplitude=0.06, frequency=2.5)
+    own = force(block, entry("smooth_curve", velocity=v.tolist(), force=f.tolist()))
+    inner = (block[V] >= v[1]) & (block[V] <= v[-2])
+    assert own[inner] == pytest.approx(PchipInterpolator(v, f)(block[V][inner]), abs=1e-9)
+
+
+def test_force_surface_is_bilinear():
+    v, a = np.array([-0.5, -0.1, 0.0, 0.2, 0.5]), np.array([-8.0, 0.0, 3.0, 8.0])
+    grid = np.random.default_rng(0).normal(0.0, 300.0, (v.size, a.size))
+    block = sweep()
+    own = force(block, entry("force_surface", velocity=v.tolist(), acceleration=a.tolist(), force=grid.ravel().tolist()))
+    points = np.stack([block[V].clip(-0.5, 0.5), block[A].clip(-8.0, 8.0)], axis=1)
+    assert own == pytest.approx(RegularGridInterpolator((v, a), grid)(points), abs=1e-9)
+
+
+@pytest.mark.parametrize(("name", "values"), [
+    ("oil_spring", {"stiffness_rebound": 1e9, "stiffness_compression": 1e9}),
+    ("rubber_mount", {"stiffness": 1e9, "loss": 0.0}),
+    ("joint_play", {"stiffness": 1e9, "play": 0.0}),
+])  # fmt: skip
+def test_rigid_joints_change_nothing(name, values):
+    block = sweep()
+    plain = force(block, entry("linear_viscous", **DASHPOT))
+    assert force(block, entry(name, (entry("linear_viscous", **DASHPOT),), **values)) == pytest.approx(plain, abs=0.5)
+
+
+def test_a_joint_with_play_moves_without_force_between_its_ends():
+    block = sweep(rate=5000)
+    own = force(block, entry("joint_play", (entry("coulomb", force=200.0),), stiffness=5e6, play=0.002))
+    settled = block[T] > 0.3
+    loose = np.abs(own[settled]) < 10.0
+    way = np.abs(block[V][settled])[loose].sum() / 5000 / 2.8  # crossings in 0.7 s at 2 Hz
+    assert way == pytest.approx(0.002, rel=0.15)
+
+
+def test_fade_is_nothing_at_the_reference_and_linear_beside_it():
+    for theta, share in ((40.0, 1.0), (60.0, 0.9), (20.0, 1.1)):
+        block = sweep(temperature=theta)
+        plain = force(block, entry("linear_viscous", **DASHPOT))
+        assert force(block, entry("linear_viscous", **DASHPOT), entry("temperature_gain", fade=0.005)) == pytest.approx(share * plain)
+    block = sweep()
+    assert np.array_equal(force(block, entry("linear_viscous"), entry("temperature_gain", fade=0.01)), force(block, entry("linear_viscous")))
+
+
+def test_end_stops_are_silent_inside_and_progressive_beyond():
+    block = sweep(amplitude=0.06)
+    own = force(block, entry("end_stop", bump_stiffness=1e6, bump_position=-0.05, top_out_stiffness=2e6, top_out_position=0.04))
+    inside = (block[X] > -0.05) & (block[X] < 0.04)
+    assert not own[inside].any()
+    assert own.min() == pytest.approx(-1e6 * 0.01**2) and own.max() == pytest.approx(2e6 * 0.02**2)
+
+
+def test_isothermal_gas_follows_boyle():
+    block = sweep()
+    own = force(block, entry("gas_spring", static_force=300.0, volume=1e-4, rod_area=2e-4, exponent=1.0))
+    assert own * (1e-4 + 2e-4 * block[X]) == pytest.approx(np.full(own.size, -300.0 * 1e-4))
+
+
+def test_gates_of_both_directions_make_the_whole():
+    block = sweep()
+    half = [
+        entry("path", (entry("linear_motion", damping=c), entry("direction_gate", direction=d)))
+        for c, d in ((2000.0, 1.0), (1500.0, -1.0))
+    ]
+    assert force(block, *half) == pytest.approx(force(block, entry("linear_viscous", **DASHPOT)), abs=1e-9)
+
+
+def test_quadratic_gas_equals_the_isentropic_one_to_second_order():
+    block = sweep(amplitude=0.005)
+    f, volume, area, n = 300.0, 1.5e-4, 1.5e-4, 1.4
+    gas = force(block, entry("gas_spring", static_force=f, volume=volume, rod_area=area, exponent=n))
+    r = area / volume
+    series = entry("quadratic_gas", constant=-f, slope=f * n * r, square=-f * n * (n + 1) / 2 * r**2)
+    assert force(block, series) == pytest.approx(gas, abs=1e-3)
+
+
+def test_inertia_is_newtons():
+    block = sweep()
+    assert force(block, entry("inertia", mass=2.5)) == pytest.approx(2.5 * block[A])
+
+
+def test_a_weak_force_does_not_cavitate():
+    block = sweep()
+    plain = force(block, entry("linear_viscous", **DASHPOT))
+    assert np.array_equal(force(block, entry("linear_viscous", **DASHPOT), entry("cavitation_limit", limit=5000.0)), plain)
