@@ -1,8 +1,9 @@
-"""All dampers of a vehicle, live: channel messages in order of arrival in, contents of damper_msgs/DamperForces out.
+"""All dampers of a vehicle over blocks of messages: channel values in order of arrival in, DamperForces contents out.
 
-Node and ``replay`` share this. One output message answers one displacement message; it holds the dampers that this
-message moved (a sample that is dropped moves none), in the order in which the line was given its dampers (that of
-the signal map).
+One output message answers one displacement message; it holds the dampers that this message moved (a sample that is
+dropped moves none), in the order in which the line was given its dampers (that of the signal map). ``replay`` runs
+on this. The node follows the same rule message by message, on the same ``DamperEstimator``; a test over DDS holds the two
+together bit for bit.
 """
 
 from collections.abc import Iterator, Mapping
