@@ -42,7 +42,10 @@ setup(
         "jinja2>=3.1,<4",
         "numba>=0.59,<1",
     ],
-    extras_require={"test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7"]},
+    extras_require={
+        "evolutionary": ["pymoo>=0.6.1,<0.7"],
+        "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7"],
+    },
     entry_points={
         "console_scripts": [
             f"damper-estimator = {NAME}.cli.main:main",

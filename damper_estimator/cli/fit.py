@@ -3,11 +3,18 @@
 All recordings are taken together. With several dampers, -o is a folder that receives one DAMPER.yaml each.
 What the model file fixes stays as it is; --fix fixes more, --free then frees (the later word wins: --fix '*' --free
 coulomb.force identifies friction alone). Names may be whole effects, whole vectors, or patterns with * and ?.
+
+Recordings of several settings (adjuster position, current, gas pressure): --each NAME gives a parameter a value of its own per
+setting, all others are shared, and --by says which recording belongs to which: --by soft=a.mcap --by hard=b.mcap,c.mcap,
+or --by command (temperature, pressure) where a channel tells. -o is then a folder with one SETTING.yaml each.
+
+Several objectives: --method nsga2 finds a Pareto front over groups of excitations, formed from velocity and frequency or
+given by --group. It is kept in MODEL.front.csv; --pick chooses the point that becomes the model, and with --front
+MODEL.front.csv another point is picked without a new search.
 """
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, fields
 from pathlib import Path
 
 from damper_estimator.cli.common import (
@@ -20,13 +27,27 @@ from damper_estimator.cli.common import (
     progress,
     write_json,
 )
+from damper_estimator.cli.fit_report import as_json, joint_json, joint_table, table
 from damper_estimator.errors import InputError
-from damper_estimator.identification import Fit, FittedParameter, all_methods, fit
-from damper_estimator.model import DamperModel, load_model, save_model
-from damper_estimator.model.element import labels
+from damper_estimator.files import write_text
+from damper_estimator.identification import (
+    Fit,
+    JointFit,
+    Wishes,
+    all_methods,
+    fit,
+    fit_joint,
+    load_front,
+    settings_by_channel,
+)
+from damper_estimator.identification.excitations import named
+from damper_estimator.model import load_model, save_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, SignalMap, load_signal_map, measure
 from damper_estimator.signals.channels import signals_for
+from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
+
+_CHANNELS = {"command": COMMAND, "temperature": TEMPERATURE, "pressure": PRESSURE}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,30 +76,159 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--fix", metavar="NAME", action="append", default=[], help="leave this parameter as it is; may be repeated"
     )
     parser.add_argument("--seed", type=int, default=0, help="of the start values that are drawn (default: %(default)s)")
+    _add_settings(parser)
     add_signals(parser)
     add_window(parser)
     add_json(parser)
 
 
+def _add_settings(parser: argparse.ArgumentParser) -> None:
+    """Joint fits, and several objectives."""
+    several = ", ".join(name for name, method in all_methods().items() if method.several)
+    joint = parser.add_argument_group("several settings of one damper")
+    joint.add_argument(
+        "--each", metavar="NAME", action="append", default=[], help="identify it per setting; may be repeated"
+    )
+    joint.add_argument(
+        "--by",
+        metavar="SETTING=BAG[,BAG]",
+        action="append",
+        default=[],
+        help=f"the recordings of a setting, may be repeated; or the channel that tells it: {', '.join(_CHANNELS)}",
+    )
+    groups = parser.add_argument_group(f"several objectives (--method {several})")
+    groups.add_argument(
+        "--group", metavar="NAME=BAG[,BAG]", action="append", default=[], help="an objective; may be repeated"
+    )
+    groups.add_argument(
+        "--pick", metavar="POINT", help="knee, a group, or a number in the front's file (default: knee)"
+    )
+    groups.add_argument("--front", metavar="CSV", type=Path, help="a front found before: pick from it, do not search")
+    evolution = parser.add_argument_group("evolutionary methods")
+    evolution.add_argument("--population", metavar="N", type=_count, help="parameter sets per generation")
+    evolution.add_argument("--generations", metavar="N", type=_count, help="how many")
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 4:
+        raise ValueError(text)
+    return number
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Fits every damper, then writes all model files."""
+    wishes = _wishes(arguments)
+    if bool(arguments.each) != bool(arguments.by):
+        raise InputError("--each and --by go together: which parameters differ, and between which recordings")
     measurements = read(
         arguments.bags, load_signal_map(arguments.signals), arguments.dampers, arguments.start, arguments.stop
     )
+    fitted = _fit_joint if arguments.each else _fit_plain
+    records = fitted(arguments, measurements, wishes)
+    write_json(arguments.json, {"bags": arguments.bags, "model": arguments.model, "dampers": records})
+    return 0
+
+
+def _wishes(arguments: argparse.Namespace) -> Wishes:
+    method = all_methods().get(arguments.method)
+    asked = [f"--{name}" for name in ("group", "pick", "front") if getattr(arguments, name)]
+    if method is not None and asked and not method.several:
+        several = ", ".join(name for name, own in all_methods().items() if own.several)
+        raise InputError(f"{', '.join(asked)}: {arguments.method} has a single objective; use --method {several}")
+    return Wishes(
+        progress=progress,
+        groups=_named_bags("--group", arguments.group, arguments.bags),
+        pick=arguments.pick or "knee",
+        front=load_front(arguments.front) if arguments.front else None,
+        generations=arguments.generations,
+        population=arguments.population,
+    )
+
+
+def _named_bags(option: str, words: Sequence[str], bags: Sequence[Path]) -> dict[str, tuple[str, ...]]:
+    """Recordings by name from words ``NAME=BAG[,BAG]``; a name may come several times.
+
+    Raises:
+        InputError: for another form, and for a bag that is not among those to fit to.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for word in words:
+        name, _, listed = word.partition("=")
+        given = tuple(bag for bag in listed.split(",") if bag)
+        if not given or not name or not all(c.isalnum() or c in "._+-" for c in name):
+            raise InputError(f"{option} {word}: is not NAME=BAG[,BAG] with a name of letters, digits, . _ + -")
+        unknown = [bag for bag in given if not any(named(str(known), [bag]) for known in bags)]
+        if unknown:
+            raise InputError(f"{option} {word}: {', '.join(unknown)} is not among the recordings to fit to")
+        found[name] = found.get(name, ()) + given
+    return found
+
+
+def _fit_plain(
+    arguments: argparse.Namespace, measurements: dict[str, list[Measurement]], wishes: Wishes
+) -> dict[str, object]:
     targets = output_paths(arguments.output, list(measurements))
-    fits = {}
+    fits: dict[str, Fit] = {}
     for damper, own in measurements.items():
         model = load_model(arguments.model, damper)
         progress(f"{damper}: fitting {model.name} to {len(own)} recording{'s' if len(own) > 1 else ''}")
-        fits[damper] = fit(model, own, arguments.free, arguments.fix, arguments.method, arguments.seed)
+        fits[damper] = fit(
+            model, own, arguments.free, arguments.fix, arguments.method, arguments.seed, wishes=wishes
+        )
     for damper, result in fits.items():
-        targets[damper].parent.mkdir(parents=True, exist_ok=True)
-        save_model(result.model, targets[damper])
+        _save(result, targets[damper])
         if arguments.json != STANDARD_OUTPUT:
             print(table(damper, result, targets[damper]))
-    records = {damper: as_json(result, targets[damper]) for damper, result in fits.items()}
-    write_json(arguments.json, {"bags": arguments.bags, "model": arguments.model, "dampers": records})
-    return 0
+    return {damper: as_json(result, targets[damper]) for damper, result in fits.items()}
+
+
+def _fit_joint(
+    arguments: argparse.Namespace, measurements: dict[str, list[Measurement]], wishes: Wishes
+) -> dict[str, object]:
+    if arguments.output.suffix in (".yaml", ".yml"):
+        raise InputError(f"{arguments.output}: is one file, but each setting gets its own; name a folder")
+    joint: dict[str, JointFit] = {}
+    for damper, own in measurements.items():
+        model = load_model(arguments.model, damper)
+        settings = _settings(arguments, own)
+        progress(f"{damper}: fitting {model.name} to {len(own)} recordings, {len(set(settings))} settings")
+        joint[damper] = fit_joint(
+            model, own, settings, arguments.each, arguments.free, arguments.fix, arguments.method, arguments.seed,
+            wishes=wishes,
+        )  # fmt: skip
+    records = {}
+    for damper, result in joint.items():
+        folder = arguments.output / damper if len(joint) > 1 else arguments.output
+        targets = {setting: folder / f"{setting}.yaml" for setting in result.fits}
+        for setting, own in result.fits.items():
+            _save(own, targets[setting])
+        if arguments.json != STANDARD_OUTPUT:
+            print(joint_table(damper, result, folder))
+        records[damper] = joint_json(result, targets)
+    return records
+
+
+def _settings(arguments: argparse.Namespace, measurements: Sequence[Measurement]) -> list[str]:
+    """The setting of each recording."""
+    if len(arguments.by) == 1 and arguments.by[0] in _CHANNELS:
+        return settings_by_channel(measurements, _CHANNELS[arguments.by[0]], arguments.by[0])
+    given = _named_bags("--by", arguments.by, arguments.bags)
+    settings = []
+    for own in measurements:
+        names = [name for name, bags in given.items() if named(own.recording, bags)]
+        if len(names) != 1:
+            where = f"settings {', '.join(names)}" if names else "no setting"
+            raise InputError(f"{own.recording}: is in {where}; name it in one --by SETTING=BAG[,BAG]")
+        settings += names
+    return settings
+
+
+def _save(result: Fit, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    save_model(result.model, target)
+    if result.front is not None:
+        write_text(target.with_suffix(".front.csv"), result.front.as_csv())
 
 
 def read(
@@ -120,49 +270,3 @@ def output_paths(output: Path, dampers: list[str]) -> dict[str, Path]:
             f"{output}: is one file, but there are dampers {', '.join(dampers)}; name a folder, or choose one with -d"
         )
     return {dampers[0]: output}
-
-
-def table(damper: str, result: Fit, target: Path) -> str:
-    """The result for people."""
-    width = max(len(parameter.name) for parameter in result.parameters)
-    knots = _knots(result.model)
-    lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
-    for p in result.parameters:
-        unit = p.unit if p.unit != "1" else ""
-        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {unit}{knots.get(p.name, '')}"
-        lines.append(row.rstrip())
-    lines += [
-        f"  rms error  {result.rmse_before_n:.4g} N -> {result.rmse_n:.4g} N",
-        f"  ESR        {result.esr_before:.4g} -> {result.esr:.4g}",
-        *(f"  note: {warning}" for warning in result.warnings),
-        f"  {result.seconds:.1f} s, {result.evaluations} evaluations; written to {target}",
-    ]
-    return "\n".join(lines)
-
-
-def _uncertainty(parameter: FittedParameter) -> str:
-    if parameter.at_bound:
-        return "at its bound"
-    return (
-        f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
-    )
-
-
-def _knots(model: DamperModel) -> dict[str, str]:
-    """Where on its curve each entry of a vector stands, by address."""
-    places = {}
-    elements = labels(model.effects)
-    for slot in model.slots:
-        _, element = elements[slot.entry]
-        if isinstance(slot.parameter.size, str):
-            unit = {setting.name: setting.unit for setting in element.effect.settings}[slot.parameter.size]
-            places[slot.address] = f" at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
-    return places
-
-
-def as_json(result: Fit, target: Path) -> dict[str, object]:
-    """The result for programs: the fields of ``Fit``, with the model's name and file."""
-    plain = {
-        field.name: getattr(result, field.name) for field in fields(result) if field.name not in ("model", "parameters")
-    }
-    return {"model": result.model.name, "file": target, **plain, "parameters": [asdict(p) for p in result.parameters]}

@@ -1,0 +1,122 @@
+"""What ``fit`` tells of its results: tables for people, JSON for programs."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from damper_estimator.identification import Fit, FittedParameter, Front, JointFit
+from damper_estimator.identification.front import BEST
+from damper_estimator.model import DamperModel
+from damper_estimator.model.element import labels
+
+
+def table(damper: str, result: Fit, target: Path) -> str:
+    """The result for people."""
+    width = max(len(parameter.name) for parameter in result.parameters)
+    knots = _knots(result.model)
+    lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
+    for p in result.parameters:
+        unit = p.unit if p.unit != "1" else ""
+        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {unit}{knots.get(p.name, '')}"
+        lines.append(row.rstrip())
+    lines += [
+        f"  rms error  {result.rmse_before_n:.4g} N -> {result.rmse_n:.4g} N",
+        f"  ESR        {result.esr_before:.4g} -> {result.esr:.4g}",
+        *(f"  note: {warning}" for warning in result.warnings),
+        *([] if result.front is None else _front_lines(result.front, target)),
+        f"  {result.seconds:.1f} s, {result.evaluations} evaluations; written to {target}",
+    ]
+    return "\n".join(lines)
+
+
+def _uncertainty(parameter: FittedParameter) -> str:
+    if parameter.at_bound:
+        return "at its bound"
+    return (
+        f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
+    )
+
+
+def _knots(model: DamperModel) -> dict[str, str]:
+    """Where on its curve each entry of a vector stands, by address."""
+    places = {}
+    elements = labels(model.effects)
+    for slot in model.slots:
+        _, element = elements[slot.entry]
+        if isinstance(slot.parameter.size, str):
+            unit = {setting.name: setting.unit for setting in element.effect.settings}[slot.parameter.size]
+            places[slot.address] = f" at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
+    return places
+
+
+def as_json(result: Fit, target: Path) -> dict[str, object]:
+    """The result for programs: the fields of ``Fit``, with the model's name and file."""
+    plain = {
+        field.name: getattr(result, field.name)
+        for field in fields(result)
+        if field.name not in ("model", "parameters", "front")
+    }
+    if result.front is not None:
+        plain["front"] = _front_json(result.front, target)
+    return {"model": result.model.name, "file": target, **plain, "parameters": [asdict(p) for p in result.parameters]}
+
+
+def _front_lines(front: Front, target: Path) -> list[str]:
+    """Corners of the front, and where the parameters of each group's best solutions lie."""
+    width = max(map(len, (*front.groups, "knee")))
+    counts = ", ".join(f"{group} {n}" for group, n in zip(front.groups, front.excitations, strict=False))
+    lines = [f"  front of {len(front.values)} points, excitations by group: {counts or 'as before'}"]
+    for name in ("knee", *front.groups):
+        row = front.row(name)
+        errors = "  ".join(f"{g} {e:.3g}" for g, e in zip(front.groups, front.objectives[row], strict=True))
+        taken = "  <- taken" if row == front.picked else ""
+        lines.append(f"    {name:<{width}}  point {row:<4} error over that of the start: {errors}{taken}")
+    regimes = front.regimes()
+    lines.append(f"  parameters of the {min(BEST, len(front.values))} best per group, mean and standard deviation")
+    wide = max(map(len, front.names))
+    lines.append("    " + " " * wide + "".join(f"{group:>24}" for group in front.groups))
+    for name in front.names:
+        cells = [f"{regimes[g][name]['mean']:.4g} ± {regimes[g][name]['stddev']:.2g}" for g in front.groups]
+        lines.append(f"    {name:<{wide}}" + "".join(f"{cell:>24}" for cell in cells))
+    return [*lines, f"  all points: {target.with_suffix('.front.csv')}; --pick and --front take another one"]
+
+
+def _front_json(front: Front, target: Path) -> dict[str, object]:
+    return {
+        "file": target.with_suffix(".front.csv"),
+        "picked": front.picked,
+        "knee": front.row("knee"),
+        "groups": list(front.groups),
+        "excitations": list(front.excitations),
+        "parameters": list(front.names),
+        "values": front.values,
+        "objectives": front.objectives,
+        "regimes": front.regimes(),
+    }
+
+
+def joint_table(damper: str, result: JointFit, folder: Path) -> str:
+    """A joint fit for people: what is shared once, what differs side by side."""
+    first = next(iter(result.fits.values()))
+    shared = [p for p in result.parameters if "@" not in p.name]
+    width = max(len(p.name) for p in first.parameters)
+    lines = [f"{damper}: {first.model.name}, {len(result.parameters)} parameters, {len(result.fits)} settings"]
+    lines += [f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {p.unit}".rstrip() for p in shared]
+    lines.append(f"  {'by setting':<{width}}" + "".join(f"{name:>26}" for name in result.fits))
+    for address in (p.name for p in first.parameters if p.name in result.each):
+        own = [next(p for p in fit.parameters if p.name == address) for fit in result.fits.values()]
+        lines.append(f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>26}" for p in own))
+    before = "".join(f"{f'{own.esr_before:.3g} -> {own.esr:.3g}':>26}" for own in result.fits.values())
+    lines += [f"  {'ESR':<{width}}{before}", *(f"  note: {warning}" for warning in result.warnings)]
+    return "\n".join([*lines, f"  {first.seconds:.1f} s, {first.evaluations} evaluations; written to {folder}"])
+
+
+def joint_json(result: JointFit, targets: Mapping[str, Path]) -> dict[str, object]:
+    """A joint fit for programs: each setting as a fit of its own, and all parameters once."""
+    return {
+        "each": list(result.each),
+        "settings": {name: as_json(own, targets[name]) for name, own in result.fits.items()},
+        "parameters": [asdict(p) for p in result.parameters],
+        "undetermined": result.undetermined,
+        "warnings": list(result.warnings),
+    }
