@@ -23,6 +23,7 @@ from damper_estimator.cli.common import (
     write_json,
 )
 from damper_estimator.cli.groups import parse_groups
+from damper_estimator.cli.steps import step_line, step_records
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.model import load_model
@@ -44,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--group", metavar="NAME=BAG,...", action="append", default=[],
         help="tell the error of these recordings together under a name; may be repeated",
     )  # fmt: skip
+    parser.add_argument("--steps", action="store_true", help="step test: judge every step of 10 mm and more by itself")
     add_signals(parser)
     add_window(parser)
     add_json(parser)
@@ -68,6 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
             records[name] = _record(comparisons, arguments.models)
             if arguments.json != "-":
                 _print(name, comparisons)
+            if arguments.steps:
+                records[name] |= _steps(comparisons, arguments.json != "-")
             if arguments.html:
                 from damper_estimator.report import damper_section
 
@@ -139,6 +143,15 @@ def _record(comparisons: Sequence[Comparison], models: Sequence[str]) -> dict[st
     velocities = {m.recording: own.record() for m in measurements if (own := velocity_agreement(m)) is not None}
     first = records[0] | {"partial_coherence": partial_coherence(measurements).record()}
     return first | ({"velocity": velocities} if velocities else {}) | ({"models": records} if len(records) > 1 else {})
+
+
+def _steps(comparisons: Sequence[Comparison], printed: bool) -> dict[str, object]:
+    """Every step by itself, under ``steps`` and the model's name; printed where wanted."""
+    steps = {c.model.name: step_records(c.model, [t.measurement for t in c.traces]) for c in comparisons}
+    for model, own in steps.items() if printed else ():
+        print(f"  steps, {model}:")
+        print(*(step_line(record) for record in own), sep="\n")
+    return {"steps": steps}
 
 
 def _print(name: str, comparisons: Sequence[Comparison]) -> None:

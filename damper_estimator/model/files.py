@@ -1,5 +1,6 @@
 """Model files: YAML in and out, models by name from the installed library."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -17,8 +18,13 @@ LIBRARY = "config/models"
 
 
 def library_models() -> dict[str, Path]:
-    """Path of every installed model by name."""
-    return {path.stem: path for path in sorted(share_path(LIBRARY).glob("*.yaml"))}
+    """Path of every installed model by name, in alphabetical order but for numbers, which count."""
+    paths = share_path(LIBRARY).glob("*.yaml")
+    return {path.stem: path for path in sorted(paths, key=lambda path: _numbers_counting(path.stem))}
+
+
+def _numbers_counting(name: str) -> list[str]:
+    return [part.zfill(3) if part.isdigit() else part for part in re.split(r"(\d+)", name)]
 
 
 def load_model(name_or_path: str | Path, damper: str | None = None) -> DamperModel:

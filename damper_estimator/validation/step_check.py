@@ -20,6 +20,7 @@ LEAST_HEIGHT = 0.010  # m, of what counts as a step
 _MOVING = 0.05  # of the largest speed
 _SETTLING = 0.10  # s after a step that belong to it
 _LONGEST = 1.0  # s that a step may take
+_REST = 0.2  # s of standstill before and behind it
 
 
 @dataclass(frozen=True)
@@ -100,16 +101,25 @@ def _moves(measurement: Measurement, least_height: float) -> list[slice]:
     direction = np.where(np.abs(velocity) > _MOVING * float(np.abs(velocity).max(initial=0.0)), np.sign(velocity), 0.0)
     direction[kinematics.dt <= 0.0] = 0.0
     edges = [0, *(np.flatnonzero(np.diff(direction)) + 1).tolist(), velocity.size]
-    moves = []
-    for first, last in zip(edges, edges[1:], strict=False):
-        inside = slice(first, last)
-        moving = direction[first] != 0.0 if last > first else False
-        rests = (first == 0 or direction[first - 1] == 0.0) and (last == velocity.size or direction[last] == 0.0)
-        if (
-            moving
-            and rests
-            and kinematics.time[last - 1] - kinematics.time[first] <= _LONGEST
-            and abs(_height(measurement, inside)) >= least_height
-        ):
-            moves.append(inside)
-    return moves
+    runs = [slice(first, last) for first, last in zip(edges, edges[1:], strict=False) if last > first]
+
+    def rests(k: int) -> bool:
+        """Whether run ``k`` is a rest of some length; the ends of the recording count as rest."""
+        if not 0 <= k < len(runs):
+            return True
+        return direction[runs[k].start] == 0.0 and (k in (0, len(runs) - 1) or _seconds(measurement, runs[k]) >= _REST)
+
+    return [
+        inside
+        for k, inside in enumerate(runs)
+        if direction[inside.start] != 0.0
+        and rests(k - 1)
+        and rests(k + 1)
+        and _seconds(measurement, inside) <= _LONGEST
+        and abs(_height(measurement, inside)) >= least_height
+    ]
+
+
+def _seconds(measurement: Measurement, inside: slice) -> float:
+    time = measurement.kinematics.time
+    return float(time[inside.stop - 1] - time[inside.start])
