@@ -1,16 +1,18 @@
 """Identify a model's parameters from recordings.
 
 All recordings are taken together. With several dampers, -o is a folder that receives one DAMPER.yaml each.
-What the model file fixes stays as it is; --fix fixes more, --free then frees (the later word wins: --fix '*' --free
-coulomb.force identifies friction alone). Names may be whole effects, whole vectors, or patterns with * and ?.
+What the model file fixes stays as it is; --fix fixes more, --free then frees (the later word wins: --fix '*'
+--free coulomb.force identifies friction alone). Names may be whole effects, whole vectors, or patterns with *
+and ?.
 
-Recordings of several settings (adjuster position, current, gas pressure): --each NAME gives a parameter a value of its own per
-setting, all others are shared, and --by says which recording belongs to which: --by soft=a.mcap --by hard=b.mcap,c.mcap,
-or --by command (temperature, pressure) where a channel tells. -o is then a folder with one SETTING.yaml each.
+Recordings of several settings (adjuster position, current, gas pressure): --each NAME gives a parameter a
+value of its own per setting, all others are shared, and --by says which recording belongs to which: --by
+soft=a.mcap --by hard=b.mcap,c.mcap, or --by command (temperature, pressure) where a channel tells. -o is then
+a folder with one SETTING.yaml each.
 
-Several objectives: --method nsga2 finds a Pareto front over groups of excitations, formed from velocity and frequency or
-given by --group. It is kept in MODEL.front.csv; --pick chooses the point that becomes the model, and with --front
-MODEL.front.csv another point is picked without a new search.
+Several objectives: --method nsga2 finds a Pareto front over groups of excitations, formed from velocity and
+frequency or given by --group. It is kept in MODEL.front.csv; --pick chooses the point that becomes the model,
+and with --front MODEL.front.csv another point is picked without a new search.
 """
 
 import argparse
@@ -173,9 +175,7 @@ def _fit_plain(
     for damper, own in measurements.items():
         model = load_model(arguments.model, damper)
         progress(f"{damper}: fitting {model.name} to {len(own)} recording{'s' if len(own) > 1 else ''}")
-        fits[damper] = fit(
-            model, own, arguments.free, arguments.fix, arguments.method, arguments.seed, wishes=wishes
-        )
+        fits[damper] = fit(model, own, arguments.free, arguments.fix, arguments.method, arguments.seed, wishes=wishes)
     for damper, result in fits.items():
         _save(result, targets[damper])
         if arguments.json != STANDARD_OUTPUT:

@@ -1,9 +1,10 @@
-"""Splits recordings into excitations and attributes them to groups, as an identification with several objectives wants it.
+"""Splits recordings into excitations and attributes them to groups, for identification with several objectives.
 
-An excitation is a run of cycles of one group that are alike in frequency and peak velocity, such as one sine of a test
-series. Irregular motion (random, road) has no such runs: there, all of a recording's cycles of one group are one excitation.
-Groups are formed from the recordings' own velocities and frequencies (``signals.grouping``) unless they are given.
-Long excitations are cut, for a few thousand samples tell what an evolution needs.
+An excitation is a run of cycles of one group that are alike in frequency and peak velocity, such as one sine
+of a test series. Irregular motion (random, road) has no such runs: there, all of a recording's cycles of one
+group are one excitation. Groups are formed from the recordings' own velocities and frequencies
+(``signals.grouping``) unless they are given. Long excitations are cut, for a few thousand samples tell what
+an evolution needs.
 
 Source: Gao et al., section 3.2.1, Table 1.
 """

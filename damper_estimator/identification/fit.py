@@ -125,7 +125,9 @@ def identified(
     solution = chosen.search(problem, _sketch(problem), starts_at, size, wishes)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
-        raise InputError(f"model {name}: gives no finite force from any start value; mend its values or fix some parameters")
+        raise InputError(
+            f"model {name}: gives no finite force from any start value; mend its values or fix some parameters"
+        )
     return solution, uncertainty(problem, solution.point, size)
 
 
@@ -198,7 +200,7 @@ def result(
     warnings: tuple[str, ...],
     setting: int = 0,
 ) -> Fit:
-    """What was identified for one setting, with its errors over that setting's recordings; ``model`` is the one before."""
+    """What was identified for one setting, with the errors over its recordings; ``model`` is the one before."""
     began = perf_counter()
     used = [own.measurement for own in problem.rows if own.setting == setting]
     fitted = problem.model_at(problem.vector(solution.point.searched, solution.point.solved), setting)
@@ -227,7 +229,7 @@ def result(
 def warnings_of(
     problem: Problem, model: DamperModel, solution: Solution, known: Uncertainty, given: Sequence[Measurement]
 ) -> tuple[str, ...]:
-    """What the user should know of an identification; ``model`` is the one before, ``given`` all that was asked for."""
+    """What the user should know of an identification; ``model`` is the one before, ``given`` all that was asked."""
     used = [own.measurement for own in problem.rows]
     lost = sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
     parameters, moved = parameters_of(problem, solution, known), moved_knots(model, problem.model)

@@ -1,6 +1,7 @@
 """A Pareto front: solutions of which none is better than another in every objective, and what is read off it.
 
-    knee:            the point that is nearest to the best of every objective, logarithms scaled by their range
+    knee:            the point that is nearest to the best of every objective, logarithms scaled by their range;
+                     where there are any, among those that are worse than the start in no group
     regimes (4.3):   mean and spread of every parameter over the solutions that are best for one group
 
 Source: Gao et al., eqs. (9), (10), section 4.3.
@@ -51,15 +52,18 @@ class Front:
             # Objectives are ratios, so their logarithms are compared.
             level = np.log(np.maximum(self.objectives, np.finfo(float).tiny))
             low, high = level.min(axis=0), level.max(axis=0)
-            scaled = (level - low) / np.where(high > low, high - low, 1.0)
-            return int(np.argmin(np.linalg.norm(scaled, axis=1)))
+            scaled = np.linalg.norm((level - low) / np.where(high > low, high - low, 1.0), axis=1)
+            worse = (self.objectives > 1.0).any(axis=1)
+            return int(np.argmin(scaled + np.where(worse, np.inf, 0.0) if not worse.all() else scaled))
         if pick.isdecimal() and int(pick) < len(self.values):
             return int(pick)
         last = len(self.values) - 1
-        raise InputError(f"pick {pick!r}: is none of knee, {', '.join(self.groups)}, and no point 0 to {last} of the front")
+        raise InputError(
+            f"pick {pick!r}: is none of knee, {', '.join(self.groups)}, and no point 0 to {last} of the front"
+        )
 
     def regimes(self, count: int = BEST) -> dict[str, dict[str, dict[str, float]]]:
-        """For every group and parameter: ``mean``, ``stddev``, ``min`` and ``max`` over the ``count`` best for the group."""
+        """By group and parameter: ``mean``, ``stddev``, ``min`` and ``max`` over the ``count`` best for the group."""
         found = {}
         for k, group in enumerate(self.groups):
             best = self.values[np.argsort(self.objectives[:, k], kind="stable")[:count]]

@@ -1,8 +1,8 @@
 """Joint identification: some parameters are shared by all recordings, others have a value per setting.
 
-A setting is what the user changes on a damper: adjuster position, current, gas pressure. All recordings are fitted together,
-so that what is shared is determined by all of them; for another adjuster position of the track paper's damper, for example,
-only K_leak and K_port change.
+A setting is what the user changes on a damper: adjuster position, current, gas pressure. All recordings are
+fitted together, so that what is shared is determined by all of them; for another adjuster position of the
+track paper's damper, for example, only K_leak and K_port change.
 
 Source: Carrera Akutain et al., section 4.
 """

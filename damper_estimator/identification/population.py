@@ -12,7 +12,7 @@ _MISSING = "this method needs pymoo, which is not installed; install it: pip ins
 
 
 class Scale:
-    """Maps parameters between their bounds to shares from 0 to 1: by ratio where the bounds are far apart, else evenly."""
+    """Maps parameters between their bounds to shares from 0 to 1: by ratio where bounds are far apart, else evenly."""
 
     def __init__(self, lower: np.ndarray, upper: np.ndarray):
         """``lower`` and ``upper`` (p,)."""

@@ -1,8 +1,8 @@
 """The least-squares problem of a fit: parameters that are searched or solved for, and the error they leave.
 
-For given searched parameters q the force in band is c(q) + Phi(q) p with the linear parameters p, which are solved
-for between their bounds (variable projection). Every part of the model is run anew only when a parameter changes on
-which it depends.
+For given searched parameters q the force in band is c(q) + Phi(q) p with the linear parameters p, which are
+solved for between their bounds (variable projection). Every part of the model is run anew only when a
+parameter changes on which it depends.
 """
 
 from collections import OrderedDict
@@ -131,7 +131,7 @@ class Problem:
         return values
 
     def point(self, searched: np.ndarray, solved: np.ndarray | None = None) -> Point:
-        """The best that can be done with these values of the searched parameters, or how it is with those of the linear ones too."""
+        """The best that can be done with these searched parameters; with ``solved`` given, how it is with those."""
         self.evaluations += 1
         values = self.vector(searched, self._start[self.solved])
         constant, columns = np.zeros(self.target.size), np.zeros((self.target.size, self.solved.size))
@@ -151,7 +151,8 @@ class Problem:
     def jacobian(self, point: Point, size: np.ndarray) -> np.ndarray:
         """(m, q) derivative of the rows by the searched parameters, the linear ones held; one-sided differences.
 
-        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero: the rest is rounding.
+        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero:
+        the rest is rounding.
 
         Args:
             size: (q,) magnitude of each parameter, to which the step is in proportion.
@@ -180,7 +181,7 @@ class Problem:
         return constant + columns @ point.solved[places]
 
     def _columns(self, i: int, part: "_Part", values: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """A part's rows without its solved parameters (r,), per unit of each (r, k), and which of ``solved`` they are."""
+        """A part's rows without its solved parameters (r,), per unit of each (r, k), and their places in ``solved``."""
         key = values[part.searched].tobytes()
         cache = self._cache[i]
         if key in cache:

@@ -12,7 +12,7 @@ from damper_estimator.signals.layout import COMMAND
 
 FAR = 4.5  # standard errors: farther off, a value is wrong
 VALVES = [f"leak_blow_off_port.{what}_{way}" for what in ("leak", "port") for way in ("rebound", "compression")]
-ADJUSTED = {"1": (15000.0, 100.0, 10000.0, 100.0), "2": (25000.0, 300.0, 18000.0, 500.0), "3": (4e4, 900.0, 3e4, 1500.0)}
+ADJUSTED = {"1": (15e3, 100.0, 10e3, 100.0), "2": (25e3, 300.0, 18e3, 500.0), "3": (40e3, 900.0, 30e3, 1500.0)}
 COMMON = {"seal_friction.rebound": 35.0, "leak_blow_off_port.preload_rebound": 600.0}
 
 
@@ -78,7 +78,8 @@ def test_with_everything_per_setting_a_joint_fit_is_the_separate_fits(measured):
 @pytest.mark.parametrize("method", ["hooke_jeeves", "genetic"])
 def test_other_methods_fit_jointly_as_well(method, measured):
     start = load_model("memoryless_baseline")
-    truths = [start.with_values({"tanh_hysteresis.force": f, "tanh_hysteresis.steepness": 60.0}) for f in (200.0, 500.0)]
+    common = {"tanh_hysteresis.steepness": 60.0}
+    truths = [start.with_values({"tanh_hysteresis.force": force, **common}) for force in (200.0, 500.0)]
     data = [measured(truth, k, seconds=6.0) for k, truth in enumerate(truths)]
     found = fit_joint(start, data, ["low", "high"], ["tanh_hysteresis.force"], method=method)
     forces = [own.parameters[0].value for own in found.fits.values()]

@@ -2,14 +2,15 @@
 
     minimise  f(u) = log(cost(q) / cost_0) + w sum(max(0, (q_low - q) / s, (q - q_high) / s)^2),      q = q_0 + s u
 
-Exploration tries one parameter after the other, a step up and a step down; a pattern move then repeats what the whole
-round gained, and steps are halved where nothing gains. Each parameter's step is in proportion to its size s. Outside the
-bounds the model is run at the nearest bound and the penalty leads back; w grows as the steps shrink, so the end lies
-inside. Parameters in which the force is linear are solved for at each point, as in ``least_squares``. The starts are tried on
-excerpts of the data, the best is finished on all of it. It is the choice where derivatives fail: dead bands, switches, delays.
+Exploration tries one parameter after the other, a step up and a step down; a pattern move then repeats what
+the whole round gained, and steps are halved where nothing gains. Each parameter's step is in proportion to
+its size s. Outside the bounds the model is run at the nearest bound and the penalty leads back; w grows as
+the steps shrink, so the end lies inside. Parameters in which the force is linear are solved for at each
+point, as in ``least_squares``. The starts are tried on excerpts of the data, the best is finished on all of
+it. It is the choice where derivatives fail: dead bands, switches, delays.
 
-Source: Hooke and Jeeves 1961; the black-box paper's identification (there with three starts; external penalty);
-Lozoya-Santos et al., where derivatives fail.
+Source: Hooke and Jeeves 1961; the black-box paper's identification (there with three starts; external
+penalty); Lozoya-Santos et al., where derivatives fail.
 """
 
 from collections.abc import Callable

@@ -1,11 +1,12 @@
 """NSGA-II over groups of excitations: a Pareto front, of which one point becomes the model.
 
-    e_g(x) = mean over the excitations i of group g of  e_i(x) / e_i(x_0),      e_i = (1/N) sum (F(x, t) - F_measured(t))^2
+    e_g(x) = mean over the excitations i of group g of e_i(x) / e_i(x_0),    e_i = (1/N) sum (F(x, t) - F_measured)^2
 
-with x_0 the model's own values, so each objective is 1 at the start. All free parameters are searched between their bounds,
-the linear ones as well: solving for them would settle the trade between the groups. The first generation holds the model's own
-values, the least-squares solution over all groups and over each, values of the data's size, and points between the bounds. The point that
-becomes the model is chosen by ``wishes.pick``; the default is the front's knee.
+with x_0 the model's own values, so each objective is 1 at the start. All free parameters are searched between
+their bounds, the linear ones as well: solving for them would settle the trade between the groups. The first
+generation holds the model's own values, the least-squares solution over all groups and over each, values of
+the data's size, and points between the bounds. The point that becomes the model is chosen by ``wishes.pick``;
+the default is the front's knee.
 
 Source: Gao et al., eqs. (7), (9), section 3.2.2; Deb et al. 2000 (pymoo's ``NSGA2``).
 """
@@ -43,8 +44,8 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     point = problem.point(vector[problem.searched], vector[problem.solved])
     errors = ", ".join(f"{g} {e:.3g}" for g, e in zip(front.groups, front.objectives[row], strict=True))
     remark = (
-        f"{ran}point {row} of {len(front.values)} on the front ({wishes.pick}) was taken, with errors relative to the start "
-        f"of {errors}; standard errors are those of the model there, as if all recordings counted alike"
+        f"{ran}point {row} of {len(front.values)} on the front ({wishes.pick}) was taken, with errors relative to "
+        f"the start of {errors}; standard errors are those of the model there, as if all recordings counted alike"
     )
     return Solution(point, True, evaluations + problem.evaluations, remark, replace(front, picked=row))
 
@@ -53,7 +54,8 @@ def _checked(front: Front, problem: Problem) -> Front:
     names = tuple(problem.slots[i].address for i in problem.free)
     if front.names != names:
         raise InputError(
-            f"the front holds {', '.join(front.names)}, but to identify are {', '.join(names)}; give the options it was made with"
+            f"the front holds {', '.join(front.names)}, but to identify are {', '.join(names)}; "
+            "give the options it was made with"
         )
     return front
 
@@ -81,7 +83,7 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
             best = ", ".join(f"{g} {e:.3g}" for g, e in zip(chosen.groups, found.min(axis=0), strict=True))
             wishes.progress(f"generation {generation} of {generations}: best errors relative to the start: {best}")
 
-    known = np.array([_whole(small, own)[free] for own in candidates[:1]] + _leads(small, chosen, before, candidates, size))
+    known = np.array([start[free], *_leads(small, chosen, before, candidates, size)])
     spread = np.array([_whole(small, own, projected=True)[free] for own in candidates[1:]]).reshape(-1, free.size)
     population = wishes.population or _POPULATION
     first = first_generation(scale, np.vstack([known, spread]), population, wishes.seed)
@@ -126,7 +128,7 @@ def _objectives(
 def _leads(
     problem: Problem, chosen: Excitations, before: list[np.ndarray], candidates: np.ndarray, size: np.ndarray
 ) -> list[np.ndarray]:
-    """Free parameters of the least-squares solutions over all groups and over each alone, with the objectives' weights."""
+    """Free parameters of the least-squares solutions over all groups and over each, with the objectives' weights."""
     free = np.array(problem.free)
     start = min(candidates, key=lambda own: problem.point(own).cost)
     found = []
@@ -136,7 +138,9 @@ def _leads(
             for own, reference in zip(chosen.members[k], before[k], strict=True):
                 weight[own] += 1.0 / (reference * own.size * len(chosen.members[k]))
         weighted = problem.weighted(weight * problem.target.size / weight.sum())
-        point, _ = refine(weighted, start, size, _LEAD_ITERATIONS, _LEAD_GAIN)
+        point = weighted.point(start)
+        if start.size:
+            point, _ = refine(weighted, start, size, _LEAD_ITERATIONS, _LEAD_GAIN)
         found.append(problem.vector(point.searched, point.solved)[free])
         start = point.searched if len(found) == 1 else start
     return found
