@@ -51,7 +51,9 @@ def main() -> None:
     """Prints a row per model; the plain-Python rows come from a process of their own."""
     kind = "numba" if COMPILED else "plain Python"
     for name in MODELS:
-        print(f"{name:24s} {kind:13s} model {model_time(name):7.2f} us   whole line {line_time(name):7.2f} us", flush=True)
+        print(
+            f"{name:24s} {kind:13s} model {model_time(name):7.2f} us   whole line {line_time(name):7.2f} us", flush=True
+        )
     if COMPILED:
         subprocess.run([sys.executable, __file__], env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, check=True)
 

@@ -1,8 +1,8 @@
-"""Black-box peers for the table of real dampers: SysIdentPy's FROLS in free run, and gradient boosting on short history.
+"""Black-box peers for the table of real dampers: SysIdentPy's FROLS in free run, gradient boosting on short history.
 
-They are needed for the table alone: ``pip install sysidentpy scikit-learn``. Both see what the models see, at one rate: filtered
-displacement, velocity and acceleration in, force through the same filter out. Gradient boosting is the ceiling of what a
-static map of x, v, a and their last 50 ms can give.
+They are needed for the table alone: ``pip install sysidentpy scikit-learn``. Both see what the models see, at
+one rate: filtered displacement, velocity and acceleration in, force through the same filter out. Gradient
+boosting is the ceiling of what a static map of x, v, a and their last 50 ms can give.
 """
 
 import contextlib

@@ -1,9 +1,10 @@
-"""The main job on real dampers: import, fit on some recordings, judge on others; prints the tables of docs/real_data.md.
+"""The main job on real dampers: import, fit on some recordings, judge on others; prints docs/real_data.md's tables.
 
     python benchmarks/real_data.py [--models NAME ...] [--jobs 2] [-o docs/real_data.md]
 
-Two sets of recordings of magneto-rheological dampers, which are not part of the project: they are looked for in
-``../shared/data`` (or DAMPER_SHARED_DATA). Unseen means other recordings: another frequency, another amplitude.
+Two sets of recordings of magneto-rheological dampers, which are not part of the project: they are looked for
+in ``../shared/data`` (or DAMPER_SHARED_DATA). Unseen means other recordings: another frequency, another
+amplitude.
 """
 
 import argparse
@@ -11,8 +12,8 @@ import os
 import sys
 import tempfile
 from collections.abc import Sequence
-from contextlib import redirect_stdout
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -23,6 +24,7 @@ import peers
 
 from damper_estimator import files
 from damper_estimator.cli.main import main as damper_estimator
+from damper_estimator.errors import InputError
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model
 from damper_estimator.recordings import open_bag
@@ -74,9 +76,13 @@ UTFSM = tuple(
 LABCONTROL = (
     Setting("0 V", ("lab/ensaio1.1.mcap", "lab/ensaio6.1.mcap"), tuple(f"lab/ensaio{k}.1.mcap" for k in (2, 4, 8, 10))),
     Setting(
-        "0.87 V", ("lab/ensaio1.2.2.mcap", "lab/ensaio6.2.2.mcap"), tuple(f"lab/ensaio{k}.2.2.mcap" for k in (2, 4, 8, 10))
+        "0.87 V",
+        ("lab/ensaio1.2.2.mcap", "lab/ensaio6.2.2.mcap"),
+        tuple(f"lab/ensaio{k}.2.2.mcap" for k in (2, 4, 8, 10)),
     ),
-    Setting("1.98 V", ("lab/ensaio.B.1.mcap", "lab/ensaio.B.6.mcap"), tuple(f"lab/ensaio.B.{k}.mcap" for k in (3, 5, 7, 9))),
+    Setting(
+        "1.98 V", ("lab/ensaio.B.1.mcap", "lab/ensaio.B.6.mcap"), tuple(f"lab/ensaio.B.{k}.mcap" for k in (3, 5, 7, 9))
+    ),
 )
 PLANT = (
     Setting("passenger", ("bags/passenger_random.mcap",), ("bags/passenger_road.mcap", "bags/passenger_dyno.mcap")),
@@ -118,7 +124,12 @@ def score(folder: Path, setting: Setting, name: str) -> Score:
         force, count = peers.PEERS[name](read(setting.fitted))
         seconds = perf_counter() - began
         return Score(setting.name, name, count, *_judged(force, read(setting.unseen)), seconds)
-    fitted = fit(load_model(name), read(setting.fitted))
+    try:
+        fitted = fit(load_model(name), read(setting.fitted))
+    except InputError:  # the model needs a channel that these recordings do not have
+        return Score(
+            setting.name, name, 0, float("nan"), float("nan"), (float("nan"),) * len(setting.unseen), float("nan")
+        )
     seconds = perf_counter() - began
     judged = compare(fitted.model, *read(setting.unseen))
     each = tuple(part.measures.esr for part in per_recording(judged))
@@ -140,24 +151,26 @@ def table(settings: Sequence[Setting], scores: Sequence[Score]) -> str:
     by_model: dict[str, dict[str, Score]] = {}
     for own in scores:
         by_model.setdefault(own.model, {})[own.setting] = own
-    ranked = sorted(by_model.items(), key=lambda item: np.median([s.esr for s in item[1].values()]))
+    ranked = sorted(by_model.items(), key=lambda item: np.nanmedian([s.esr for s in item[1].values()]))
     head = ["model", "parameters", *(s.name for s in settings), "median", "correlation", "fit"]
     rows = [head, ["---"] + ["---:"] * (len(head) - 1)]
     for name, own in ranked:
         values = [own[s.name] for s in settings]
         rows.append([
             f"**{name}**" if name == BASELINE else name,
-            str(values[0].parameters),
+            str(max(v.parameters for v in values)),
             *(_marked(v, settings, by_model) for v in values),
-            f"{np.median([v.esr for v in values]):.4f}",
-            f"{min(v.correlation for v in values):.3f}",
-            f"{np.median([v.seconds for v in values]):.1f} s",
+            f"{np.nanmedian([v.esr for v in values]):.4f}",
+            f"{np.nanmin([v.correlation for v in values]):.3f}",
+            f"{np.nanmedian([v.seconds for v in values]):.1f} s",
         ])  # fmt: skip
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
 def _marked(own: Score, settings: Sequence[Setting], by_model: dict[str, dict[str, Score]]) -> str:
-    """The ESR, marked where the model is worse than the baseline."""
+    """The ESR, marked where the model is worse than the baseline; a dash where the model does not apply."""
+    if np.isnan(own.esr):
+        return "–"
     baseline = by_model.get(BASELINE, {}).get(own.setting)
     worse = baseline is not None and own.model != BASELINE and own.esr > baseline.esr
     return f"{own.esr:.4f}{' ▲' if worse else ''}"
@@ -193,7 +206,9 @@ def main() -> None:
                 scores = list(pool.map(score, *zip(*tasks, strict=True)))
             best = min((s for s in scores if s.model != BASELINE), key=lambda s: s.esr).model
             parts += [f"### {title}", table(settings, scores)]
-            parts += [f"{s.name}, recording by recording:\n\n{detail(s, scores, (BASELINE, best))}" for s in settings[-1:]]
+            parts += [
+                f"{s.name}, recording by recording:\n\n{detail(s, scores, (BASELINE, best))}" for s in settings[-1:]
+            ]
     text = "\n\n".join(parts) + "\n"
     print(text)
     if arguments.output:

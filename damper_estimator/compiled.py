@@ -33,7 +33,9 @@ if COMPILED:
 
 
 def compiled(function: Callable) -> Callable:
-    """Decorator: the function in machine code, cached beside its file (or in the user's cache where that is read-only)."""
+    """Decorator: the function in machine code, cached beside its file (or in the user's cache where that is
+    read-only).
+    """
     if not COMPILED:
         return function
     try:

@@ -1,16 +1,17 @@
 """Starts the damper force estimator.
 
-    ros2 launch damper_estimator estimator.launch.py model:=/path/to/front_left.yaml namespace:=car_7
+ros2 launch damper_estimator estimator.launch.py model:=/path/to/front_left.yaml namespace:=car_7
 """
 
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+
+from launch import LaunchDescription
 
 PARAMETERS = Path(get_package_share_directory("damper_estimator")) / "config" / "node.yaml"
 

@@ -23,7 +23,6 @@ ALLOWED = {
     "identification": {"model", "effects", "signals"},
     "validation": {"model", "signals"},
     "characterization": {"model", "signals"},
-    "characterization": {"model", "signals"},
     "diagnosis": {"model", "signals", "effects", "identification", "validation"},
     "control": {"model"},
     "plant": set(),
@@ -40,7 +39,9 @@ ROS_MESSAGES = re.compile(r"\w+_(msgs|interfaces)$")
 LONGEST_FUNCTION = 60
 LONGEST_FILE = 300
 # Written in pieces: this file is searched as well.
-REGISTRIES = re.compile("|".join(("pypi" + r"\.org", "python" + "hosted", "registry" + r"\.npmjs", "deb" + r"\.debian")))
+REGISTRIES = re.compile(
+    "|".join(("pypi" + r"\.org", "python" + "hosted", "registry" + r"\.npmjs", "deb" + r"\.debian"))
+)
 
 
 def imported(path: Path) -> set[str]:

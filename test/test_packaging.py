@@ -15,7 +15,19 @@ import yaml
 from damper_estimator import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
-NOT_SOURCE = (".git", ".venv*", "__pycache__", "bags", "build", "install", "log", "out", "test", "*.egg-info", ".hypothesis")
+NOT_SOURCE = (
+    ".git",
+    ".venv*",
+    "__pycache__",
+    "bags",
+    "build",
+    "install",
+    "log",
+    "out",
+    "test",
+    "*.egg-info",
+    ".hypothesis",
+)
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 INSTALLED = ("config/models/linear_viscous.yaml", "config/node.yaml", "launch/estimator.launch.py", "package.xml",
              "msg_defs/msg/DamperForces.msg")  # fmt: skip
@@ -24,14 +36,19 @@ INSTALLED = ("config/models/linear_viscous.yaml", "config/node.yaml", "launch/es
 @pytest.fixture(scope="module")
 def source(tmp_path_factory) -> Path:
     """A copy of the sources, so that building leaves nothing in the checkout."""
-    return Path(shutil.copytree(ROOT, tmp_path_factory.mktemp("ws") / "src", ignore=shutil.ignore_patterns(*NOT_SOURCE)))
+    return Path(
+        shutil.copytree(ROOT, tmp_path_factory.mktemp("ws") / "src", ignore=shutil.ignore_patterns(*NOT_SOURCE))
+    )
 
 
 @pytest.fixture(scope="module")
 def by_pip(source, tmp_path_factory) -> Path:
     """Prefix of a plain ``pip install .``."""
     prefix = tmp_path_factory.mktemp("pip")
-    words = "-m pip install -qq --no-deps --no-build-isolation --no-cache-dir --disable-pip-version-check --ignore-installed"
+    words = (
+        "-m pip install -qq --no-deps --no-build-isolation --no-cache-dir "
+        "--disable-pip-version-check --ignore-installed"
+    )
     run([sys.executable, *words.split(), "--prefix", prefix, source])
     return prefix
 
@@ -93,7 +110,10 @@ def test_colcon_installs_what_ros_looks_for(by_colcon):
 
 def test_pip_installs_the_commands(by_pip, tmp_path):
     environment = {"PYTHONPATH": str(packages_of(by_pip))}
-    assert run([by_pip / "bin" / "damper-estimator", "--version"], tmp_path, **environment) == f"damper-estimator {__version__}\n"
+    assert (
+        run([by_pip / "bin" / "damper-estimator", "--version"], tmp_path, **environment)
+        == f"damper-estimator {__version__}\n"
+    )
     assert os.access(by_pip / "bin" / "estimator_node", os.X_OK)
 
 

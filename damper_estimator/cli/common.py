@@ -35,7 +35,9 @@ def add_models(parser: argparse.ArgumentParser, several: bool = False) -> None:
 
 
 def add_signals(parser: argparse.ArgumentParser) -> None:
-    """``-s MAP.yaml`` as ``arguments.signals`` (Path or None) and ``-d NAME`` as ``arguments.dampers`` (list of str)."""
+    """``-s MAP.yaml`` as ``arguments.signals`` (Path or None) and ``-d NAME`` as ``arguments.dampers`` (list of
+    str).
+    """
     parser.add_argument(
         "-s", "--signals", metavar="MAP.yaml", type=Path, help="signal map; not needed for the default topics"
     )
@@ -46,8 +48,12 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
 
 
 def add_window(parser: argparse.ArgumentParser) -> None:
-    """``--from S`` and ``--to S`` as ``arguments.start`` and ``arguments.stop`` (float or None), seconds from the start."""
-    parser.add_argument("--from", dest="start", metavar="S", type=float, help="leave out what is before, s from the start")
+    """``--from S`` and ``--to S`` as ``arguments.start`` and ``arguments.stop`` (float or None), seconds from the
+    start.
+    """
+    parser.add_argument(
+        "--from", dest="start", metavar="S", type=float, help="leave out what is before, s from the start"
+    )
     parser.add_argument("--to", dest="stop", metavar="S", type=float, help="leave out what is after, s from the start")
 
 

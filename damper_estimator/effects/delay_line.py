@@ -1,7 +1,8 @@
 """A ring of past samples from which delayed values are read; the memory of the delay effects, no effect itself.
 
-The state holds the clock, the count, the newest position, and pairs (time, value). A sample that follows its predecessor
-by less than ``SPACING`` gives way to the next one, so that the ring always covers the longest delay, however high the rate.
+The state holds the clock, the count, the newest position, and pairs (time, value). A sample that follows its
+predecessor by less than ``SPACING`` gives way to the next one, so that the ring always covers the longest
+delay, however high the rate.
 """
 
 from damper_estimator.compiled import compiled

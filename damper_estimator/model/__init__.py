@@ -5,4 +5,14 @@ from damper_estimator.model.element import Element, make_element
 from damper_estimator.model.files import library_models, load_model, parse_model, save_model
 from damper_estimator.model.stream import Stream
 
-__all__ = ["DamperModel", "Element", "Slot", "Stream", "library_models", "load_model", "make_element", "parse_model", "save_model"]
+__all__ = [
+    "DamperModel",
+    "Element",
+    "Slot",
+    "Stream",
+    "library_models",
+    "load_model",
+    "make_element",
+    "parse_model",
+    "save_model",
+]

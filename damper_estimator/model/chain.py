@@ -137,9 +137,24 @@ def _rate(given, before, deflection):
 
 @compiled
 def _advance_series(
-    kernels, table, end, parameters, settings, column, motions, force, state, saved, solvers, mark, deflected, compliance
+    kernels,
+    table,
+    end,
+    parameters,
+    settings,
+    column,
+    motions,
+    force,
+    state,
+    saved,
+    solvers,
+    mark,
+    deflected,
+    compliance,
 ):
-    """Compares compliance and path at the trial; returns ``end`` when they balance, else where to run the path again."""
+    """Compares compliance and path at the trial; returns ``end`` when they balance, else where to run the path
+    again.
+    """
     begin = table[end, PARTNER]
     solver = solvers[begin]
     first, last = table[begin, Z0], table[end, Z1]

@@ -43,7 +43,7 @@ class DamperModel:
         effects: entries in order; order is physics (sources, then what acts on their sum).
         fixed: addresses that identification leaves alone unless told otherwise.
         notes: what was decided about the published model, and why.
-        fit: what the last identification left: bags, date, cutoff, residual standard deviation, region, standard errors.
+        fit: what the last identification left: bags, date, cutoff, residual deviation, region, standard errors.
     """
 
     name: str
@@ -97,7 +97,10 @@ class DamperModel:
         """
         unknown = [address for address in values if address not in {slot.address for slot in self.slots}]
         if unknown:
-            raise InputError(f"model {self.name}: has no parameter {', '.join(unknown)}; it has {', '.join(s.address for s in self.slots)}")
+            raise InputError(
+                f"model {self.name}: has no parameter {', '.join(unknown)}; it has "
+                f"{', '.join(s.address for s in self.slots)}"
+            )
         vector = np.array([values.get(slot.address, slot.value) for slot in self.slots])
         return self.with_vector(vector)
 
@@ -118,8 +121,8 @@ class DamperModel:
     def with_effect(self, element: Element) -> "DamperModel":
         """The model with an entry more, at the place that its kind asks for.
 
-        A source goes before the first modifier of the top level, a modifier or channel effect to the end, an input effect to the
-        front; a series effect wraps all sources that stand before the first modifier.
+        A source goes before the first modifier of the top level, a modifier or channel effect to the end, an input
+        effect to the front; a series effect wraps all sources that stand before the first modifier.
         """
         head = [e for e in self.effects if e.effect.kind in ("source", "path", "series", "input")]
         count = next((i for i, e in enumerate(self.effects) if e not in head), len(self.effects))
@@ -158,7 +161,9 @@ class DamperModel:
         return {element.effect.name for element in walk(self.effects)}
 
 
-def _with_entries(elements: tuple[Element, ...], values: Mapping[int, Mapping], counter: list[int]) -> tuple[Element, ...]:
+def _with_entries(
+    elements: tuple[Element, ...], values: Mapping[int, Mapping], counter: list[int]
+) -> tuple[Element, ...]:
     changed = []
     for element in elements:
         entry = counter[0]

@@ -25,15 +25,12 @@ class Element:
     settings: Mapping[str, Value] = field(default_factory=dict)
     path: tuple["Element", ...] = ()
 
-
     def with_values(self, values: Mapping[str, Value]) -> "Element":
         """The same entry with some parameters changed."""
         return replace(self, parameters={**self.parameters, **values})
 
 
-def make_element(
-    effect: Effect, values: Mapping[str, object] | None = None, path: tuple[Element, ...] = ()
-) -> Element:
+def make_element(effect: Effect, values: Mapping[str, object] | None = None, path: tuple[Element, ...] = ()) -> Element:
     """An entry from parameter and setting values by name; what is left out takes the default.
 
     Raises:
@@ -41,7 +38,9 @@ def make_element(
     """
     given = dict(values or {})
     faults = [
-        f"{name!r} is none of its values ({', '.join(_names(effect)) or 'it has none'})" for name in given if name not in _names(effect)
+        f"{name!r} is none of its values ({', '.join(_names(effect)) or 'it has none'})"
+        for name in given
+        if name not in _names(effect)
     ]
     if effect.kind not in ("path", "series") and path:
         faults.append("it takes no path")
@@ -49,8 +48,7 @@ def make_element(
         faults.append("its path is empty")
     settings = {s.name: _checked_setting(s, given.get(s.name, s.default), faults) for s in effect.settings}
     parameters = {
-        p.name: _checked_parameter(p, given.get(p.name), p.length(settings), faults)
-        for p in effect.parameters
+        p.name: _checked_parameter(p, given.get(p.name), p.length(settings), faults) for p in effect.parameters
     }
     if faults:
         raise InputError(f"effect {effect.name}: {'; '.join(faults)}")

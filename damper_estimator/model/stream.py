@@ -21,7 +21,9 @@ class Stream:
         self._restart = False
 
     def force(self, block: np.ndarray) -> np.ndarray:
-        """Forces (n,) in N of the next samples, ``block`` (8, n) in the rows of ``signals.layout``; resets where dt is 0."""
+        """Forces (n,) in N of the next samples, ``block`` (8, n) in the rows of ``signals.layout``; resets where
+        dt is 0.
+        """
         return self._run(block, _NO_TRACE)
 
     def contributions(self, block: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -34,7 +36,9 @@ class Stream:
         return force, trace[list(self._program.rows)]
 
     def _run(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
-        """Runs the stretches between resets; a force that is not finite resets the model, and the next sample starts anew."""
+        """Runs the stretches between resets; a force that is not finite resets the model, and the next sample
+        starts anew.
+        """
         block, size = np.ascontiguousarray(block), block.shape[1]
         starts = np.flatnonzero(block[DT] <= 0.0)
         force = np.empty(size)

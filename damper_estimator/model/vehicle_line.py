@@ -1,9 +1,9 @@
 """All dampers of a vehicle over blocks of messages: channel values in order of arrival in, DamperForces contents out.
 
-One output message answers one displacement message; it holds the dampers that this message moved (a sample that is
-dropped moves none), in the order in which the line was given its dampers (that of the signal map). ``replay`` runs
-on this. The node follows the same rule message by message, on the same ``DamperEstimator``; a test over DDS holds the two
-together bit for bit.
+One output message answers one displacement message; it holds the dampers that this message moved (a sample
+that is dropped moves none), in the order in which the line was given its dampers (that of the signal map).
+``replay`` runs on this. The node follows the same rule message by message, on the same ``DamperEstimator``; a
+test over DDS holds the two together bit for bit.
 """
 
 from collections.abc import Iterator, Mapping

@@ -33,7 +33,8 @@ def live_path(role: str, channel: Channel) -> FieldPath:
     fields = TYPES[role].get_fields_and_field_types()
     if path.steps[0].field not in fields or (role == "displacement") != (path.steps[0].index is not None):
         raise InputError(
-            f"{role} on {channel.topic}: field {channel.field!r} is not a number of {TYPES[role].__module__.split('.')[0]}/"
+            f"{role} on {channel.topic}: field {channel.field!r} is not a number of "
+            f"{TYPES[role].__module__.split('.')[0]}/"
             f"{TYPES[role].__name__}, which the node subscribes there; its fields are {', '.join(fields)}"
         )
     return path

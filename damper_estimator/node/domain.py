@@ -32,4 +32,6 @@ def _reserve(reserved: socket.socket) -> int:
         except OSError:
             continue
         return domain
-    raise InputError(f"ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are all in use by rehearsals; wait for one to end")
+    raise InputError(
+        f"ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are all in use by rehearsals; wait for one to end"
+    )

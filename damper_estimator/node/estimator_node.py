@@ -37,7 +37,9 @@ class EstimatorNode(Node):
         """Raises InputError where parameters, signal map or a model are unusable."""
         super().__init__("damper_estimator")
         self.settings = read_settings(self)
-        self.get_logger().info("loading the models; the first start of a version compiles them, which takes some seconds")
+        self.get_logger().info(
+            "loading the models; the first start of a version compiles them, which takes some seconds"
+        )
         self._roster = make_roster(self.settings)
         self._dampers: dict[str, LiveDamper] = {}
         self._inputs: dict[str, list[tuple[LiveDamper, FieldPath]]] = {}

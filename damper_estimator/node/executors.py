@@ -13,7 +13,9 @@ PROBE_TIME = 2.0  # s, far more than one timer needs
 
 
 def make_executor(wanted: str, logger: RcutilsLogger) -> Executor:
-    """An executor that was seen to deliver: ``events`` where it is wanted and works, else ``single`` (and a log line)."""
+    """An executor that was seen to deliver: ``events`` where it is wanted and works, else ``single`` (and a log
+    line).
+    """
     if wanted == "events":
         executor = _events_executor()
         if executor is not None and _delivers(executor):

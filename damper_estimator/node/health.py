@@ -80,7 +80,10 @@ def input_status(prefix: str, tally: InputTally, before: Glance, now: float, kno
 
 def _judge_input(tally: InputTally, before: Glance, now: float) -> tuple[bytes, str]:
     if tally.incompatible and tally.last is None:
-        return ERROR, "a publisher is there, but its quality of service does not match; set qos_reliability to best_effort"
+        return (
+            ERROR,
+            "a publisher is there, but its quality of service does not match; set qos_reliability to best_effort",
+        )
     if tally.last is None:
         return WARN, "no message yet; check the topic, the namespace and ROS_DOMAIN_ID"
     if tally.messages == before.messages:

@@ -27,7 +27,8 @@ def main() -> int:
         if (error.name or "").split(".")[0] not in NEEDED:
             raise
         return _refuse(
-            f"ROS 2 is not complete here (no module {error.name}); source /opt/ros/jazzy/setup.bash and the workspace's "
+            f"ROS 2 is not complete here (no module {error.name}); source /opt/ros/jazzy/setup.bash "
+            f"and the workspace's "
             "install/setup.bash, or use .venv of a checkout (make env)"
         )
     return DONE

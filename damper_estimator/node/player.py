@@ -17,7 +17,9 @@ from damper_estimator.node.health import SUBSCRIBERS
 WINDOW = 20  # displacement messages that may be unanswered
 PATIENCE = 0.5  # s, after which an unanswered message counts as one that gives no estimate
 PAUSE = 0.02  # s after a message of a slow channel: topics overtake each other
-DISCOVERY = 120.0  # s; the kernels of a model that never ran here are compiled first, which a busy machine takes its time for
+DISCOVERY = (
+    120.0  # s; the kernels of a model that never ran here are compiled first, which a busy machine takes its time for
+)
 DEPTH = 1000
 
 
@@ -30,7 +32,9 @@ class Player:
     """
 
     def __init__(self, estimator: str = "/damper_estimator", process: subprocess.Popen | None = None) -> None:
-        """``estimator``: full name of the node that is played to; ``process``: its own, where waiting ends when it ends."""
+        """``estimator``: full name of the node that is played to; ``process``: its own, where waiting ends when it
+        ends.
+        """
         self._process = process
         self.forces: list[DamperForces] = []
         self.health: list[DiagnosticArray] = []
@@ -43,7 +47,8 @@ class Player:
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, quality)
 
     def connect(self, topics: dict[str, str]) -> None:
-        """Makes a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and waits for the estimator.
+        """Makes a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and
+        waits for the estimator.
 
         Raises:
             InputError: where nobody listens on one of them in time.
@@ -99,7 +104,9 @@ class Player:
             if self._process is not None and self._process.poll() is not None:
                 raise InputError(f"the estimator ended while {what} was waited for; it said why")
             if time.monotonic() > end:
-                raise InputError(f"waited {patience:g} s for {what}; is the estimator running with the same ROS_DOMAIN_ID?")
+                raise InputError(
+                    f"waited {patience:g} s for {what}; is the estimator running with the same ROS_DOMAIN_ID?"
+                )
             self._executor.spin_once(timeout_sec=0.05)
 
     def close(self) -> None:

@@ -1,7 +1,7 @@
-"""Plays the inputs of a replayed recording to the live node and holds its forces against those of ``replay``, bit for bit.
+"""Plays the inputs of a replayed recording to the live node and holds its forces against ``replay``, bit for bit.
 
-    damper-estimator replay bag.mcap -m model.yaml -o replayed.mcap
-    python -m damper_estimator.node.rehearsal replayed.mcap -m model.yaml
+damper-estimator replay bag.mcap -m model.yaml -o replayed.mcap python -m damper_estimator.node.rehearsal
+replayed.mcap -m model.yaml
 """
 
 import argparse

@@ -72,7 +72,8 @@ def make_roster(settings: Settings) -> Roster:
     unknown = [name for name in settings.dampers if signal_map.dampers and name not in signal_map.dampers]
     if unknown:
         raise InputError(
-            f"parameter dampers: {', '.join(unknown)} not in {signal_map.where}, which has {', '.join(signal_map.dampers)}"
+            f"parameter dampers: {', '.join(unknown)} not in {signal_map.where}, which has "
+            f"{', '.join(signal_map.dampers)}"
         )
     folder = sorted(path.stem for path in Path(settings.model).glob("*.yaml")) if Path(settings.model).is_dir() else []
     if not folder and Path(settings.model).is_dir():

@@ -23,7 +23,9 @@ def run(words: Sequence[str]) -> None:
         rclpy.init(args=list(words))
     except RCLError as error:
         reason = str(error).partition(", at ")[0]
-        raise InputError(f"{reason}; check the arguments and the parameter file (config/node.yaml shows one)") from error
+        raise InputError(
+            f"{reason}; check the arguments and the parameter file (config/node.yaml shows one)"
+        ) from error
     try:
         _serve()
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -61,7 +61,9 @@ def read_settings(node: Node) -> Settings:
     return settings
 
 
-def _declare(node: Node, name: str, default: object, description: str, low: object = None, high: object = None) -> object:
+def _declare(
+    node: Node, name: str, default: object, description: str, low: object = None, high: object = None
+) -> object:
     descriptor = ParameterDescriptor(description=description, read_only=True)
     if isinstance(low, float):
         descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
@@ -81,7 +83,9 @@ def _declare(node: Node, name: str, default: object, description: str, low: obje
 def _check(settings: Settings) -> None:
     faults = []
     if not settings.model:
-        faults.append("parameter model is not set; give a model file, a folder, or a name that damper-estimator models lists")
+        faults.append(
+            "parameter model is not set; give a model file, a folder, or a name that damper-estimator models lists"
+        )
     for name, allowed in (("executor", EXECUTORS), ("qos_reliability", RELIABILITIES)):
         if (value := getattr(settings, name)) not in allowed:
             faults.append(f"parameter {name} is {value!r}; allowed are {', '.join(allowed)}")

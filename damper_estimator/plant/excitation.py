@@ -52,9 +52,7 @@ def current_steps(seconds: float, seed: int, step: float = STEP, highest: float 
     return current
 
 
-def band_noise(
-    count: int, step: float, low: float, high: float, corner: float, rng: np.random.Generator
-) -> np.ndarray:
+def band_noise(count: int, step: float, low: float, high: float, corner: float, rng: np.random.Generator) -> np.ndarray:
     """Gaussian noise of unit variance, shape (count,): PSD 1 / (1 + (f/corner)^2) from ``low`` to ``high`` Hz, else 0.
 
     The same seed and length in seconds give the same noise at every step.

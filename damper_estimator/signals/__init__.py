@@ -1,7 +1,7 @@
 """From stamps to samples: signal maps, the filter that differentiates, and measurements ready for comparison."""
 
-from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Counts
+from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.measurement import Measurement, measure
 from damper_estimator.signals.signal_map import (
@@ -15,7 +15,20 @@ from damper_estimator.signals.signal_map import (
 )
 
 __all__ = [
-    "DEFAULT_MAX_GAP", "Channel", "Counts", "DamperSignals", "Differentiator", "Kinematics", "Measurement", "SignalMap",
-    "default_signals", "delay_seconds", "load_signal_map", "low_pass", "low_pass_zero_phase", "measure",
-    "parse_signal_map", "save_signal_map",
+    "DEFAULT_MAX_GAP",
+    "Channel",
+    "Counts",
+    "DamperSignals",
+    "Differentiator",
+    "Kinematics",
+    "Measurement",
+    "SignalMap",
+    "default_signals",
+    "delay_seconds",
+    "load_signal_map",
+    "low_pass",
+    "low_pass_zero_phase",
+    "measure",
+    "parse_signal_map",
+    "save_signal_map",
 ]

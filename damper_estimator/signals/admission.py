@@ -1,8 +1,8 @@
 """Which samples a filter may use: the one rule for stamps and values, live and off line.
 
-A stamp that is equal to or older than the last accepted one is dropped; a step back or forward of more than ``max_gap``
-resets the state and the sample starts anew; a value that is not finite, or absurd (1e6 m and more would leave the filter with infinities), is
-dropped.
+A stamp that is equal to or older than the last accepted one is dropped; a step back or forward of more than
+``max_gap`` resets the state and the sample starts anew; a value that is not finite, or absurd (1e6 m and more
+would leave the filter with infinities), is dropped.
 """
 
 from dataclasses import dataclass, fields

@@ -89,7 +89,9 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, Channe
     for key, topic in found.items():
         if topic is None and channels[key].given:
             there = ", ".join(t.name for t in bag.topics)
-            raise InputError(f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {there}; mend the signal map")
+            raise InputError(
+                f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {there}; mend the signal map"
+            )
     wanted: dict[str, list[str]] = {}
     for key, topic in found.items():
         if topic is not None:
@@ -105,7 +107,9 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, Channe
     data = {key: _joined(own) for key, own in parts.items() if own}
     for key, channel in channels.items():
         if key in parts and (key not in data or data[key].stamp.size == 0) and channel.given:
-            raise InputError(f"{bag.path}: topic {found[key]} never has the field {channel.field} ({key}); mend the signal map")
+            raise InputError(
+                f"{bag.path}: topic {found[key]} never has the field {channel.field} ({key}); mend the signal map"
+            )
     return {key: own for key, own in data.items() if own.stamp.size}
 
 

@@ -12,7 +12,7 @@ from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Admission, Count
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
-from damper_estimator.signals.layout import DT, T
+from damper_estimator.signals.layout import T
 from damper_estimator.signals.signal_map import DamperSignals, SignalMap
 
 if TYPE_CHECKING:  # the node runs without the readers' libraries
@@ -55,7 +55,7 @@ class Measurement:
         """A force (n,) through the comparison's zero-phase low-pass."""
         return low_pass_zero_phase(self.band, self.kinematics.dt, force)
 
-    def part(self, first: int, last: int) -> "Measurement":
+    def part(self, first: int, last: int) -> Measurement:
         """Samples ``first`` to ``last``; the forces keep their filtering, the warm-up counts anew."""
         window = slice(first, last)
         kinematics = self.kinematics.select(window)
@@ -89,22 +89,24 @@ def measure(
     """
     chosen = signals_for(bag, signal_map, damper)
     signals = chosen.dampers[damper]
-    data = read_channels(bag, signals.channels())
-    if "displacement" not in data:
-        raise InputError(f"{bag.path}: has no displacement of damper {damper!r} ({signals.displacement.topic}, {signals.displacement.field})")
-    if force_wanted and "force" not in data:
-        raise InputError(f"{bag.path}: has no measured force of damper {damper!r} ({signals.force.topic}, {signals.force.field}); this verb needs one")
+    data = _read(bag, signals, damper, force_wanted)
     arrived = data["displacement"]
     counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
     windows = _windows(chosen, start, end)
     kinematics, raw = _kinematics(data, signals, chosen.cutoff, max_gap, windows)
     if not len(kinematics):
-        raise InputError(f"{bag.path}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, --to or the map's windows")
+        raise InputError(
+            f"{bag.path}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, "
+            f"--to or the map's windows"
+        )
     force, near = (None, np.zeros(len(kinematics), bool))
     if "force" in data:
         force, near = _damper_force(data["force"], signals, kinematics, chosen.cutoff, max_gap)
         if force_wanted and not near.any():
-            raise InputError(f"{bag.path}: the force of damper {damper!r} was not recorded at the same time as its displacement; check the stamps and the skew")
+            raise InputError(
+                f"{bag.path}: the force of damper {damper!r} was not recorded at the same time as "
+                f"its displacement; check the stamps and the skew"
+            )
     return Measurement(
         recording=str(bag.path),
         damper=damper,
@@ -130,6 +132,22 @@ def _acceleration(
     return np.where(near, values, np.nan)
 
 
+def _read(bag: Bag, signals: DamperSignals, damper: str, force_wanted: bool) -> dict[str, ChannelData]:
+    """The damper's channels; an error where the displacement, or a wanted force, is missing."""
+    data = read_channels(bag, signals.channels())
+    if "displacement" not in data:
+        raise InputError(
+            f"{bag.path}: has no displacement of damper {damper!r} ({signals.displacement.topic}, "
+            f"{signals.displacement.field})"
+        )
+    if force_wanted and "force" not in data:
+        raise InputError(
+            f"{bag.path}: has no measured force of damper {damper!r} ({signals.force.topic}, "
+            f"{signals.force.field}); this verb needs one"
+        )
+    return data
+
+
 def _finite(values: np.ndarray) -> np.ndarray:
     return values[np.isfinite(values)]
 
@@ -149,7 +167,11 @@ def _in_order(data: ChannelData, skew: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _kinematics(
-    data: dict[str, ChannelData], signals: DamperSignals, cutoff: float, max_gap: float, windows: list[tuple[float, float]]
+    data: dict[str, ChannelData],
+    signals: DamperSignals,
+    cutoff: float,
+    max_gap: float,
+    windows: list[tuple[float, float]],
 ) -> tuple[Kinematics, np.ndarray]:
     stamp, displacement = _in_order(data["displacement"], signals.displacement.skew)
     origin = stamp[0] if stamp.size else 0
@@ -213,7 +235,9 @@ def _filtered(
     after = np.searchsorted(stamp, kinematics.stamp)
     before = np.searchsorted(stamp, kinematics.stamp, side="right") - 1
     inside = (before >= 0) & (after < stamp.size)
-    hole = np.where(inside, stamp[np.minimum(after, stamp.size - 1)] - stamp[np.maximum(before, 0)], np.iinfo(np.int64).max)
+    hole = np.where(
+        inside, stamp[np.minimum(after, stamp.size - 1)] - stamp[np.maximum(before, 0)], np.iinfo(np.int64).max
+    )
     near = hole <= max_gap * 1e9
     return filtered, _settled(near, kinematics)
 

@@ -46,7 +46,9 @@ class Channel:
 
 @dataclass(frozen=True)
 class DamperSignals:
-    """The channels of one damper; the force's spring rate (N/m) and preload (N) are subtracted to get the damper's force."""
+    """The channels of one damper; the force's spring rate (N/m) and preload (N) are subtracted to get the damper's
+    force.
+    """
 
     displacement: Channel
     force: Channel
@@ -112,7 +114,9 @@ def load_signal_map(path: str | Path | None) -> SignalMap:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the path given with -s") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
-        raise InputError(f"{path}: is not valid YAML{f' at line {mark.line + 1}' if mark else ''}; mend the file") from error
+        raise InputError(
+            f"{path}: is not valid YAML{f' at line {mark.line + 1}' if mark else ''}; mend the file"
+        ) from error
     return parse_signal_map(content, str(path))
 
 
@@ -150,7 +154,9 @@ def _mapping(value: object, what: str, allowed: tuple[str, ...] | None, faults: 
         faults.append(f"{what} must be a mapping, got {value!r}")
         return {}
     if allowed is not None:
-        faults += [f"unknown key {key!r} in {what} (allowed: {', '.join(allowed)})" for key in value if key not in allowed]
+        faults += [
+            f"unknown key {key!r} in {what} (allowed: {', '.join(allowed)})" for key in value if key not in allowed
+        ]
     return value
 
 

@@ -1,6 +1,6 @@
 """A quarter car on an ISO 8608 road, with a simulated damper in the loop.
 
-    record = drive("road", DAMPERS["passenger_front"], seconds=60.0, seed=1)     # class C at 20 m/s
+record = drive("road", DAMPERS["passenger_front"], seconds=60.0, seed=1)     # class C at 20 m/s
 """
 
 from damper_estimator.vehicle.excitation import EXCITATIONS, ROADS, drive

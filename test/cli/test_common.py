@@ -20,7 +20,14 @@ def parse(words, *adders):
 
 def test_common_arguments_have_the_documented_names():
     words = "a.mcap b -m x.yaml -s map.yaml -d fl -d fr --from 1 --to 2.5 --json - --html page.html".split()
-    adders = (common.add_bags, common.add_models, common.add_signals, common.add_window, common.add_json, common.add_html)
+    adders = (
+        common.add_bags,
+        common.add_models,
+        common.add_signals,
+        common.add_window,
+        common.add_json,
+        common.add_html,
+    )
     assert vars(parse(words, *adders)) == {
         "bags": [Path("a.mcap"), Path("b")],
         "model": "x.yaml",

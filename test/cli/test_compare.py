@@ -135,7 +135,15 @@ def test_without_a_model_the_usage_is_wrong(driven):
 def test_steps_are_judged_one_by_one(tmp_path, capsys):
     assert main(["synth", "-o", str(tmp_path), "--excitation", "step", "--seconds", "8"]) == 0
     capsys.readouterr()
-    words = ["compare", str(tmp_path / "step.mcap"), "-m", "carrera_akutain", "--steps", "--json", str(tmp_path / "c.json")]
+    words = [
+        "compare",
+        str(tmp_path / "step.mcap"),
+        "-m",
+        "carrera_akutain",
+        "--steps",
+        "--json",
+        str(tmp_path / "c.json"),
+    ]
     assert main(words) == 0
     steps = json.loads((tmp_path / "c.json").read_text())["dampers"]["passenger_front"]["steps"]["carrera_akutain"]
     assert len(steps) >= 4 and {round(abs(s["height_m"]), 2) for s in steps} >= {0.05}

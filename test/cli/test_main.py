@@ -20,7 +20,7 @@ def verb(monkeypatch, tmp_path):
     """Installs a verb ``probe`` that does what the test says."""
 
     def install(action):
-        source = 'def add_arguments(parser): ...\ndef run(arguments): ...\n'
+        source = "def add_arguments(parser): ...\ndef run(arguments): ...\n"
         (tmp_path / "probe.py").write_text(f'"""Probes 100 % of it.\n\nMore text."""\n{source}')
         monkeypatch.setattr(command_line, "_FOLDER", tmp_path)
         module = types.ModuleType("damper_estimator.cli.probe")
@@ -70,7 +70,9 @@ def test_percent_signs_in_docstrings_survive_help(verb, capsys):
         assert "Probes 100 % of it." in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("words", [[], ["nonsense"], ["--nonsense"], ["probe", "--count", "x"], ["probe", "--cou", "1"]])
+@pytest.mark.parametrize(
+    "words", [[], ["nonsense"], ["--nonsense"], ["probe", "--count", "x"], ["probe", "--cou", "1"]]
+)
 def test_wrong_usage_exits_with_2(verb, words, capsys):
     verb(lambda arguments: 0)
     with pytest.raises(SystemExit) as end:
@@ -112,8 +114,14 @@ def test_our_own_bugs_keep_their_traceback(verb):
 
 
 def test_a_reader_that_leaves_early_causes_no_complaint():
-    listing = "import sys\nfrom damper_estimator.cli import main\nmain._parser = lambda words: __import__('types').SimpleNamespace("
-    listing += "parse_args=lambda words: __import__('types').SimpleNamespace(run=lambda arguments: print('x\\n' * 100000) or 0))\n"
+    listing = (
+        "import sys\nfrom damper_estimator.cli import main\nmain._parser = lambda words: "
+        "__import__('types').SimpleNamespace("
+    )
+    listing += (
+        "parse_args=lambda words: __import__('types').SimpleNamespace(run=lambda arguments: "
+        "print('x\\n' * 100000) or 0))\n"
+    )
     listing += "sys.exit(main.main([]))"
     process = subprocess.Popen([sys.executable, "-c", listing], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     process.stdout.close()

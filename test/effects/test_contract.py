@@ -1,4 +1,6 @@
-"""What every effect must keep to, checked on all that discovery finds: a new one is tested before its author writes a test."""
+"""What every effect must keep to, checked on all that discovery finds: a new one is tested before its author
+writes a test.
+"""
 
 import numpy as np
 import pytest
@@ -51,8 +53,12 @@ def random_values(effect, seed):
     random = np.random.default_rng(seed)
     values = {}
     for parameter in effect.parameters:
-        low = max(parameter.lower, min(0.3 * parameter.default, 3.0 * parameter.default) - 0.1 * (parameter.default == 0))
-        high = min(parameter.upper, max(0.3 * parameter.default, 3.0 * parameter.default) + 0.1 * (parameter.default == 0))
+        low = max(
+            parameter.lower, min(0.3 * parameter.default, 3.0 * parameter.default) - 0.1 * (parameter.default == 0)
+        )
+        high = min(
+            parameter.upper, max(0.3 * parameter.default, 3.0 * parameter.default) + 0.1 * (parameter.default == 0)
+        )
         size = default_length(effect, parameter)
         drawn = random.uniform(low, high, size)
         values[parameter.name] = drawn.tolist() if size else float(drawn)
@@ -108,7 +114,9 @@ def test_block_stream_and_ragged_splits_agree_bit_for_bit(name):
 @pytest.mark.skipif(not COMPILED, reason="numba is not installed")
 def test_compiled_equals_plain_python(name):
     effect = EFFECTS[name]
-    element = make_element(effect, random_values(effect, 2), (make_element(find_effect("coulomb")),) * (effect.kind == "series"))
+    element = make_element(
+        effect, random_values(effect, 2), (make_element(find_effect("coulomb")),) * (effect.kind == "series")
+    )
     parameters = packed(element)
     settings = effect.prepare(element.parameters, element.settings)
     forces, motions = [], []
@@ -130,7 +138,12 @@ def test_force_is_finite_at_every_bound_and_for_wild_motion(name):
         corners += [{parameter.name: [b] * size if size else b} for b in (parameter.lower, parameter.upper)]
     for side in ("lower", "upper"):
         sizes = {p.name: default_length(effect, p) for p in effect.parameters}
-        corners.append({p.name: [getattr(p, side)] * sizes[p.name] if sizes[p.name] else getattr(p, side) for p in effect.parameters})
+        corners.append(
+            {
+                p.name: [getattr(p, side)] * sizes[p.name] if sizes[p.name] else getattr(p, side)
+                for p in effect.parameters
+            }
+        )
     for values in corners:
         for wild in (0.0, 1.0, 30.0):
             assert np.isfinite(model_around(effect, values).force(block_of(60, wild=wild))).all(), values
@@ -155,9 +168,7 @@ def test_declared_linear_parameters_scale_the_effects_own_force(name):
     values = random_values(effect, 4)
     doubled = {k: (np.multiply(v, 0.5).tolist() if k in linear else v) for k, v in values.items()}
     element, half = make_element(effect, values), make_element(effect, doubled)
-    forces = [
-        DamperModel("one", "", (e,)).force(block_of(50)) for e in (element, half)
-    ]
+    forces = [DamperModel("one", "", (e,)).force(block_of(50)) for e in (element, half)]
     assert np.allclose(forces[0], 2.0 * forces[1], rtol=1e-10, atol=1e-9)
 
 

@@ -112,7 +112,9 @@ def test_force_surface_is_bilinear():
     v, a = np.array([-0.5, -0.1, 0.0, 0.2, 0.5]), np.array([-8.0, 0.0, 3.0, 8.0])
     grid = np.random.default_rng(0).normal(0.0, 300.0, (v.size, a.size))
     block = sweep()
-    own = force(block, entry("force_surface", velocity=v.tolist(), acceleration=a.tolist(), force=grid.ravel().tolist()))
+    own = force(
+        block, entry("force_surface", velocity=v.tolist(), acceleration=a.tolist(), force=grid.ravel().tolist())
+    )
     points = np.stack([block[V].clip(-0.5, 0.5), block[A].clip(-8.0, 8.0)], axis=1)
     assert own == pytest.approx(RegularGridInterpolator((v, a), grid)(points), abs=1e-9)
 
@@ -141,14 +143,21 @@ def test_fade_is_nothing_at_the_reference_and_linear_beside_it():
     for theta, share in ((40.0, 1.0), (60.0, 0.9), (20.0, 1.1)):
         block = sweep(temperature=theta)
         plain = force(block, entry("linear_viscous", **DASHPOT))
-        assert force(block, entry("linear_viscous", **DASHPOT), entry("temperature_gain", fade=0.005)) == pytest.approx(share * plain)
+        assert force(block, entry("linear_viscous", **DASHPOT), entry("temperature_gain", fade=0.005)) == pytest.approx(
+            share * plain
+        )
     block = sweep()
-    assert np.array_equal(force(block, entry("linear_viscous"), entry("temperature_gain", fade=0.01)), force(block, entry("linear_viscous")))
+    assert np.array_equal(
+        force(block, entry("linear_viscous"), entry("temperature_gain", fade=0.01)),
+        force(block, entry("linear_viscous")),
+    )
 
 
 def test_end_stops_are_silent_inside_and_progressive_beyond():
     block = sweep(amplitude=0.06)
-    own = force(block, entry("end_stop", bump_stiffness=1e6, bump_position=-0.05, top_out_stiffness=2e6, top_out_position=0.04))
+    own = force(
+        block, entry("end_stop", bump_stiffness=1e6, bump_position=-0.05, top_out_stiffness=2e6, top_out_position=0.04)
+    )
     inside = (block[X] > -0.05) & (block[X] < 0.04)
     assert not own[inside].any()
     assert own.min() == pytest.approx(-1e6 * 0.01**2) and own.max() == pytest.approx(2e6 * 0.02**2)
@@ -186,4 +195,6 @@ def test_inertia_is_newtons():
 def test_a_weak_force_does_not_cavitate():
     block = sweep()
     plain = force(block, entry("linear_viscous", **DASHPOT))
-    assert np.array_equal(force(block, entry("linear_viscous", **DASHPOT), entry("cavitation_limit", limit=5000.0)), plain)
+    assert np.array_equal(
+        force(block, entry("linear_viscous", **DASHPOT), entry("cavitation_limit", limit=5000.0)), plain
+    )

@@ -32,12 +32,16 @@ def force(name, block, before=(), **values):
 
 @pytest.mark.parametrize("name", STATEFUL)
 def test_error_falls_with_the_step_at_least_as_the_declared_order_says(name):
-    """Against the effect itself at a 64 times finer step; in the mean over the record, since reversals fall between samples."""
+    """Against the effect itself at a 64 times finer step; in the mean over the record, since reversals fall
+    between samples.
+    """
     effect = find_effect(name)
     base = make_element(find_effect("linear_viscous"))
     values = {"linear_viscous": {}, "cavitation_limit": {"limit": 200.0}}.get(name, {})
     own = make_element(effect, values, (base,) if effect.kind == "series" else ())
-    effects = {"input": (own, make_element(find_effect("semi_active_squash")), base), "modifier": (base, own)}.get(effect.kind, (own,))
+    effects = {"input": (own, make_element(find_effect("semi_active_squash")), base), "modifier": (base, own)}.get(
+        effect.kind, (own,)
+    )
     model = DamperModel("m", "", effects)
     rates = (500, 1000, 2000)
     fine = model.force(sine(64 * rates[0], frequency=1.7))
@@ -97,7 +101,9 @@ def test_bouc_wen_saturates_at_its_limit(n):
 def test_bouc_wens_scale_of_z_is_redundant_with_alpha():
     block, n, c = sine(1000), 2.0, 3.0
     one = force("bouc_wen", block, alpha=100.0, delta=300.0, beta=200.0, gamma=50.0, n=n)
-    other = force("bouc_wen", block, alpha=100.0 / c, delta=300.0 * c, beta=200.0 * c ** (1 - n), gamma=50.0 * c ** (1 - n), n=n)
+    other = force(
+        "bouc_wen", block, alpha=100.0 / c, delta=300.0 * c, beta=200.0 * c ** (1 - n), gamma=50.0 * c ** (1 - n), n=n
+    )
     assert one == pytest.approx(other, abs=1e-6 * np.abs(one).max())
 
 
@@ -107,7 +113,9 @@ def test_shifted_bouc_wen_without_shift_is_bouc_wen():
 
 
 def test_renault_hysteresis_leaves_the_peaks_of_its_sines_alone_and_closes_in_fast_compression():
-    """At the peak velocity of a sine of the table's frequency the compensation takes away all that the hysteresis gives."""
+    """At the peak velocity of a sine of the table's frequency the compensation takes away all that the hysteresis
+    gives.
+    """
     frequency, peak = 1.5, 0.4
     values = {"alpha": 120.0, "delta": 600.0, "beta": 300.0, "gamma": 70.0, "n": 3.0, "frequency": frequency}
     block = sine(6000, 2.0, peak / (2 * np.pi * frequency), frequency)

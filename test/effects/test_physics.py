@@ -43,7 +43,9 @@ def test_viscous_curve_needs_rising_knots():
 
 
 def test_hydraulics_follow_the_leak_at_low_and_the_blow_off_at_high_speed():
-    values = dict(leak_rebound=20000.0, preload_rebound=300.0, spring_rebound=500.0, port_rebound=0.0, transition_rebound=8.0)
+    values = dict(
+        leak_rebound=20000.0, preload_rebound=300.0, spring_rebound=500.0, port_rebound=0.0, transition_rebound=8.0
+    )
     slow, fast = 0.01, 3.0
     leak = 20000.0 * 15.0**0.25 * slow**1.75
     assert force("leak_blow_off_port", motion(v=slow), **values) == pytest.approx(leak, rel=1e-3)
@@ -55,7 +57,13 @@ def test_hydraulics_equal_the_published_formula():
     flow = 15.0**0.25 * abs(v) ** 1.75
     leak, blow = k * flow, preload + spring * abs(v)
     published = leak * blow / (leak**transition + blow**transition) ** (1 / transition) + port * flow
-    values = dict(leak_compression=k, preload_compression=preload, spring_compression=spring, transition_compression=transition, port_compression=port)
+    values = dict(
+        leak_compression=k,
+        preload_compression=preload,
+        spring_compression=spring,
+        transition_compression=transition,
+        port_compression=port,
+    )
     assert force("leak_blow_off_port", motion(v=v), **values) == pytest.approx(-published)
 
 
@@ -128,7 +136,9 @@ def test_series_in_series_adds_the_compliances():
     dashpot = entry("linear_viscous", rebound=2000.0, compression=2000.0)
     t = np.arange(500) * 0.001
     block = motion(x=0.02 * np.sin(12 * t), v=0.24 * np.cos(12 * t), dt=0.001)
-    inner = make_element(find_effect("oil_spring"), {"stiffness_rebound": 1e5, "stiffness_compression": 1e5}, (dashpot,))
+    inner = make_element(
+        find_effect("oil_spring"), {"stiffness_rebound": 1e5, "stiffness_compression": 1e5}, (dashpot,)
+    )
     both = force("oil_spring", block, path=(inner,), stiffness_rebound=1e5, stiffness_compression=1e5)
     one = force("oil_spring", block, path=(dashpot,), stiffness_rebound=5e4, stiffness_compression=5e4)
     assert both == pytest.approx(one, abs=1e-3 * np.abs(one).max())

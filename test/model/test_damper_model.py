@@ -119,12 +119,22 @@ def test_a_lost_command_does_not_spoil_what_comes_after():
     assert np.isnan(force[20:23]).all() and np.isfinite(np.delete(force, [20, 21, 22])).all()
     stream = model.stream()
     assert np.array_equal(
-        force, np.concatenate([stream.force(np.ascontiguousarray(block[:, i : i + 1])) for i in range(60)]), equal_nan=True
+        force,
+        np.concatenate([stream.force(np.ascontiguousarray(block[:, i : i + 1])) for i in range(60)]),
+        equal_nan=True,
     )
 
 
 def test_addresses_number_instances_and_elements():
-    model = DamperModel("m", "", (entry("coulomb"), entry("path", path=(entry("coulomb"),)), entry("viscous_curve", velocity=[0, 1], force=[1, 2])))
+    model = DamperModel(
+        "m",
+        "",
+        (
+            entry("coulomb"),
+            entry("path", path=(entry("coulomb"),)),
+            entry("viscous_curve", velocity=[0, 1], force=[1, 2]),
+        ),
+    )
     addresses = [slot.address for slot in model.slots]
     assert addresses == ["coulomb.force", "coulomb#2.force", "viscous_curve.force[0]", "viscous_curve.force[1]"]
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, make_element
-from damper_estimator.model.estimator import DEGRADED, EXTRAPOLATING, GOOD, WARMING_UP, DamperEstimator
+from damper_estimator.model.estimator import EXTRAPOLATING, GOOD, WARMING_UP, DamperEstimator
 from damper_estimator.signals.admission import NON_FINITE
 
 MS = 1_000_000
@@ -58,7 +58,9 @@ def test_warms_up_after_every_reset():
 
 
 def test_outside_the_region_of_the_fit_it_extrapolates():
-    model = DamperModel("m", "", (entry("linear_viscous"),), fit={"region": {"displacement": [-0.01, 0.01]}, "residual_stddev": 12.0})
+    model = DamperModel(
+        "m", "", (entry("linear_viscous"),), fit={"region": {"displacement": [-0.01, 0.01]}, "residual_stddev": 12.0}
+    )
     stamp = np.arange(300) * 2 * MS
     estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, np.where(stamp > 500 * MS, 0.05, 0.0))
     assert estimates.status[120] == GOOD and estimates.status[-1] == EXTRAPOLATING

@@ -106,13 +106,19 @@ def test_nesting_black_boxes_contain_the_smaller_ones(inner, outer):
     """The larger model with its additions switched off gives the smaller one's force."""
     block = sine(2.0, 0.01)
     small, large = load_model(f"black_box_{inner}"), load_model(f"black_box_{outer}")
-    shared = {s.address: s.value + 0.3 for s in small.slots if not s.fixed and s.address in {t.address for t in large.slots}}
+    shared = {
+        s.address: s.value + 0.3 for s in small.slots if not s.fixed and s.address in {t.address for t in large.slots}
+    }
     assert large.with_values(shared).force(block) == pytest.approx(small.with_values(shared).force(block), abs=1e-9)
 
 
 @pytest.mark.parametrize(("point", "saturated"), [("_point_1", 0.94), ("_point_2", 1.30), ("_point_3", 1.07)])
 def test_renaults_points_saturate_as_recomputed(point, saturated):
-    values = {s.address.split(".")[1]: s.value for s in load_model(f"renault_modified_bouc_wen{point}").slots if "renault" in s.address}
+    values = {
+        s.address.split(".")[1]: s.value
+        for s in load_model(f"renault_modified_bouc_wen{point}").slots
+        if "renault" in s.address
+    }
     limit = (values["delta"] / (values["beta"] + values["gamma"])) ** (1 / values["n"])
     assert limit == pytest.approx(saturated, abs=0.01)
 

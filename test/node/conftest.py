@@ -43,7 +43,10 @@ def start() -> Iterator[Callable[..., subprocess.Popen]]:
     def run(*ros_arguments: str, **parameters: object) -> subprocess.Popen:
         words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
         process = subprocess.Popen(
-            [EXECUTABLE, "--ros-args", *words, *ros_arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [EXECUTABLE, "--ros-args", *words, *ros_arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         running.append(process)
         return process

@@ -131,12 +131,16 @@ def test_signal_map_and_slow_channels_act_live_as_they_do_off_line(start, player
         (tmp_path / name).write_text(yaml.safe_dump(content))
     slow = slice(50, None, 200)
     with BagWriter(tmp_path / "bag.mcap") as writer:
-        writer.write_messages("/bench/a", JOINT_STATE, stamps, joint_states(["stroke"], stamps, position=1e3 * position[:, :1]))
+        writer.write_messages(
+            "/bench/a", JOINT_STATE, stamps, joint_states(["stroke"], stamps, position=1e3 * position[:, :1])
+        )
         writer.write_messages("/bench/b", JOINT_STATE, stamps + 1, joint_states(["x"], stamps, effort=position[:, 1:2]))
         for topic, later in (("/bench/oil", 2), ("/bench/number", 3)):
             celsius = temperatures(stamps[slow], 30.0 + 15.0 * np.arange(stamps[slow].size) + later)
             writer.write_messages(topic, "sensor_msgs/msg/Temperature", stamps[slow] + later, celsius)
-        writer.write_messages("/bench/current", "std_msgs/msg/Float64", stamps[slow] + 4, floats(np.arange(stamps[slow].size)))
+        writer.write_messages(
+            "/bench/current", "std_msgs/msg/Float64", stamps[slow] + 4, floats(np.arange(stamps[slow].size))
+        )
     output = replayed(tmp_path / "bag.mcap", tmp_path / "model.yaml", "-s", str(tmp_path / "map.yaml"))
     start(model=tmp_path / "model.yaml", signals=tmp_path / "map.yaml")
     outcome = rehearsed(player, output, tmp_path / "map.yaml")

@@ -21,15 +21,27 @@ REFUSED = [
     ({"model": "broken.yaml"}, "effects: [{viscous_nonsense: {}}]", "broken.yaml: .*viscous_nonsense"),
     ({"model": "broken.yaml"}, "effects: [{linear_viscous: {rebound: -1.0e9}}]", "broken.yaml: .*rebound"),
     ({"model": "coulomb", "signals": "missing.yaml"}, "", "missing.yaml: cannot be read"),
-    ({"model": "coulomb", "signals": "broken.yaml"}, "dampers: {left: {displacment: {}}}", "broken.yaml: .*displacment"),
+    (
+        {"model": "coulomb", "signals": "broken.yaml"},
+        "dampers: {left: {displacment: {}}}",
+        "broken.yaml: .*displacment",
+    ),
     (
         {"model": "coulomb", "signals": "broken.yaml"},
         "dampers: {left: {displacement: {field: 'height[left]'}}}",
         "displacement on .*height.*position",
     ),
-    ({"model": "coulomb", "signals": "broken.yaml", "dampers": "[right]"}, "dampers: {left: {}}", "dampers: right not in .*left"),
+    (
+        {"model": "coulomb", "signals": "broken.yaml", "dampers": "[right]"},
+        "dampers: {left: {}}",
+        "dampers: right not in .*left",
+    ),
     ({"model": "coulomb", "executor": "fast"}, "", "executor is 'fast'; allowed are events, single"),
-    ({"model": "coulomb", "qos_reliability": "maybe"}, "", "qos_reliability is 'maybe'; allowed are best_effort, reliable"),
+    (
+        {"model": "coulomb", "qos_reliability": "maybe"},
+        "",
+        "qos_reliability is 'maybe'; allowed are best_effort, reliable",
+    ),
     ({"model": "coulomb", "qos_depth": 0}, "", "qos_depth: must be between 1 and"),
     ({"model": "coulomb", "cutoff": 60}, "", r"cutoff: must be .* written with a point \(60.0\)"),
     ({"model": "coulomb", "max_gap": -1.0}, "", "max_gap: must be between"),
@@ -129,7 +141,8 @@ def test_a_signal_ends_it_without_complaint(number, start, player):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_while_it_starts_ends_it_without_complaint(number):
     code = (
-        "import os, sys, rclpy\nfrom damper_estimator.node import estimator_node, main\nmake = estimator_node.make_roster\n"
+        "import os, sys, rclpy\nfrom damper_estimator.node import estimator_node, main\nmake = "
+        "estimator_node.make_roster\n"
         "def interrupted(settings):\n"
         f"    os.kill(os.getpid(), {int(number)})\n"
         "    while rclpy.ok(): pass\n"

@@ -1,4 +1,6 @@
-"""The filter: exact for input that is linear between samples, on even and uneven steps, sample by sample or in blocks."""
+"""The filter: exact for input that is linear between samples, on even and uneven steps, sample by sample or in
+blocks.
+"""
 
 import numpy as np
 import pytest
@@ -126,9 +128,7 @@ def test_compiled_equals_plain_python():
     random = np.random.default_rng(0)
     time = np.cumsum(random.uniform(1e-4, 5e-3, 300))
     raw = random.normal(size=300)
-    for own, other in zip(
-        filtered(CUTOFF, time, raw), filtered(CUTOFF, time, raw, plain(differentiate)), strict=True
-    ):
+    for own, other in zip(filtered(CUTOFF, time, raw), filtered(CUTOFF, time, raw, plain(differentiate)), strict=True):
         assert own == pytest.approx(other, rel=1e-12, abs=1e-12 * np.abs(other).max())
 
 

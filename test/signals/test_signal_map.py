@@ -66,13 +66,18 @@ def test_one_sample_and_a_record_are_scaled_to_the_same_bits():
 
 
 def test_tables_are_straight_between_their_points():
-    channel = parse_signal_map({"dampers": {"a": {"displacement": {"table": {"raw": [0, 1, 3], "value": [0.0, 0.5, 2.5]}}}}}, "m")
+    channel = parse_signal_map(
+        {"dampers": {"a": {"displacement": {"table": {"raw": [0, 1, 3], "value": [0.0, 0.5, 2.5]}}}}}, "m"
+    )
     assert channel.dampers["a"].displacement.value(np.array([0.5, 2.0])).tolist() == [0.25, 1.5]
 
 
 def test_a_saved_map_loads_again(tmp_path):
     content = yaml.safe_load(FULL)
-    content["dampers"]["rear"] = {"displacement": {"table": {"raw": [0, 1], "value": [0.0, 2.0]}}, "force": {"skew": 0.003}}
+    content["dampers"]["rear"] = {
+        "displacement": {"table": {"raw": [0, 1], "value": [0.0, 2.0]}},
+        "force": {"skew": 0.003},
+    }
     signal_map = parse_signal_map(content, str(tmp_path / "map.yaml"))
     save_signal_map(signal_map, tmp_path / "map.yaml")
     assert load_signal_map(tmp_path / "map.yaml") == signal_map
