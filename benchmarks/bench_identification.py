@@ -1,0 +1,187 @@
+"""Time of identifications on simulated dampers of the papers' kind; the public alternative beside them where installed.
+
+    python benchmarks/bench_identification.py [--quick]
+
+The damper is simulated from chamber pressures (random displacement of 5 and 10 mm rms, 0.1 to 20 Hz, 30722 samples at
+1.95 ms each). The first fit of each kind warms the compile cache up and is not counted.
+"""
+
+import argparse
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+
+from damper_estimator.identification import Wishes, fit
+from damper_estimator.identification.rows import rows_of
+from damper_estimator.model import DamperModel, load_model
+from damper_estimator.plant import DAMPERS, Damper, Drive, bench_drive, simulate
+from damper_estimator.signals import Measurement, default_signals
+from damper_estimator.signals.kinematics import differentiate_recording
+
+SAMPLES, STEP = 30722, 1.95e-3
+RANDOM = ("random", "random10")  # 5 and 10 mm rms
+BLACK_BOXES = tuple(f"black_box_{k}" for k in range(1, 13))
+# Gao et al., Table 1: Hz, m/s.
+SERIES = [(1.5, v) for v in (0.1, 0.15, 0.2, 0.25, 0.3, 0.4)] + [
+    (12.0, v) for v in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.2)
+]
+SINE_SAMPLES = 500
+NOISE = 0.01  # of the force's standard deviation
+BOUC_WEN_SAMPLES = 4000
+PEER_EVALUATIONS = 40
+
+
+def measurement(damper: Damper, drive: Drive, samples: int, step: float, seed: int = 0) -> Measurement:
+    """What good sensors record of a simulated damper, every ``step`` seconds."""
+    truth = simulate(damper, drive)
+    time = np.arange(samples) * step
+    x, force = (np.interp(time, truth.time, values) for values in (drive.displacement, truth.force))
+    force = force + NOISE * force.std() * np.random.default_rng(seed).standard_normal(samples)
+    stamp = np.round(time * 1e9).astype(np.int64)
+    kinematics, counts = differentiate_recording(stamp, x, 60.0, 0.1)
+    return Measurement(
+        drive.name, "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("damper")
+    )
+
+
+def random_pair(damper: Damper, samples: int) -> list[Measurement]:
+    """Two levels of random displacement."""
+    drives = [bench_drive(name, damper, samples * STEP + 0.01, seed) for seed, name in enumerate(RANDOM, 1)]
+    return [measurement(damper, drive, samples, STEP) for drive in drives]
+
+
+def sine(damper: Damper, frequency: float, speed: float) -> Measurement:
+    """500 samples of one sine."""
+    step = 1.0 / (250.0 if frequency < 3.0 else 500.0)
+    fine = 2.5e-4
+    time = np.arange(int(SINE_SAMPLES * step / fine) + 2) * fine
+    x = speed / (2.0 * np.pi * frequency) * np.sin(2.0 * np.pi * frequency * time)
+    drive = Drive(f"{frequency:g} Hz {speed:g} m/s", fine, x, np.zeros_like(x))
+    return measurement(damper, drive, SINE_SAMPLES, step)
+
+
+def timed(work: Callable[[], object]) -> tuple[float, object]:
+    """Seconds that ``work`` takes, and what it gives."""
+    began = perf_counter()
+    value = work()
+    return perf_counter() - began, value
+
+
+def line(text: str, seconds: float, bar: float, more: str) -> None:
+    """One row of the result."""
+    print(f"{text:<58}{seconds:8.2f} s   bar {bar:5.0f} s   {'met' if seconds < bar else 'MISSED'}   {more}", flush=True)
+
+
+def nineteen(samples: int) -> None:
+    """The track paper's model: 19 parameters, of which 5 are given."""
+    pair = random_pair(DAMPERS["passenger_front"], samples)
+    fit(load_model("carrera_akutain"), pair)
+    seconds, result = timed(lambda: fit(load_model("carrera_akutain"), pair))
+    line(f"19-parameter model, 2 x {samples} samples", seconds, 3.0, f"esr {result.esr:.2g}, {result.evaluations} runs")
+
+
+def black_boxes(samples: int) -> None:
+    """All twelve on three dampers."""
+    dampers = [random_pair(DAMPERS[name], samples) for name in list(DAMPERS)[:3]]
+    for name in BLACK_BOXES:
+        fit(load_model(name), [own.part(0, 3000) for own in dampers[0]])
+    seconds, errors = timed(lambda: [[fit(load_model(n), own).esr for n in BLACK_BOXES] for own in dampers])
+    best = ", ".join(f"{BLACK_BOXES[int(np.argmin(own))]} esr {min(own):.2g}" for own in errors)
+    line(f"twelve black boxes, three dampers, 2 x {samples} samples", seconds, 30.0, f"best {best}")
+
+
+def front(generations: int) -> None:
+    """NSGA-II: three objectives, 13 excitations of 500 samples, population 100."""
+    series = [sine(DAMPERS["passenger_front"], *own) for own in SERIES]
+    groups = {
+        "LVLF": tuple(m.recording for m in series[:6]),
+        "LVHF": tuple(m.recording for m in series[6:9]),
+        "HVHF": tuple(m.recording for m in series[9:]),
+    }
+    model = load_model("renault_modified_bouc_wen")
+
+    def run(count: int) -> object:
+        return fit(model, series, method="nsga2", wishes=Wishes(groups=groups, generations=count, population=100))
+
+    run(1)
+    seconds, result = timed(lambda: run(generations))
+    knee = result.front.objectives[result.front.row("knee")]
+    more = f"{len(result.front.values)} points, knee {', '.join(f'{value:.2f}' for value in knee)}"
+    line(f"NSGA-II, 13 excitations, 100 x {generations}", seconds, 120.0, more)
+
+
+def bouc_wen_force(values: dict[str, float], x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Bouc-Wen as one writes it in Python: explicit Euler over the displacement."""
+    force, z = np.zeros(x.size), 0.0
+    for i in range(1, x.size):
+        move = x[i] - x[i - 1]
+        sign = 1.0 if z * move > 0.0 else -1.0
+        z += move * (values["delta"] - (values["beta"] + values["gamma"] * sign) * abs(z) ** values["n"])
+        z = min(max(z, -10.0), 10.0)
+        force[i] = values["c"] * v[i] + values["k"] * x[i] + values["alpha"] * z + values["f0"]
+    return force
+
+
+def against_lmfit() -> None:
+    """The same Bouc-Wen fit: lmfit with a Python loop, and ours."""
+    model = load_model("bouc_wen")
+    own = bouc_wen_data(model)
+    fit(model, [own])
+    values = {slot.address: slot.value for slot in model.slots}
+    start = model.with_values({a: 1.3 * values[a] for a in ("bouc_wen.alpha", "bouc_wen.beta", "linear_motion.damping")})
+    seconds, result = timed(lambda: fit(start, [own]))
+    print(f"{'Bouc-Wen, ours':<58}{seconds:8.2f} s   esr {result.esr:.2g}, {result.evaluations} runs", flush=True)
+    try:
+        import lmfit
+    except ImportError:
+        print("Bouc-Wen with lmfit and a Python loop: lmfit is not installed; pip install lmfit to compare")
+        return
+    x, v = own.kinematics.displacement, own.kinematics.velocity
+    target = rows_of(own)
+    parameters = lmfit.Parameters()
+    for name, value, low, high in (
+        ("c", 1300.0, 0.0, 1e5), ("k", 250.0, -1e5, 1e5), ("f0", 0.0, -5e3, 5e3), ("alpha", 156.0, 0.0, 2e4),
+        ("beta", 312.0, 1e-3, 1e6), ("gamma", 60.0, 1e-3, 1e6), ("n", 1.5, 1.0, 10.0),
+    ):  # fmt: skip
+        parameters.add(name, value=value, min=low, max=high)
+
+    def residual(given: object) -> np.ndarray:
+        force = bouc_wen_force({**given.valuesdict(), "delta": values["bouc_wen.delta"]}, x, v)
+        return target.of(force) - target.target
+
+    slow, found = timed(lambda: lmfit.minimize(residual, parameters, method="leastsq", max_nfev=PEER_EVALUATIONS))
+    each, mine = slow / found.nfev, seconds / result.evaluations
+    print(
+        f"{'Bouc-Wen, lmfit and a Python loop':<58}{slow:8.2f} s   {found.nfev} runs"
+        f"{' (stopped there)' if found.nfev >= PEER_EVALUATIONS else ''}; per run {each / mine:.0f} times ours, "
+        f"in all so far {slow / seconds:.0f} times"
+    )
+
+
+def bouc_wen_data(model: DamperModel) -> Measurement:
+    """A recording of the model itself: the ratio is of speed, not of agreement."""
+    drive = bench_drive("random", DAMPERS["passenger_front"], BOUC_WEN_SAMPLES * STEP + 0.01, 1)
+    time = np.arange(BOUC_WEN_SAMPLES) * STEP
+    x = np.interp(time, drive.time, drive.displacement)
+    kinematics, counts = differentiate_recording(np.round(time * 1e9).astype(np.int64), x, 60.0, 0.1)
+    force = model.force(kinematics.block)
+    force += NOISE * force.std() * np.random.default_rng(1).standard_normal(force.size)
+    return Measurement(
+        "bouc_wen", "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("damper")
+    )
+
+
+def main() -> None:
+    """Runs everything; --quick is a tenth of it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="a tenth of the samples and generations")
+    part = 10 if parser.parse_args().quick else 1
+    nineteen(SAMPLES // part)
+    black_boxes(SAMPLES // part)
+    front(100 // part)
+    against_lmfit()
+
+
+if __name__ == "__main__":
+    main()
