@@ -77,6 +77,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fix", metavar="NAME", action="append", default=[], help="leave this parameter as it is; may be repeated"
     )
+    parser.add_argument(
+        "--limit", metavar="NAME=LOW:HIGH", action="append", default=[], help="keep it in there; may be repeated"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the start values that are drawn (default: %(default)s)")
     _add_settings(parser)
     add_signals(parser)
@@ -148,6 +151,21 @@ def _wishes(arguments: argparse.Namespace) -> Wishes:
     )
 
 
+def _limits(words: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Lowest and highest value by name from words ``NAME=LOW:HIGH``; a side that is left out is open."""
+    found = {}
+    for word in words:
+        name, _, ends = word.rpartition("=")
+        low, colon, high = ends.partition(":")
+        try:
+            found[name] = (float(low or "-inf"), float(high or "inf"))
+        except ValueError:
+            colon = ""
+        if not name or not colon:
+            raise InputError(f"--limit {word}: is not NAME=LOW:HIGH, such as bouc_wen.n=1.5:8")
+    return found
+
+
 def _named_bags(option: str, words: Sequence[str], bags: Sequence[Path]) -> dict[str, tuple[str, ...]]:
     """Recordings by name from words ``NAME=BAG[,BAG]``; a name may come several times.
 
@@ -175,7 +193,8 @@ def _fit_plain(
     for damper, own in measurements.items():
         model = load_model(arguments.model, damper)
         progress(f"{damper}: fitting {model.name} to {len(own)} recording{'s' if len(own) > 1 else ''}")
-        fits[damper] = fit(model, own, arguments.free, arguments.fix, arguments.method, arguments.seed, wishes=wishes)
+        chosen = (arguments.free, arguments.fix, arguments.method, arguments.seed)
+        fits[damper] = fit(model, own, *chosen, wishes=wishes, limits=_limits(arguments.limit))
     for damper, result in fits.items():
         _save(result, targets[damper])
         if arguments.json != STANDARD_OUTPUT:
@@ -195,7 +214,7 @@ def _fit_joint(
         progress(f"{damper}: fitting {model.name} to {len(own)} recordings, {len(set(settings))} settings")
         joint[damper] = fit_joint(
             model, own, settings, arguments.each, arguments.free, arguments.fix, arguments.method, arguments.seed,
-            wishes=wishes,
+            wishes=wishes, limits=_limits(arguments.limit),
         )  # fmt: skip
     records = {}
     for damper, result in joint.items():

@@ -1,6 +1,6 @@
 """Identification: the parameters with which a model agrees best with what was measured."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import NoReturn
@@ -14,7 +14,7 @@ from damper_estimator.identification.methods.contract import Solution, Wishes, f
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, excerpts, pooled_error, rows_of, usable
-from damper_estimator.identification.selection import free_slots
+from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start import candidates
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
 from damper_estimator.model import DamperModel
@@ -87,6 +87,7 @@ def fit(
     weights: Sequence[float | np.ndarray] | None = None,
     starts: int | None = None,
     wishes: Wishes = Wishes(),
+    limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> Fit:
     """Identifies a model's free parameters on all measurements together.
 
@@ -96,6 +97,7 @@ def fit(
         weights: of the squared error, per measurement a number or (n,); equal for all samples where left out.
         starts: start points that are spread out beside the model's own values; 0 to begin there alone.
         wishes: what else the method is told; its seed is ``seed``.
+        limits: lowest and highest value by name, narrower than the declared bounds.
 
     Raises:
         InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no
@@ -105,7 +107,7 @@ def fit(
     given = list(measurements) or _refuse("there are no recordings to fit to")
     rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights)
     placed = with_placed_knots(model, [own.measurement for own in rows])
-    problem = Problem(placed, rows, free_slots(placed, free, fix))
+    problem = Problem(placed, rows, free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
     said = warnings_of(problem, model, solution, known, given)
     return result(model, problem, solution, known, perf_counter() - began, said)

@@ -7,7 +7,7 @@ track paper's damper, for example, only K_leak and K_port change.
 Source: Carrera Akutain et al., section 4.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -26,7 +26,7 @@ from damper_estimator.identification.fit import (
 from damper_estimator.identification.knots import with_placed_knots
 from damper_estimator.identification.methods.contract import Wishes
 from damper_estimator.identification.problem import Problem, Settings
-from damper_estimator.identification.selection import free_slots, named_slots
+from damper_estimator.identification.selection import free_slots, named_slots, narrowed
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
@@ -64,13 +64,14 @@ def fit_joint(
     seed: int = 0,
     starts: int | None = None,
     wishes: Wishes = Wishes(),
+    limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> JointFit:
     """Identifies a model on all measurements together, with some parameters of its own for each setting.
 
     Args:
         settings: name of the setting of each measurement.
         each: parameters that differ, named as in ``selection.free_slots``; what is named here is identified.
-        free, fix, method, seed, starts, wishes: as in ``fit``.
+        free, fix, method, seed, starts, wishes, limits: as in ``fit``.
 
     Raises:
         InputError: as ``fit``, and where there is only one setting.
@@ -89,7 +90,8 @@ def fit_joint(
     each = list(each)
     differing = named_slots(placed, each)
     chosen = free_slots(placed, [*free, *each], fix)
-    problem = Problem(placed, rows, chosen, Settings(names, frozenset(differing)))
+    settled = Settings(names, frozenset(differing))
+    problem = Problem(placed, rows, chosen, settled, narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
     said = warnings_of(problem, model, solution, known, given)
     seconds = perf_counter() - began

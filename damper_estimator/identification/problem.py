@@ -70,10 +70,23 @@ class Problem:
         evaluations: how often the model was run so far, or a part of it, over all rows.
     """
 
-    def __init__(self, model: DamperModel, rows: Sequence[Rows], free: Sequence[int], settings: Settings | None = None):
-        """``free``: positions in ``model.slots``; in a joint fit the rows come in order of their ``setting``."""
+    def __init__(
+        self,
+        model: DamperModel,
+        rows: Sequence[Rows],
+        free: Sequence[int],
+        settings: Settings | None = None,
+        slots: Sequence[Slot] | None = None,
+    ):
+        """In a joint fit the rows come in order of their ``setting``.
+
+        Args:
+            free: positions in ``model.slots``.
+            slots: the model's, where some have narrower bounds than their declaration.
+        """
         self.model, self.rows, self.settings = model, tuple(rows), settings
-        self.slots, self.places = _laid_out(model, settings)
+        self._given_slots = tuple(slots or model.slots)
+        self.slots, self.places = _laid_out(self._given_slots, settings)
         self.free = tuple(dict.fromkeys(self.places[:, list(free)].T.ravel().tolist()))
         self._given = tuple(free)
         self.target = np.concatenate([own.target for own in self.rows])
@@ -90,7 +103,7 @@ class Problem:
 
     def on(self, rows: Sequence[Rows]) -> "Problem":
         """The same problem on other rows."""
-        return Problem(self.model, rows, self._given, self.settings)
+        return Problem(self.model, rows, self._given, self.settings, self._given_slots)
 
     def weighted(self, weight: np.ndarray) -> "Problem":
         """The same problem with each row's squared error counted ``weight`` (m,) times as much."""
@@ -233,13 +246,13 @@ class _Part:
         self.linear = tuple(places[list(term.linear)].tolist())
 
 
-def _laid_out(model: DamperModel, settings: Settings | None) -> tuple[tuple[Slot, ...], np.ndarray]:
+def _laid_out(given: tuple[Slot, ...], settings: Settings | None) -> tuple[tuple[Slot, ...], np.ndarray]:
     """The slots of a problem, and (settings, model slots) int where each setting finds its own."""
     if settings is None:
-        return model.slots, np.arange(len(model.slots))[None, :]
+        return given, np.arange(len(given))[None, :]
     slots: list[Slot] = []
-    places = np.zeros((len(settings.names), len(model.slots)), int)
-    for position, slot in enumerate(model.slots):
+    places = np.zeros((len(settings.names), len(given)), int)
+    for position, slot in enumerate(given):
         if position in settings.each:
             places[:, position] = len(slots) + np.arange(len(settings.names))
             slots += [replace(slot, address=f"{slot.address}@{name}") for name in settings.names]

@@ -1,6 +1,7 @@
 """Which numbers of a model a fit may change: the model file's own word, then ``--fix``, then ``--free``."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
@@ -43,6 +44,27 @@ def named_slots(model: DamperModel, names: Iterable[str]) -> tuple[int, ...]:
     names = list(names)
     _check_names(model, names)
     return tuple(i for i, slot in enumerate(model.slots) if _named(slot, names))
+
+
+def narrowed(model: DamperModel, limits: Mapping[str, tuple[float, float]]) -> tuple[Slot, ...]:
+    """The model's slots with narrower bounds, by names as in ``free_slots``; none becomes wider than declared.
+
+    Raises:
+        InputError: for an unknown name, and where nothing is left between the bounds.
+    """
+    _check_names(model, list(limits))
+    slots = list(model.slots)
+    for name, (low, high) in limits.items():
+        for i in named_slots(model, [name]):
+            declared = slots[i].parameter
+            lower, upper = max(low, declared.lower), min(high, declared.upper)
+            if not lower < upper:
+                raise InputError(
+                    f"{slots[i].address}: nothing lies between {low:g} and {high:g} {declared.unit} and within its "
+                    f"bounds {declared.lower:g} to {declared.upper:g}"
+                )
+            slots[i] = replace(slots[i], parameter=replace(declared, lower=lower, upper=upper))
+    return tuple(slots)
 
 
 def _check_names(model: DamperModel, names: list[str]) -> None:

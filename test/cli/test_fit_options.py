@@ -91,6 +91,15 @@ def test_a_front_is_kept_and_another_point_picked_from_it(bag, tmp_path, capsys)
     assert values(tmp_path / "other.yaml")["linear_viscous.rebound"] > values(out)["linear_viscous.rebound"]
 
 
+@pytest.mark.parametrize("method", ["least_squares", "hooke_jeeves", "nsga2"])
+def test_a_limit_is_kept_and_said_to_be_reached(method, bag, tmp_path, capsys):
+    out = tmp_path / "model.yaml"
+    words = ["--method", method, "--limit", "*rebound=500:2000", "--population", "20", "--generations", "5"]
+    assert main(["fit", bag("a", damper(2600.0)), "-m", "linear_viscous", "-o", str(out), *words]) == 0
+    assert 1900.0 < values(out)["linear_viscous.rebound"] <= 2000.0
+    assert method == "nsga2" or "at a bound: linear_viscous.rebound" in capsys.readouterr().out
+
+
 REFUSED = {
     "a group without several objectives": (["--group", "F=a"], "--method nsga2"),
     "each without by": (["--each", "static_force"], "go together"),
@@ -101,6 +110,10 @@ REFUSED = {
     "a channel that was not recorded": (["--each", "static_force", "--by", "command"], "has no command"),
     "one setting": (["--each", "static_force", "--by", "soft=a,b"], "needs two"),
     "a recording in no group": (["--method", "nsga2", "--group", "F=a"], "no group"),
+    "a limit without ends": (["--limit", "static_force"], "NAME=LOW:HIGH"),
+    "a limit that is no number": (["--limit", "static_force=a:b"], "NAME=LOW:HIGH"),
+    "a limit of nothing": (["--limit", "*rebound=-9:-5"], "nothing lies between -9 and -5"),
+    "a limit of an unknown parameter": (["--limit", "coulomb=0:1"], "no parameter coulomb"),
     "a front that is missing": (["--method", "nsga2", "--front", "none.csv"], "is no front"),
     "a point that is not there": (["--method", "nsga2", "--pick", "best", "--generations", "4"], "knee"),
 }
