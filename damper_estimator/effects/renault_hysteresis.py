@@ -35,6 +35,8 @@ def peak_forces(parameters, velocities, frequency, switch, width):
     omega = 2.0 * pi * frequency
     dt = 1.0 / (frequency * _STEPS)
     peaks = np.zeros((2, velocities.size))
+    if parameters[0] == 0.0:
+        return peaks
     for k in range(velocities.size):
         z, last = 0.0, 0.0
         amplitude = velocities[k] / omega

@@ -81,6 +81,13 @@ class Front:
         return text.getvalue()
 
 
+def non_dominated(objectives: np.ndarray) -> np.ndarray:
+    """(k,) bool: rows of (k, g) than which no other is better in one objective and as good in all."""
+    one, other = objectives[:, None, :], objectives[None]
+    better = (other <= one).all(axis=2) & (other < one).any(axis=2)
+    return ~better.any(axis=1)
+
+
 def load_front(path: Path) -> Front:
     """The front that ``as_csv`` wrote.
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification.excitations import Excitations, find_excitations
-from damper_estimator.identification.front import Front
+from damper_estimator.identification.front import Front, non_dominated
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.population import Scale, evolve, first_generation
@@ -25,7 +25,7 @@ from damper_estimator.identification.problem import Problem
 
 _POPULATION, _GENERATIONS = 100, 100
 _REPORT = 10  # generations between two lines of progress
-_WORST = 1e6  # objective where there is no finite force
+_WORST = 100.0  # objective from which on worse is not told apart; also where there is no finite force
 _LEAD_ITERATIONS, _LEAD_GAIN = 15, 1e-4  # of the least-squares solutions that the first generation holds
 
 
@@ -76,11 +76,13 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
     def objectives(shares: np.ndarray) -> np.ndarray:
         nonlocal runs
         runs += len(shares)
-        return np.array([_objectives(small, chosen, before, free, values) for values in scale.values(shares)])
+        own = [_objectives(small, chosen, before, free, values) for values in scale.values(shares)]
+        # Ratios are spread over the front by their logarithms; that leaves alone which is better.
+        return np.log(np.maximum(own, np.finfo(float).tiny))
 
     def told(generation: int, found: np.ndarray) -> None:
         if generation % _REPORT == 0:
-            best = ", ".join(f"{g} {e:.3g}" for g, e in zip(chosen.groups, found.min(axis=0), strict=True))
+            best = ", ".join(f"{g} {np.exp(e):.3g}" for g, e in zip(chosen.groups, found.min(axis=0), strict=True))
             wishes.progress(f"generation {generation} of {generations}: best errors relative to the start: {best}")
 
     known = np.array([start[free], *_leads(small, chosen, before, candidates, size)])
@@ -88,6 +90,11 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
     population = wishes.population or _POPULATION
     first = first_generation(scale, np.vstack([known, spread]), population, wishes.seed)
     shares, found = evolve("nsga2", objectives, first, generations, wishes.seed, told)
+    # A crowded front drops inner points: what was known before comes back where nothing is better.
+    shares = np.unique(np.vstack([shares, scale.shares(known)]), axis=0)
+    found = np.exp(objectives(shares))
+    kept = non_dominated(found)
+    shares, found = shares[kept], found[kept]
     order = np.lexsort(found.T[::-1])
     front = Front(
         names=tuple(small.slots[i].address for i in free),
