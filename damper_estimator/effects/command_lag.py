@@ -20,7 +20,7 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         command = kinematics[COMMAND, i]
         dt = kinematics[DT, i]
-        if dt > 0.0:
+        if dt > 0.0 and state[0] == state[0]:  # not NaN: there was a command before
             state[0] = command + (state[0] - command) * exp(-dt / parameters[0])
         else:
             state[0] = command

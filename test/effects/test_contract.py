@@ -181,6 +181,22 @@ def test_only_input_effects_change_the_motion(name):
     assert np.array_equal(block, before), "the caller's block was changed"
 
 
+@every_live_effect
+def test_slow_channels_that_come_late_leave_no_trace(name):
+    """The first command, temperature and pressure arrive after the first displacements; what was missed is forgotten."""
+    effect = EFFECTS[name]
+    base = make_element(find_effect("linear_viscous"))
+    own = make_element(effect, random_values(effect, 6), (base,) if effect.kind == "series" else ())
+    semi_active = make_element(find_effect("semi_active_squash"))
+    effects = {"input": (own, semi_active), "modifier": (base, semi_active, own)}.get(effect.kind, (own,))
+    model = DamperModel("late", "test", effects)
+    block = block_of(3000)
+    late = block.copy()
+    late[[COMMAND, TEMPERATURE, PRESSURE], :20] = np.nan
+    expected, got = model.force(block), model.force(late)
+    assert got[-300:] == pytest.approx(expected[-300:], abs=0.01 * np.abs(expected).max())
+
+
 @every_effect
 def test_unknown_names_and_values_out_of_bounds_are_all_reported_at_once(name):
     effect = EFFECTS[name]
