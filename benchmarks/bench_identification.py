@@ -40,7 +40,7 @@ def measurement(damper: Damper, drive: Drive, samples: int, step: float, seed: i
     stamp = np.round(time * 1e9).astype(np.int64)
     kinematics, counts = differentiate_recording(stamp, x, 60.0, 0.1)
     return Measurement(
-        drive.name, "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("damper")
+        drive.name, "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("d")
     )
 
 
@@ -69,7 +69,8 @@ def timed(work: Callable[[], object]) -> tuple[float, object]:
 
 def line(text: str, seconds: float, bar: float, more: str) -> None:
     """One row of the result."""
-    print(f"{text:<58}{seconds:8.2f} s   bar {bar:5.0f} s   {'met' if seconds < bar else 'MISSED'}   {more}", flush=True)
+    judged = "met" if seconds < bar else "MISSED"
+    print(f"{text:<58}{seconds:8.2f} s   bar {bar:5.0f} s   {judged}   {more}", flush=True)
 
 
 def nineteen(samples: int) -> None:
@@ -128,7 +129,8 @@ def against_lmfit(samples: int) -> None:
     own = bouc_wen_data(model, samples)
     fit(model, [own])
     values = {slot.address: slot.value for slot in model.slots}
-    start = model.with_values({a: 1.3 * values[a] for a in ("bouc_wen.alpha", "bouc_wen.beta", "linear_motion.damping")})
+    moved = ("bouc_wen.alpha", "bouc_wen.beta", "linear_motion.damping")
+    start = model.with_values({address: 1.3 * values[address] for address in moved})
     seconds, result = timed(lambda: fit(start, [own]))
     print(f"{'Bouc-Wen, ours':<58}{seconds:8.2f} s   esr {result.esr:.2g}, {result.evaluations} runs", flush=True)
     try:
@@ -166,7 +168,7 @@ def bouc_wen_data(model: DamperModel, samples: int) -> Measurement:
     force = model.force(kinematics.block)
     force += NOISE * force.std() * np.random.default_rng(1).standard_normal(force.size)
     return Measurement(
-        "bouc_wen", "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("damper")
+        "bouc_wen", "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("d")
     )
 
 
