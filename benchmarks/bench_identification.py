@@ -26,6 +26,15 @@ BLACK_BOXES = tuple(f"black_box_{k}" for k in range(1, 13))
 SERIES = [(1.5, v) for v in (0.1, 0.15, 0.2, 0.25, 0.3, 0.4)] + [
     (12.0, v) for v in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.2)
 ]
+# Table 2, in our units and signs; delta is fixed in the model file.
+DESIGN_SPACE = {
+    "quadratic_gas.slope": (100.0, 500.0),
+    "renault_hysteresis.alpha": (50.0, 320.0),
+    "renault_hysteresis.beta": (float(np.exp(4.0)), float(np.exp(6.0))),
+    "renault_hysteresis.gamma": (float(np.exp(2.0)), float(np.exp(6.0))),
+    "renault_hysteresis.n": (1.5, 8.0),
+    "renault_hysteresis.mu": (0.0, 0.001),
+}
 SINE_SAMPLES = 500
 NOISE = 0.01  # of the force's standard deviation
 PEER_EVALUATIONS = 400
@@ -102,7 +111,8 @@ def front(generations: int) -> None:
     model = load_model("renault_modified_bouc_wen")
 
     def run(count: int) -> object:
-        return fit(model, series, method="nsga2", wishes=Wishes(groups=groups, generations=count, population=100))
+        wishes = Wishes(groups=groups, generations=count, population=100)
+        return fit(model, series, method="nsga2", wishes=wishes, limits=DESIGN_SPACE)
 
     run(1)
     seconds, result = timed(lambda: run(generations))
