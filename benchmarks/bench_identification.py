@@ -23,9 +23,7 @@ SAMPLES, STEP = 30722, 1.95e-3
 RANDOM = ("random", "random10")  # 5 and 10 mm rms
 BLACK_BOXES = tuple(f"black_box_{k}" for k in range(1, 13))
 # Gao et al., Table 1: Hz, m/s.
-SERIES = [(1.5, v) for v in (0.1, 0.15, 0.2, 0.25, 0.3, 0.4)] + [
-    (12.0, v) for v in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.2)
-]
+SERIES = [(1.5, v) for v in (0.1, 0.15, 0.2, 0.25, 0.3, 0.4)] + [(12.0, v) for v in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.2)]
 # Table 2, in our units and signs; delta is fixed in the model file.
 DESIGN_SPACE = {
     "quadratic_gas.slope": (100.0, 500.0),

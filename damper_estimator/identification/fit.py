@@ -113,9 +113,7 @@ def fit(
     return result(model, problem, solution, known, perf_counter() - began, said)
 
 
-def identified(
-    problem: Problem, method: str, starts: int | None, wishes: Wishes
-) -> tuple[Solution, Uncertainty]:
+def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes) -> tuple[Solution, Uncertainty]:
     """Where the method ended on the problem, and how far that can be trusted.
 
     Raises:

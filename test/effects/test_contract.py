@@ -183,7 +183,7 @@ def test_only_input_effects_change_the_motion(name):
 
 @every_live_effect
 def test_slow_channels_that_come_late_leave_no_trace(name):
-    """The first command, temperature and pressure arrive after the first displacements; what was missed is forgotten."""
+    """The first command, temperature and pressure arrive after the first displacement; what was missed is forgotten."""
     effect = EFFECTS[name]
     base = make_element(find_effect("linear_viscous"))
     own = make_element(effect, random_values(effect, 6), (base,) if effect.kind == "series" else ())

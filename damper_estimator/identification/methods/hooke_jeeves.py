@@ -49,9 +49,7 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     return Solution(point, converged, problem.evaluations + round(sketch.evaluations * share))
 
 
-def descend(
-    problem: Problem, start: np.ndarray, size: np.ndarray, step: float, last: float
-) -> tuple[np.ndarray, bool]:
+def descend(problem: Problem, start: np.ndarray, size: np.ndarray, step: float, last: float) -> tuple[np.ndarray, bool]:
     """The end (q,) of one search, and whether its steps shrank to ``last``; steps are shares of ``size`` (q,)."""
     own_size = np.maximum(np.abs(start), 0.1 * size)
     lower, upper = problem.lower[problem.searched], problem.upper[problem.searched]
