@@ -6,7 +6,7 @@
 
 alpha in N, delta, beta, gamma in 1/m, mu, v_off and w in m/s. Switch and compensation follow from the
 hysteresis' own parameters, so the three are one effect. The table is made by running the hysteresis itself
-through sines of one frequency (setting), third cycle. States: z and the last displacement; first order in the
+through sines of one frequency (setting), second cycle. States: z and the last displacement; first order in the
 step. Source: Gao et al., section 3.1.3; the values of figures 9 and 10 are not published.
 """
 
@@ -19,8 +19,7 @@ from damper_estimator.effects.bouc_wen import PARAMETERS, moved
 from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
 from damper_estimator.signals.layout import DT, V, X
 
-_STEPS = 120  # per cycle
-_CYCLES = 3
+_STEPS = 100  # per cycle; one and a half cycles bring the loop to its steady shape
 
 
 @compiled
@@ -40,7 +39,7 @@ def peak_forces(parameters, velocities, frequency, switch, width):
     for k in range(velocities.size):
         z, last = 0.0, 0.0
         amplitude = velocities[k] / omega
-        for i in range(1, _CYCLES * _STEPS + 1):
+        for i in range(1, _STEPS + _STEPS // 2 + 1):
             x = amplitude * sin(omega * i * dt)
             move = x - last
             shift = parameters[5] * dt
@@ -49,9 +48,9 @@ def peak_forces(parameters, velocities, frequency, switch, width):
             last = x
             velocity = velocities[k] * cos(omega * i * dt)
             hysteresis = opening(velocity, switch, width) * parameters[0] * z
-            if i == (_CYCLES - 1) * _STEPS:
+            if i == _STEPS:
                 peaks[0, k] = hysteresis
-            elif i == (_CYCLES - 1) * _STEPS + _STEPS // 2:
+            elif i == _STEPS + _STEPS // 2:
                 peaks[1, k] = hysteresis
     return peaks
 
