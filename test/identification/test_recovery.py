@@ -70,7 +70,9 @@ def test_a_model_is_recovered_from_its_own_data(name, measured):
     if name in UNREACHED:
         assert len(known) > 0.5 * len(result.parameters)
     else:
-        assert {p.name for p in result.parameters} - set(known) == SILENT.get(name, set())
+        # A value that truly lies at a bound comes back exactly there, where no standard error can be given.
+        exact = {p.name for p in result.parameters if p.at_bound and p.value == true[p.name]}
+        assert {p.name for p in result.parameters} - set(known) - exact == SILENT.get(name, set())
         assert {own for group in result.undetermined for own in group} == SILENT.get(name, set())
     assert {address: d for address, d in known.items() if abs(d) > FAR} == {}
 
