@@ -16,7 +16,7 @@ from damper_estimator.identification import Wishes, fit
 from damper_estimator.identification.rows import rows_of
 from damper_estimator.model import DamperModel, load_model
 from damper_estimator.plant import DAMPERS, Damper, Drive, bench_drive, simulate
-from damper_estimator.signals import Measurement, default_signals
+from damper_estimator.signals import Measurement, default_signals, low_pass
 from damper_estimator.signals.kinematics import differentiate_recording
 
 SAMPLES, STEP = 30722, 1.95e-3
@@ -46,8 +46,9 @@ def measurement(damper: Damper, drive: Drive, samples: int, step: float, seed: i
     force = force + NOISE * force.std() * np.random.default_rng(seed).standard_normal(samples)
     stamp = np.round(time * 1e9).astype(np.int64)
     kinematics, counts = differentiate_recording(stamp, x, 60.0, 0.1)
+    delayed = low_pass(60.0, kinematics.dt, force)  # as the displacement's filter delays it
     return Measurement(
-        drive.name, "damper", kinematics, force, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("d")
+        drive.name, "damper", kinematics, delayed, kinematics.warm(), counts, force, x, 60.0, 30.0, default_signals("d")
     )
 
 
