@@ -1,16 +1,13 @@
 """The page of ``characterize``: loops with points A to H, the types by band and the structure they call for."""
 
-import json
 from collections.abc import Sequence
-from functools import cache
-from importlib import resources
 
 import numpy as np
-from jinja2 import Environment, PackageLoader
 
 from damper_estimator.characterization import MEANINGS, Characterization, Diagram
 from damper_estimator.characterization.record import peaks
 from damper_estimator.report.figures import packed
+from damper_estimator.report.page import render
 from damper_estimator.report.wording import number, recording_name
 
 _ROLES = {
@@ -21,19 +18,13 @@ _ROLES = {
 
 def characteristic_page(found: Sequence[Characterization]) -> str:
     """The whole page as HTML; it needs nothing else, no network either."""
-    data = [[_figure(d) for d in (*c.diagrams, *c.differences)] for c in found]
-    dampers = ", ".join(c.damper for c in found)
-    return (
-        _environment()
-        .get_template("characteristics.html")
-        .render(
-            title=f"characteristic diagrams of {dampers}",
-            sections=[_section(c) for c in found],
-            style=_asset("page.css") + _asset("characteristics.css"),
-            script=_asset("characteristics.js"),
-            plotly=_plotly(),
-            data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
-        )
+    return render(
+        "characteristics.html",
+        f"characteristic diagrams of {', '.join(c.damper for c in found)}",
+        [_section(c) for c in found],
+        ["page.css", "characteristics.css"],
+        "characteristics.js",
+        [[_figure(d) for d in (*c.diagrams, *c.differences)] for c in found],
     )
 
 
@@ -138,20 +129,3 @@ def _details(diagram: Diagram) -> dict[str, object]:
         for p, line in zip(diagram.points.values(), diagram.lines.values(), strict=True)
     ]
     return {"name": _name(diagram), "type": diagram.pattern.type, "because": diagram.pattern.because, "points": points}
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    )
-
-
-def _asset(name: str) -> str:
-    return resources.files("damper_estimator.report").joinpath(name).read_text(encoding="utf-8")
-
-
-@cache
-def _plotly() -> str:
-    """The library's text; read from plotly's installed files, since importing plotly takes a second."""
-    return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text(encoding="utf-8")

@@ -1,15 +1,11 @@
 """The page of ``compare``: forces, where the model fails, what its effects contribute, data quality."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib import resources
-
-from jinja2 import Environment, PackageLoader
 
 from damper_estimator.report.excitation_figures import partial_coherence_figure, relative_rms_figure
 from damper_estimator.report.figures import coherence_figure, error_map, passage
+from damper_estimator.report.page import render
 from damper_estimator.report.wording import (
     MEASURES,
     headline,
@@ -146,35 +142,12 @@ def _chain(comparison: Comparison) -> str:
 
 def comparison_page(sections: Sequence[Section], title: str) -> str:
     """The whole page as HTML; it needs nothing else, no network either."""
-    data = [section.figures for section in sections]
-    return (
-        _environment()
-        .get_template("page.html")
-        .render(
-            title=title,
-            sections=[section.text for section in sections],
-            measures=[{"name": label, "unit": unit, "meaning": meaning} for _, label, unit, meaning in MEASURES],
-            style=_asset("page.css"),
-            script=_asset("page.js"),
-            plotly=_plotly(),
-            # Inside a script element only "<" could end it early.
-            data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
-        )
+    return render(
+        "page.html",
+        title,
+        [section.text for section in sections],
+        ["page.css"],
+        "page.js",
+        [section.figures for section in sections],
+        measures=[{"name": label, "unit": unit, "meaning": meaning} for _, label, unit, meaning in MEASURES],
     )
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    )
-
-
-def _asset(name: str) -> str:
-    return resources.files("damper_estimator.report").joinpath(name).read_text(encoding="utf-8")
-
-
-@cache
-def _plotly() -> str:
-    """The library's text; read from plotly's installed files, since importing plotly takes a second."""
-    return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text(encoding="utf-8")

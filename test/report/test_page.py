@@ -13,7 +13,7 @@ from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.report import comparison_page, damper_section, min_max_rows
-from damper_estimator.report.comparison_page import _plotly
+from damper_estimator.report.page import _plotly
 from damper_estimator.signals import Counts, Measurement, default_signals
 from damper_estimator.signals.kinematics import Differentiator
 from damper_estimator.validation import compare

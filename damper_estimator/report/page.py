@@ -1,0 +1,53 @@
+"""Whole pages: a template, styles, scripts, plotly and the data in one file that needs nothing else, no network."""
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from importlib import resources
+
+from jinja2 import Environment, PackageLoader
+
+
+def render(
+    template: str, title: str, sections: Sequence, styles: Sequence[str], script: str, data: object, **more: object
+) -> str:
+    """The page as HTML.
+
+    Args:
+        template: a file of this folder that extends ``base.html``.
+        sections: one per damper; the templates read ``damper``, ``headline`` and what is their own.
+        styles, script: files of this folder.
+        data: for the script, anything that JSON can hold.
+        more: further names for the template.
+    """
+    return (
+        _environment()
+        .get_template(template)
+        .render(
+            title=title,
+            sections=sections,
+            style="".join(_asset(name) for name in styles),
+            script=_asset(script),
+            plotly=_plotly(),
+            # Inside a script element only "<" could end it early.
+            data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+            **more,
+        )
+    )
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("damper_estimator.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def _asset(name: str) -> str:
+    return resources.files("damper_estimator.report").joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def _plotly() -> str:
+    """The library's text; read from plotly's installed files, since importing plotly takes a second."""
+    return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text(encoding="utf-8")
