@@ -11,8 +11,8 @@ soft=a.mcap --by hard=b.mcap,c.mcap, or --by command (temperature, pressure) whe
 a folder with one SETTING.yaml each.
 
 Several objectives: --method nsga2 finds a Pareto front over groups of excitations, formed from velocity and
-frequency or given by --group. It is kept in MODEL.front.csv; --pick chooses the point that becomes the model,
-and with --front MODEL.front.csv another point is picked without a new search.
+frequency or given by --group. It is kept in MODEL.front.csv and shown in MODEL.front.html; --pick chooses the
+point that becomes the model, and with --front MODEL.front.csv another point is picked without a new search.
 """
 
 import argparse
@@ -247,7 +247,12 @@ def _save(result: Fit, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     save_model(result.model, target)
     if result.front is not None:
-        write_text(target.with_suffix(".front.csv"), result.front.as_csv())
+        from damper_estimator.report.front_page import front_page
+
+        front = result.front
+        write_text(target.with_suffix(".front.csv"), front.as_csv())
+        page = front_page(result.model.name, front.groups, front.objectives, front.picked, front.regimes())
+        write_text(target.with_suffix(".front.html"), page)
 
 
 def read(
