@@ -1,9 +1,11 @@
-"""Writing files so that nothing is lost: beside the target first, then moved into place."""
+"""Files: writing so that nothing is lost (beside the target first, then moved into place), and reading YAML."""
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+import yaml
 
 from damper_estimator.errors import InputError
 
@@ -34,3 +36,19 @@ def write_text(path: str | Path, text: str) -> None:
     """Writes a text file in one step; the old file stays until the new one is complete."""
     with written_beside(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def read_yaml(path: str | Path) -> object:
+    """The content of a YAML file, as data.
+
+    Raises:
+        InputError: one line; where it cannot be read, or is no YAML.
+    """
+    try:
+        return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f" at line {mark.line + 1}" if mark else ""
+        raise InputError(f"{path}: is not valid YAML{line}; mend the file") from error

@@ -14,6 +14,14 @@ from damper_estimator.signals.layout import DT, X
 
 
 @compiled
+def shifted(z, move, dt, parameters):
+    """z after a displacement ``move`` in the time ``dt``; parameters as declared here."""
+    shift = parameters[5] * dt
+    move -= shift if move > 0.0 else -shift
+    return moved(z, move, parameters[1], parameters[2], parameters[3], parameters[4])
+
+
+@compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += alpha z."""
     for i in range(force.size):
@@ -21,19 +29,18 @@ def kernel(parameters, settings, kinematics, state, force):
         if dt <= 0.0:
             state[0] = 0.0
         else:
-            move = x - state[1]
-            shift = parameters[5] * dt
-            move -= shift if move > 0.0 else -shift
-            state[0] = moved(state[0], move, parameters[1], parameters[2], parameters[3], parameters[4])
+            state[0] = shifted(state[0], x - state[1], dt, parameters)
         state[1] = x
         force[i] += parameters[0] * state[0]
 
+
+SHIFTED_PARAMETERS = (*PARAMETERS, Parameter("mu", "m/s", 0.0, 0.0, 0.01, "shift of the velocity"))
 
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="hysteresis",
-    parameters=(*PARAMETERS, Parameter("mu", "m/s", 0.0, 0.0, 0.01, "shift of the velocity")),
+    parameters=SHIFTED_PARAMETERS,
     states=2,
     order=1,
     shows="F-v loops whose branches cross about zero velocity",

@@ -15,8 +15,8 @@ from math import cos, pi, sin
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.bouc_wen import PARAMETERS, moved
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
+from damper_estimator.effects.bouc_wen_shifted import SHIFTED_PARAMETERS, shifted
+from damper_estimator.effects.contract import Effect, Setting, Values
 from damper_estimator.signals.layout import DT, V, X
 
 _STEPS = 100  # per cycle; one and a half cycles bring the loop to its steady shape
@@ -41,10 +41,7 @@ def peak_forces(parameters, velocities, frequency, switch, width):
         amplitude = velocities[k] / omega
         for i in range(1, _STEPS + _STEPS // 2 + 1):
             x = amplitude * sin(omega * i * dt)
-            move = x - last
-            shift = parameters[5] * dt
-            move -= shift if move > 0.0 else -shift
-            z = moved(z, move, parameters[1], parameters[2], parameters[3], parameters[4])
+            z = shifted(z, x - last, dt, parameters)
             last = x
             velocity = velocities[k] * cos(omega * i * dt)
             hysteresis = opening(velocity, switch, width) * parameters[0] * z
@@ -78,10 +75,7 @@ def kernel(parameters, settings, kinematics, state, force):
         if dt <= 0.0:
             state[0] = 0.0
         else:
-            move = x - state[1]
-            shift = parameters[5] * dt
-            move -= shift if move > 0.0 else -shift
-            state[0] = moved(state[0], move, parameters[1], parameters[2], parameters[3], parameters[4])
+            state[0] = shifted(state[0], x - state[1], dt, parameters)
         state[1] = x
         compensation = np.interp(v, knots, table)
         force[i] += opening(v, settings[0], settings[1]) * parameters[0] * state[0] - compensation
@@ -91,7 +85,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="hysteresis",
-    parameters=(*PARAMETERS, Parameter("mu", "m/s", 0.0, 0.0, 0.01, "shift of the velocity")),
+    parameters=SHIFTED_PARAMETERS,
     settings=(
         Setting("switch", "m/s", 0.2, "compression speed beyond which the hysteresis closes", lower=0.0),
         Setting("width", "m/s", 0.05, "width of the switch", lower=1e-4),

@@ -46,18 +46,7 @@ def load_model(name_or_path: str | Path, damper: str | None = None) -> DamperMod
                 f"{name_or_path}: is neither a model file nor a model's name; damper-estimator models lists the names"
             )
         path = library[str(name_or_path)]
-    return parse_model(_read_yaml(path), str(path))
-
-
-def _read_yaml(path: Path) -> object:
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        where = getattr(error, "problem_mark", None)
-        line = f" at line {where.line + 1}" if where else ""
-        raise InputError(f"{path}: is not valid YAML{line}; mend the file") from error
+    return parse_model(files.read_yaml(path), str(path))
 
 
 def parse_model(content: object, where: str) -> DamperModel:

@@ -48,11 +48,6 @@ class Damper:
         """The damper with some parameters of one part replaced, such as ``with_part("oil", bulk_modulus=8e8)``."""
         return replace(self, **{part: getattr(self, part)._replace(**values)})
 
-    @property
-    def rod_step(self) -> float:
-        """Area on which the gas pressure pushes the rod out, m^2: rod less tail rod."""
-        return pi / 4 * self.geometry.rod**2 * (1.0 - self.geometry.tail_rod)
-
 
 class Chambers(NamedTuple):
     """Areas and volumes at displacement 0; ``*_excess`` is liquid (at zero pressure) less volume."""

@@ -108,16 +108,7 @@ def load_signal_map(path: str | Path | None) -> SignalMap:
     """
     if path is None:
         return SignalMap()
-    try:
-        content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path given with -s") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, "problem_mark", None)
-        raise InputError(
-            f"{path}: is not valid YAML{f' at line {mark.line + 1}' if mark else ''}; mend the file"
-        ) from error
-    return parse_signal_map(content, str(path))
+    return parse_signal_map(files.read_yaml(path), str(path))
 
 
 def parse_signal_map(content: object, where: str) -> SignalMap:
