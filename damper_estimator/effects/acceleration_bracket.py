@@ -28,4 +28,5 @@ EFFECT = Effect(
     ),
     shows="the F-v loop opens in proportion to the force",
     separate="the same peak velocity at two frequencies",
+    trial=None,
 )

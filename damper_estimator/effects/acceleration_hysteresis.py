@@ -26,4 +26,5 @@ EFFECT = Effect(
     parameters=(Parameter("constant", "N s^2/m", -1.0, -500.0, 0.0, "force per acceleration", linear=True),),
     shows="the F-v loop opens with frequency: more force while decelerating than while accelerating",
     separate="the same peak velocity at two frequencies: a time lag grows with the frequency",
+    trial=None,
 )

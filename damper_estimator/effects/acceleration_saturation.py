@@ -31,4 +31,5 @@ EFFECT = Effect(
     settings=(Setting("deviation", "mm/s^2", 20000.0, "standard deviation of the acceleration", lower=1e-3),),
     shows="the F-v loop opens in proportion to the force",
     separate="the same peak velocity at two frequencies",
+    trial=None,
 )

@@ -11,6 +11,7 @@ eq. (3); Bouc 1967, Wen 1976.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import DT, X
 
 _PART = 0.3  # of the length over which z settles
@@ -67,6 +68,16 @@ PARAMETERS = (
     Parameter("n", "1", 1.5, 1.0, 10.0, "sharpness of the transition"),
 )
 
+
+def trial(ranges: Ranges) -> Trial:
+    """z settles over a way between a thousandth and a fifth of the stroke; its scale is that of alpha."""
+    way = 0.02 * ranges.stroke
+    limits = {name: (2.0 / ranges.stroke, 500.0 / ranges.stroke) for name in ("delta", "beta", "gamma")}
+    values = {"delta": 1.0 / way, "beta": 0.6 / way, "gamma": 0.4 / way, "n": 1.2}
+    starts = tuple({k: v * f for k, v in values.items() if k != "n"} for f in (0.3, 3.0))
+    return Trial(values, {**limits, "n": (1.0, 2.0)}, starts)
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
@@ -76,4 +87,6 @@ EFFECT = Effect(
     order=2,
     shows="F-x loops with rounded corners after each reversal, the same at any frequency",
     separate="the same amplitude at two frequencies: this hysteresis does not change",
+    trial=trial,
+    general=True,
 )

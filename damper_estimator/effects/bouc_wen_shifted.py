@@ -45,4 +45,5 @@ EFFECT = Effect(
     order=1,
     shows="F-v loops whose branches cross about zero velocity",
     separate="the same amplitude at two frequencies: this hysteresis hardly changes",
+    trial=None,
 )

@@ -1,36 +1,45 @@
-"""Cavitation: the suction side cannot pull below vapour pressure, and the void must be refilled before force returns.
+"""Cavitation: the suction side cannot pull below vapour pressure, and the void must be filled before force returns.
 
-    F <- max(F, -F_cav) in compression,      F = 0 until the void, the way lost while limited, is closed again
+    F <- -F_cav while there is a void s > 0,      ds/dt = -v - v_cav,      v_cav the speed at which F passed -F_cav
 
-F_cav in N. The void grows by the share of the way that the limited force does not resist, (1 - F_cav / |F|)
-|dx|, and closes with the way of the opposite direction, during which the force is reduced by the share r.
-States: void and last displacement; first order. Source: Dixon 2008; the loss of force at reversal in the HIS
-paper, section 3.
+F_cav in N, s in m of piston travel, positive v in extension. A void opens where compression asks for more than F_cav:
+the piston then runs away from oil that flows in no faster than at v_cav. It closes when the piston slows down or turns
+round, and until then the force stays where it is. A share h of the difference is held, 1 where nothing but vapour fills
+the void and less where air does. States: void, last displacement, v_cav; first order in the step. Source: Dixon 2008;
+the loss of force at reversal in the HIS paper, section 3.
 """
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.signals.layout import DT, X
+from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.signals.layout import DT, V, X
 
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """Limits compression force and pays the void back in rebound."""
-    limit, loss = parameters[0], parameters[1]
+    """Holds the force at the limit while there is a void."""
+    limit, held = parameters[0], parameters[1]
     for i in range(force.size):
-        x = kinematics[X, i]
-        if kinematics[DT, i] <= 0.0:
+        x, dt = kinematics[X, i], kinematics[DT, i]
+        if dt <= 0.0:
             state[0] = 0.0
             state[1] = x
         move = x - state[1]
         state[1] = x
-        if force[i] < -limit and move < 0.0:
-            state[0] += (1.0 + limit / force[i]) * -move
-            force[i] = -limit
-        elif move > 0.0 and state[0] > 0.0:
-            state[0] -= min(state[0], move)
-            if force[i] > 0.0:
-                force[i] *= 1.0 - loss
+        if state[0] <= 0.0 and force[i] < -limit and move < 0.0:
+            state[2] = max(-kinematics[V, i], 0.0)
+            state[0] = 1e-12
+        elif state[0] > 0.0:
+            state[0] = max(state[0] - move - state[2] * dt, 0.0)
+        if state[0] > 0.0:
+            force[i] -= held * (limit + force[i])
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Only a level that is reached can be seen."""
+    levels = tuple(factor * ranges.force for factor in (0.6, 1.0, 1.5, 2.2))
+    limits = {"limit": (max(0.2 * ranges.force, 10.0), 6.0 * ranges.force), "held": (0.2, 1.0)}
+    return Trial({"limit": 0.4 * ranges.force, "held": 0.9}, limits, spread(limit=levels))
 
 
 EFFECT = Effect(
@@ -38,12 +47,13 @@ EFFECT = Effect(
     kind="modifier",
     phenomenon="cavitation",
     parameters=(
-        Parameter("limit", "N", 1000.0, 10.0, 50000.0, "compression force beyond which the oil cavitates"),
-        Parameter("loss", "1", 0.8, 0.0, 1.0, "share of the rebound force that is lost while the void is refilled"),
+        Parameter("limit", "N", 1000.0, 10.0, 50000.0, "compression force at which the oil cavitates"),
+        Parameter("held", "1", 0.9, 0.0, 1.0, "share of the difference that is held while there is a void"),
     ),
-    states=2,
+    states=3,
     linear=False,
     order=1,
-    shows="compression force is cut at a level; after the reversal rebound force comes late",
+    shows="compression force is cut at a level and stays there beyond the reversal; rebound force comes late",
     separate="repeat with higher gas pressure: the limit moves with it",
+    trial=trial,
 )

@@ -6,10 +6,13 @@ s in s, positive where the force channel is late. Linear between samples; off li
 signal map's ``force.skew``. Source: definition of the signal map's force channel.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import T
 
 
@@ -20,6 +23,16 @@ def kernel(parameters, settings, kinematics, state, force):
     force[:] = np.interp(time - parameters[0], time, force.copy())
 
 
+def trial(ranges: Ranges) -> Trial:
+    """Loggers are out of step by milliseconds."""
+    return Trial(limits={"skew": (-0.03, 0.03)})
+
+
+def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+    """The channel is read earlier by the skew."""
+    return {"skew": chain["skew"] + values["skew"]}
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="channel",
@@ -27,4 +40,6 @@ EFFECT = Effect(
     parameters=(Parameter("skew", "s", 0.0, -0.05, 0.05, "delay of the force channel"),),
     shows="the F-v loop opens with frequency and evenly at all speeds; the force's zero crossings come late",
     separate="tap the damper: both channels must show the blow at the same instant",
+    trial=trial,
+    mend=mend,
 )

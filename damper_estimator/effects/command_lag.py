@@ -11,6 +11,7 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import COMMAND, DT
 
 
@@ -27,6 +28,13 @@ def kernel(parameters, settings, kinematics, state, force):
         kinematics[COMMAND, i] = state[0]
 
 
+def trial(ranges: Ranges) -> Trial:
+    """Only a command that changes can lag."""
+    if ranges.command is None or ranges.command[0] == ranges.command[1]:
+        raise Untestable("no changing command was recorded")
+    return Trial({"time_constant": 0.01}, {"time_constant": (1e-4, 0.2)}, spread(time_constant=(0.003, 0.03)))
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="input",
@@ -36,4 +44,5 @@ EFFECT = Effect(
     order=1,
     shows="the force follows a step of the command slowly",
     separate="steps of the command at constant velocity",
+    trial=trial,
 )

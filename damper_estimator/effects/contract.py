@@ -16,6 +16,8 @@ from typing import Literal
 
 import numpy as np
 
+from damper_estimator.effects.trial import Try, ordinary
+
 Kind = Literal["source", "modifier", "input", "series", "channel", "path"]
 Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], None]
 Values = Mapping[str, float | tuple[float, ...]]
@@ -92,6 +94,11 @@ class Effect:
         order: declared order of convergence with the step; 0 where there is no state.
         shows: how the effect shows in measurements, in words that can be checked on a plot.
         separate: the test that tells it from its look-alikes.
+        trial: how it is tried where an effect is looked for that a model lacks; None where it stands for no
+            phenomenon of its own (a whole damper in one formula).
+        mend: for channel effects: from their values and the numbers of the force's chain (``scale``, ``offset``,
+            ``skew``, ``spring_rate``, ``preload``) to those that are right instead.
+        general: it can take the shape of more specific effects, so it is found only where it explains clearly more.
     """
 
     kernel: Kernel | None
@@ -105,6 +112,9 @@ class Effect:
     order: int = 0
     shows: str = ""
     separate: str = ""
+    trial: Try | None = ordinary
+    mend: Callable[[Values, Mapping[str, float]], dict[str, float]] | None = None
+    general: bool = False
     name: str = ""
     description: str = ""
 

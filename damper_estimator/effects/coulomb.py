@@ -10,6 +10,7 @@ from math import tanh
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import V
 
 
@@ -20,6 +21,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * tanh(kinematics[V, i] / settings[0])
 
 
+def trial(ranges: Ranges) -> Trial:
+    """The transition is a small part of the speeds that were driven."""
+    return Trial({"transition": max(0.005, 0.01 * ranges.speed)}, {"force": (0.0, 2.0 * ranges.force)})
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
@@ -28,4 +34,5 @@ EFFECT = Effect(
     settings=(Setting("transition", "m/s", 0.005, "width of the transition through zero velocity", lower=1e-6),),
     shows="an odd step of the force where the velocity changes sign, at every amplitude and frequency",
     separate="a slow triangle (5 mm/s): friction stays, viscous force vanishes",
+    trial=trial,
 )

@@ -12,6 +12,7 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, X
 
 
@@ -38,6 +39,16 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += limit * state[0]
 
 
+def trial(ranges: Ranges) -> Trial:
+    """Friction slides after a small way: a longer one is another memory."""
+    least = max(ranges.force / 5e-3, 1e4)
+    return Trial(
+        values={"stiffness": 4.0 * least},
+        limits={"stiffness": (least, 1e8), "force": (0.0, 2.0 * ranges.force), "exponent": (0.5, 2.0)},
+        starts=spread(force=(0.05 * ranges.force, 0.2 * ranges.force), stiffness=(1.5 * least, 10.0 * least)),
+    )
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
@@ -51,4 +62,5 @@ EFFECT = Effect(
     order=2,
     shows="an odd step of the force at each reversal, built up over a short way and not over a time",
     separate="a slow triangle at two amplitudes: friction builds up over the same way at any speed",
+    trial=trial,
 )

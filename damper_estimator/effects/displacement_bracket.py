@@ -30,4 +30,5 @@ EFFECT = Effect(
     ),
     shows="at the same velocity the force differs over the stroke",
     separate="the same velocities at several mean positions",
+    trial=None,
 )

@@ -30,4 +30,5 @@ EFFECT = Effect(
     ),
     shows="a narrow dent or bump of the force in the middle of the stroke",
     separate="slow crossings of the middle",
+    trial=None,
 )

@@ -32,4 +32,5 @@ EFFECT = Effect(
     settings=(Setting("deviation", "mm", 7.5, "standard deviation of the displacement", lower=1e-3),),
     shows="at the same velocity the force differs over the stroke",
     separate="the same velocities at several mean positions",
+    trial=None,
 )

@@ -9,6 +9,7 @@ balance; Lion and Loose 2002.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, V
 
 
@@ -22,6 +23,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] *= min(max(1.0 - parameters[0] * state[0], 0.1), 1.0)
         power = max(force[i] * kinematics[V, i], 0.0)
         state[0] = (state[0] + dt * power / settings[0]) / (1.0 + dt / parameters[1])
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Small dampers heat fast; cooling takes minutes."""
+    return Trial({"capacity": 300.0, "cooling": 300.0}, {"cooling": (30.0, 3000.0)}, spread(fade=(5e-4, 1e-2)))
 
 
 EFFECT = Effect(
@@ -38,4 +44,5 @@ EFFECT = Effect(
     order=1,
     shows="the force at the same motion falls during hard driving and recovers in pauses",
     separate="a pause of some minutes in the middle of a hard run",
+    trial=trial,
 )

@@ -8,6 +8,7 @@ x in m (positive in extension), k in N/m^p, p without unit (setting). The bump s
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
 from damper_estimator.signals.layout import X
 
 
@@ -20,6 +21,24 @@ def kernel(parameters, settings, kinematics, state, force):
             force[i] -= parameters[0] * (parameters[1] - x) ** settings[0]
         if x > parameters[3]:
             force[i] += parameters[2] * (x - parameters[3]) ** settings[0]
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Stops stand in the outer thirds of what was driven: nearer to the middle, a spring is no stop."""
+    third = ranges.stroke / 3.0
+    limits = {
+        "bump_position": (ranges.compression, min(ranges.compression + third, -5e-3)),
+        "top_out_position": (max(ranges.extension - third, 5e-3), ranges.extension),
+    }
+    if any(low >= high for low, high in limits.values()):
+        raise Untestable("the stroke is too short to reach a stop")
+    depths = (0.2, 0.5, 0.8)
+    starts = tuple(
+        {name: low + (depth if name.startswith("bump") else 1.0 - depth) * (high - low)
+         for name, (low, high) in limits.items()}
+        for depth in depths
+    )  # fmt: skip
+    return Trial(starts[0], limits, starts[1:])
 
 
 EFFECT = Effect(
@@ -35,4 +54,5 @@ EFFECT = Effect(
     settings=(Setting("exponent", "1", 2.0, "1 linear, 2 progressive", lower=1.0, upper=4.0),),
     shows="the force runs away near the ends of the stroke, whatever the velocity",
     separate="a slow stroke into the stops",
+    trial=trial,
 )

@@ -6,8 +6,10 @@ g without unit. Off line only; it is mended by the signal map's ``force.scale``.
 signal map's force channel.
 """
 
+from collections.abc import Mapping
+
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values
 
 
 @compiled
@@ -17,6 +19,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] *= 1.0 + parameters[0]
 
 
+def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+    """What the gauge reads is divided by its gain."""
+    return {name: chain[name] / (1.0 + values["gain"]) for name in ("scale", "offset")}
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="channel",
@@ -24,4 +31,5 @@ EFFECT = Effect(
     parameters=(Parameter("gain", "1", 0.0, -0.9, 2.0, "relative error of the gauge's gain"),),
     shows="the error is a fixed share of the force, everywhere",
     separate="a known weight on the gauge",
+    mend=mend,
 )

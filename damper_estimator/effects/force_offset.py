@@ -6,8 +6,10 @@ F_0 in N. Off line only; it is mended by the signal map's ``force.offset``. Sour
 map's force channel.
 """
 
+from collections.abc import Mapping
+
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values
 
 
 @compiled
@@ -17,6 +19,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0]
 
 
+def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+    """The offset is taken off."""
+    return {"offset": chain["offset"] - values["offset"]}
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="channel",
@@ -24,4 +31,5 @@ EFFECT = Effect(
     parameters=(Parameter("offset", "N", 0.0, -20000.0, 20000.0, "offset of the gauge", linear=True),),
     shows="a constant difference, at rest too",
     separate="tare at rest, with the damper unloaded",
+    mend=mend,
 )

@@ -52,4 +52,5 @@ EFFECT = Effect(
     linear=False,
     shows="the force never leaves a diagonal band in F-v",
     separate="speeds well above and below the knees",
+    trial=None,
 )

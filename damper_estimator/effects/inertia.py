@@ -7,6 +7,7 @@ m in kg, a in m/s^2. No state. Source: Newton; the virtual mass of Lozoya-Santos
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import A
 
 
@@ -17,6 +18,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * kinematics[A, i]
 
 
+def trial(ranges: Ranges) -> Trial:
+    """A damper's moving parts weigh some kilograms."""
+    return Trial(limits={"mass": (0.0, 30.0)})
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
@@ -24,4 +30,5 @@ EFFECT = Effect(
     parameters=(Parameter("mass", "kg", 0.5, 0.0, 100.0, "moving mass", linear=True),),
     shows="more force while accelerating; at the reversals, where v = 0, the force follows the acceleration",
     separate="shake the unloaded gauge: only inertia is left",
+    trial=trial,
 )

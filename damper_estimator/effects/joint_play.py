@@ -9,6 +9,7 @@ is seen at the reversals of bench recordings.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import X
 
 _LOOSE = 1e-3
@@ -24,6 +25,14 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += stiffness * (d - inside + _LOOSE * inside)
 
 
+def trial(ranges: Ranges) -> Trial:
+    """Play is a small part of the stroke."""
+    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    play = min(0.05 * ranges.stroke, 5e-3)
+    limits = {"stiffness": (least, 1e9), "play": (0.0, play)}
+    return Trial({"stiffness": 10.0 * least, "play": 0.2 * play}, limits, spread(play=(0.05 * play, 0.5 * play)))
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="series",
@@ -35,4 +44,5 @@ EFFECT = Effect(
     order=1,
     shows="a kink or plateau of the force as it changes sign, of the same width in displacement at any speed",
     separate="turn the force round slowly by hand: the joint moves without force",
+    trial=trial,
 )

@@ -63,4 +63,5 @@ EFFECT = Effect(
     ),
     shows="a knee in F-v: progressive below, much flatter above the opening speed",
     separate="speeds well above and below the knee in both directions",
+    trial=None,
 )

@@ -48,4 +48,5 @@ EFFECT = Effect(
     order=1,
     shows="an odd step at each reversal with a small peak before sliding",
     separate="a slow triangle: friction stays, viscous force vanishes",
+    trial=None,
 )

@@ -9,6 +9,7 @@ implicitly, backward Euler: first order in the step, stable for any stiffness. S
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
 
@@ -18,6 +19,14 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         d = kinematics[X, i]
         force[i] += (parameters[0] if d > 0.0 else parameters[1]) * d
+
+
+def trial(ranges: Ranges) -> Trial:
+    """A damper whose oil gives way by more than a twentieth of its stroke is another one."""
+    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    names = ("stiffness_rebound", "stiffness_compression")
+    starts = [{name: factor * least for name in names} for factor in (10.0, 40.0)]
+    return Trial({name: 4.0 * least for name in names}, {name: (least, 1e9) for name in names}, tuple(starts))
 
 
 EFFECT = Effect(
@@ -31,4 +40,5 @@ EFFECT = Effect(
     order=1,
     shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",
     separate="impedance of the mount on its own; two temperatures (rubber softens, oil hardly)",
+    trial=trial,
 )

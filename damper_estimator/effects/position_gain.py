@@ -9,6 +9,7 @@ in its path; the gain never falls below zero. No state. Source: position-sensiti
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import X
 
 
@@ -18,6 +19,14 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         away = (kinematics[X, i] - parameters[1]) / settings[0]
         force[i] *= max(0.0, 1.0 + parameters[0] * away * away)
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Gains refer to half the driven stroke."""
+    scale = max(0.5 * ranges.stroke, 1e-3)
+    limits = {"gain": (-0.8, 3.0), "middle": (ranges.middle - 2.0 * scale, ranges.middle + 2.0 * scale)}
+    values = {"scale": scale, "gain": 0.3, "middle": ranges.middle}
+    return Trial(values, limits, spread(gain=(-0.2, 0.3), middle=(ranges.middle - scale, ranges.middle + scale)))
 
 
 EFFECT = Effect(
@@ -31,4 +40,5 @@ EFFECT = Effect(
     settings=(Setting("scale", "m", 0.05, "stroke from the middle to which the gain refers", lower=1e-4),),
     shows="at the same velocity the force differs between the middle and the ends of the stroke",
     separate="the same velocities at several mean positions",
+    trial=trial,
 )

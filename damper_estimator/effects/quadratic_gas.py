@@ -8,6 +8,7 @@ N/mm is +250 N/m here. No state. Source: Gao et al., eq. (6).
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
 
@@ -17,6 +18,13 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         x = kinematics[X, i]
         force[i] += (parameters[0] * x + parameters[1]) * x + parameters[2]
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Gas resists compression, the more the further: the force rises with extension and bends down."""
+    bend = 5.0 * ranges.force / ranges.stroke**2
+    limits = {"square": (-bend, 0.0), "slope": (0.0, 5e4), "constant": (-1e-6, 1e-6)}
+    return Trial({"constant": 0.0}, limits)
 
 
 EFFECT = Effect(
@@ -30,4 +38,5 @@ EFFECT = Effect(
     ),
     shows="the force changes over displacement, whatever the velocity",
     separate="a slow stroke over the whole travel",
+    trial=trial,
 )

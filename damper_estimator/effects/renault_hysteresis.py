@@ -100,4 +100,5 @@ EFFECT = Effect(
     order=1,
     shows="the F-v loop is open in rebound and slow compression and closed in fast compression",
     separate="the same peak velocity at two frequencies",
+    trial=None,
 )  # fmt: skip

@@ -8,6 +8,7 @@ element.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import V, X
 
 
@@ -16,6 +17,14 @@ def kernel(parameters, settings, kinematics, state, force):
     """Force of the mount over its deflection X and deflection rate V."""
     for i in range(force.size):
         force[i] += parameters[0] * kinematics[X, i] + parameters[1] * kinematics[V, i]
+
+
+def trial(ranges: Ranges) -> Trial:
+    """A mount gives way by a twentieth of the stroke at most; rubber loses up to a third at some 10 Hz."""
+    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    starts = tuple({"stiffness": factor * least, "loss": 2e-3 * factor * least} for factor in (10.0, 40.0))
+    limits = {"stiffness": (least, 1e9), "loss": (0.0, 2e4)}
+    return Trial({"stiffness": 4.0 * least, "loss": 8e-3 * least}, limits, starts)
 
 
 EFFECT = Effect(
@@ -29,4 +38,5 @@ EFFECT = Effect(
     order=1,
     shows="the F-v loop opens with frequency, evenly in rebound and compression",
     separate="repeat the test with a solid joint, or measure the mount alone",
+    trial=trial,
 )

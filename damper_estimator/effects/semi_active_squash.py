@@ -10,6 +10,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import COMMAND, V, X
 
 
@@ -24,6 +25,15 @@ def kernel(parameters, settings, kinematics, state, force):
             force[i] += command * parameters[0] * (u / (1.0 + abs(u)) + w / (1.0 + abs(w)))
 
 
+def trial(ranges: Ranges) -> Trial:
+    """Without a command that is there, nothing can be told of it."""
+    if ranges.command is None or max(abs(value) for value in ranges.command) <= 0.0:
+        raise Untestable("no command was recorded, or it was zero")
+    steep = 20.0 / (ranges.speed * max(abs(value) for value in ranges.command))
+    limits = {"damping": (0.05 * steep, 50.0 * steep), "stiffness": (0.0, 20.0 / ranges.stroke)}
+    return Trial({"damping": steep, "stiffness": 0.0}, limits, spread(damping=(0.3 * steep, 3.0 * steep)))
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
@@ -35,4 +45,5 @@ EFFECT = Effect(
     ),
     shows="the yield level grows with the command",
     separate="the same motion at several commands",
+    trial=trial,
 )

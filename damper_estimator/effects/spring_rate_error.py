@@ -6,8 +6,10 @@ k in N/m, x in m. Off line only; it is mended by the signal map's ``force.spring
 the signal map's force channel.
 """
 
+from collections.abc import Mapping
+
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values
 from damper_estimator.signals.layout import X
 
 
@@ -18,6 +20,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * kinematics[X, i]
 
 
+def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+    """The rest of the spring is subtracted, too."""
+    return {"spring_rate": chain["spring_rate"] + values["rate"]}
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="channel",
@@ -25,4 +32,5 @@ EFFECT = Effect(
     parameters=(Parameter("rate", "N/m", 0.0, -200000.0, 200000.0, "error of the spring rate", linear=True),),
     shows="a straight line over displacement, whatever the velocity",
     separate="a slow stroke without the spring, or with a known one",
+    mend=mend,
 )

@@ -29,4 +29,5 @@ EFFECT = Effect(
     ),
     shows="the F-v loop is open about zero velocity",
     separate="the same peak velocity at two frequencies and amplitudes",
+    trial=None,
 )

@@ -10,6 +10,7 @@ from math import tanh
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import A, V
 
 
@@ -18,6 +19,14 @@ def kernel(parameters, settings, kinematics, state, force):
     """F += F_y tanh(s (v + h a))."""
     for i in range(force.size):
         force[i] += parameters[0] * tanh(parameters[1] * (kinematics[V, i] + parameters[2] * kinematics[A, i]))
+
+
+def trial(ranges: Ranges) -> Trial:
+    """The step is narrower than the speeds that were driven."""
+    steep = 1.0 / ranges.speed
+    limits = {"steepness": (1.5 * steep, 100.0 * steep), "shift": (-0.03, 0.03)}
+    values = {"steepness": 10.0 * steep, "shift": 0.003}
+    return Trial(values, limits, spread(steepness=(4.0 * steep, 30.0 * steep), shift=(-0.005, 0.01)))
 
 
 EFFECT = Effect(
@@ -31,4 +40,6 @@ EFFECT = Effect(
     ),
     shows="the F-v loop is open about zero velocity and closes at high velocity",
     separate="the same peak velocity at two frequencies: a lag grows with it, memory of displacement does not",
+    trial=trial,
+    general=True,
 )

@@ -1,34 +1,53 @@
 """Fade with the measured temperature.
 
-    F <- F (1 - kappa (theta - theta_0))
+    F <- F (1 - kappa (theta - theta_0)) - g (theta - theta_0)
 
-kappa in 1/K, theta in deg C (measured), theta_0 in deg C (setting). Without a temperature the force is left
-as it is; the gain stays between 0.1 and 3. No state. Source: viscosity of the oil over temperature,
-linearised.
+kappa in 1/K, g in N/K, theta in deg C (measured), theta_0 in deg C (setting): the oil gets thinner, and warm gas pushes
+the rod out harder. Without a temperature the force is left as it is; the gain stays between 0.1 and 3. No state.
+Source: viscosity of the oil over temperature, linearised; the gas law.
 """
 
 import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
 from damper_estimator.signals.layout import TEMPERATURE
+
+_LEAST_CHANGE = 2.0  # K
 
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F *= 1 - kappa (theta - theta_0)."""
+    """F <- F (1 - kappa (theta - theta_0)) - g (theta - theta_0)."""
     for i in range(force.size):
         theta = kinematics[TEMPERATURE, i]
         if np.isfinite(theta):
-            force[i] *= min(max(1.0 - parameters[0] * (theta - settings[0]), 0.1), 3.0)
+            warmer = theta - settings[0]
+            force[i] = force[i] * min(max(1.0 - parameters[0] * warmer, 0.1), 3.0) - parameters[1] * warmer
+
+
+def trial(ranges: Ranges) -> Trial:
+    """The model holds where the recording is coldest."""
+    if ranges.temperature is None:
+        raise Untestable("no temperature was recorded")
+    low, high = ranges.temperature
+    if high - low < _LEAST_CHANGE:
+        raise Untestable(f"the temperature changed by {high - low:.2g} K only")
+    return Trial({"reference": low, "fade": 0.002})
 
 
 EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="temperature_fade",
-    parameters=(Parameter("fade", "1/K", 0.0, 0.0, 0.03, "loss of force per kelvin"),),
+    parameters=(
+        Parameter("fade", "1/K", 0.0, 0.0, 0.03, "loss of force per kelvin"),
+        Parameter("gas", "N/K", 0.0, 0.0, 50.0, "rise of the gas force per kelvin"),
+    ),
+    linear=False,
     settings=(Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),),
     shows="the force at the same motion falls as the damper warms up",
     separate="the same manoeuvre cold and warm",
+    trial=trial,
 )

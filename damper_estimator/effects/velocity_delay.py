@@ -28,4 +28,5 @@ EFFECT = Effect(
     order=2,
     shows="the F-v loop opens with frequency at low speed",
     separate="the same peak velocity at two frequencies",
+    trial=None,
 )

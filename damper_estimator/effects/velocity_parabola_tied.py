@@ -32,4 +32,5 @@ EFFECT = Effect(
     ),
     shows="F-v bends, and differently in rebound and compression",
     separate="speeds over the whole range in both directions",
+    trial=None,
 )

@@ -88,6 +88,7 @@ def fit(
     starts: int | None = None,
     wishes: Wishes = Wishes(),
     limits: Mapping[str, tuple[float, float]] | None = None,
+    zero_free: bool = False,
 ) -> Fit:
     """Identifies a model's free parameters on all measurements together.
 
@@ -98,6 +99,7 @@ def fit(
         starts: start points that are spread out beside the model's own values; 0 to begin there alone.
         wishes: what else the method is told; its seed is ``seed``.
         limits: lowest and highest value by name, narrower than the declared bounds.
+        zero_free: leave the gauge's zero and drift of each recording out of the comparison.
 
     Raises:
         InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no
@@ -105,7 +107,7 @@ def fit(
     """
     began = perf_counter()
     given = list(measurements) or _refuse("there are no recordings to fit to")
-    rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights)
+    rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero_free=zero_free)
     placed = with_placed_knots(model, [own.measurement for own in rows])
     problem = Problem(placed, rows, free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
@@ -140,12 +142,13 @@ def judged_rows(
     given: Sequence[Measurement],
     weights: Sequence[float | np.ndarray],
     settings: Sequence[int] | None = None,
+    zero_free: bool = False,
 ) -> list[Rows]:
     """The rows of the usable parts of all measurements; ``settings`` of a joint fit, one for each measurement."""
     rows = []
     for measurement, weight, setting in zip(given, weights, settings or [0] * len(given), strict=True):
         parts = usable(model, measurement)
-        whole = rows_of(measurement, weight, setting)
+        whole = rows_of(measurement, weight, setting, zero_free)
         rows += [whole] if parts == [slice(0, whole.weight.size)] else [whole.part(part) for part in parts]
     rows = [own for own in rows if own.picks.size]
     if not rows:

@@ -5,7 +5,7 @@ rows per period of the band carry all there is. The reported error measures use 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -32,6 +32,8 @@ class Rows:
         target: (r,) measured force in band, N times root weight.
         rate: Hz, rows per second.
         setting: in a joint fit, which of its settings was in place.
+        blind: (r, k) orthonormal directions in which nothing is compared; k is 0, or 2 where the gauge's zero and its
+            drift are left out.
     """
 
     measurement: Measurement
@@ -40,30 +42,46 @@ class Rows:
     target: np.ndarray
     rate: float
     setting: int = 0
+    blind: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def of(self, force: np.ndarray) -> np.ndarray:
         """(r,) rows of a force (n,) over the whole measurement."""
-        return self.measurement.in_band(force)[self.picks] * np.sqrt(self.weight[self.picks])
+        rows = self.measurement.in_band(force)[self.picks] * np.sqrt(self.weight[self.picks])
+        return rows - self.blind @ (self.blind.T @ rows) if self.blind.size else rows
 
     def weighing(self, weight: np.ndarray) -> "Rows":
         """The same rows with another weight (n,)."""
-        rows = replace(self, weight=weight)
-        return replace(rows, target=rows.of(self.measurement.force))
+        return _targeted(replace(self, weight=weight), self.blind.size > 0)
 
     def part(self, part: slice) -> "Rows":
         """The rows of a part of the measurement, as a recording of its own."""
-        return rows_of(self.measurement.part(part.start, part.stop), self.weight[part], self.setting)
+        cut = self.measurement.part(part.start, part.stop)
+        return rows_of(cut, self.weight[part], self.setting, self.blind.size > 0)
 
 
-def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0, setting: int = 0) -> Rows:
-    """The rows of a measurement; ``weight`` of the squared error, one number or (n,)."""
+def rows_of(
+    measurement: Measurement, weight: float | np.ndarray = 1.0, setting: int = 0, zero_free: bool = False
+) -> Rows:
+    """The rows of a measurement.
+
+    Args:
+        weight: of the squared error, one number or (n,).
+        zero_free: whether the gauge's zero and its straight drift over the recording are left out of the comparison.
+    """
     rate, band = measurement.kinematics.rate, measurement.band
     stride = max(1, int(rate / (ROWS_PER_BAND * band))) if band > 0.0 and np.isfinite(rate) else 1
     on_grid = np.arange(measurement.judged.size) % stride == 0
     picks = np.flatnonzero(measurement.judged & on_grid)
     weight = np.broadcast_to(np.asarray(weight, float), measurement.judged.shape)
-    rows = Rows(measurement, weight, picks, np.zeros(0), rate / stride, setting)
-    return replace(rows, target=rows.of(measurement.force))
+    return _targeted(Rows(measurement, weight, picks, np.zeros(0), rate / stride, setting), zero_free)
+
+
+def _targeted(rows: Rows, zero_free: bool) -> Rows:
+    if zero_free and rows.picks.size > 2:
+        time = rows.measurement.kinematics.time[rows.picks]
+        zero = np.stack([np.ones_like(time), time - time.mean()], axis=1)
+        rows = replace(rows, blind=np.linalg.qr(zero * np.sqrt(rows.weight[rows.picks])[:, None])[0])
+    return replace(rows, target=rows.of(rows.measurement.force))
 
 
 def usable(model: DamperModel, measurement: Measurement) -> list[slice]:

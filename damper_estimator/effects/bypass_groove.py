@@ -1,0 +1,56 @@
+"""Bypass groove: around a stroke position part of the oil flows past the piston.
+
+    v <- v (1 - s h(x) / sqrt(1 + |v| / v_o)),      h(x) = 1 / (1 + ((x - x_0) / w)^4)
+
+s without unit, the share of the oil that takes the groove at low speed, in its middle; x_0 in m the middle, w in m
+half the length; v_o in m/s, the speed at which the valves open and the groove's share begins to fall. The piston's
+valves see what is left, so the velocity is rewritten and not the force. No state. Source: parallel orifices, as in
+position-sensitive dampers, e.g. Lee and Moon 2005.
+"""
+
+from math import sqrt
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.signals.layout import V, X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """v *= 1 - s h(x) / sqrt(1 + |v| / v_o), in this path's copy."""
+    for i in range(force.size):
+        away = (kinematics[X, i] - parameters[1]) / parameters[2]
+        square = away * away
+        opened = sqrt(1.0 + abs(kinematics[V, i]) / parameters[3])
+        kinematics[V, i] *= 1.0 - parameters[0] / ((1.0 + square * square) * opened)
+
+
+def trial(ranges: Ranges) -> Trial:
+    """The groove lies within the driven stroke and is shorter than it."""
+    stroke, middle = ranges.stroke, ranges.middle
+    limits = {
+        "share": (0.0, 0.95),
+        "middle": (ranges.compression, ranges.extension),
+        "half_length": (0.02 * stroke, 0.4 * stroke),
+        "opening": (0.01 * ranges.speed, 2.0 * ranges.speed),
+    }
+    values = {"share": 0.3, "middle": middle, "half_length": 0.1 * stroke, "opening": 0.2 * ranges.speed}
+    places = (middle - 0.25 * stroke, middle + 0.25 * stroke, middle)
+    return Trial(values, limits, spread(middle=places, half_length=(0.06 * stroke, 0.2 * stroke)))
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="input",
+    phenomenon="position_dependence",
+    parameters=(
+        Parameter("share", "1", 0.2, 0.0, 0.99, "share of the oil that takes the groove"),
+        Parameter("middle", "m", 0.0, -0.5, 0.5, "stroke position of the groove's middle"),
+        Parameter("half_length", "m", 0.01, 1e-4, 0.5, "half the groove's length"),
+        Parameter("opening", "m/s", 0.1, 1e-3, 5.0, "speed at which the valves open"),
+    ),
+    shows="at the same velocity the damper is softer in one part of the stroke",
+    separate="the same velocities at several mean positions",
+    trial=trial,
+)

@@ -1,0 +1,68 @@
+"""Yield force that grows with the command up to saturation, elastic before it yields, late by the coil's lag.
+
+    F = F_y (1 - exp(-|I| / I_s)) z,      dz/dx = (1 - sgn(v) z) / w,      tau dI/dt + I = M
+
+F_y in N (yield force of the saturated field), I_s in A, w in m the way over which it builds up after a reversal, tau in
+s; M the command in A, held between samples, for which the lag is exact; so is z over a step without reversal. Without a
+command the force is zero. States: z, the last displacement, I; second order in the step, from the reversals. Source:
+Bingham's yield with elastic pre-yield; the coil's lag as in Lozoya-Santos et al., section 5.
+"""
+
+from math import exp
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
+from damper_estimator.signals.layout import COMMAND, DT, X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += F_y (1 - exp(-|I| / I_s)) z."""
+    for i in range(force.size):
+        x, dt, command = kinematics[X, i], kinematics[DT, i], kinematics[COMMAND, i]
+        if dt <= 0.0:
+            state[0] = 0.0
+            state[1] = x
+            state[2] = command
+        move = x - state[1]
+        state[1] = x
+        direction = 1.0 if move > 0.0 else -1.0
+        state[0] = direction - (direction - state[0]) * exp(-abs(move) / parameters[2])
+        if dt > 0.0 and np.isfinite(state[2]):
+            state[2] = command + (state[2] - command) * exp(-dt / parameters[3])
+        else:
+            state[2] = command
+        if np.isfinite(state[2]):
+            force[i] += parameters[0] * (1.0 - exp(-abs(state[2]) / parameters[1])) * state[0]
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Without a command that is there, nothing can be told of it; a field that is always full is no command's."""
+    if ranges.command is None or max(abs(value) for value in ranges.command) <= 0.0:
+        raise Untestable("no command was recorded, or it was zero")
+    most = max(abs(value) for value in ranges.command)
+    way = 0.01 * ranges.stroke
+    limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, 5.0 * way), "time_constant": (1e-4, 0.1)}
+    values = {"saturation": most, "way": 0.3 * way, "time_constant": 0.01}
+    return Trial(values, limits, spread(way=(0.1 * way, way), saturation=(0.6 * most, 3.0 * most)))
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="current",
+    parameters=(
+        Parameter("force", "N", 500.0, 0.0, 50000.0, "yield force of the saturated field", linear=True),
+        Parameter("saturation", "A", 1.0, 1e-3, 100.0, "command at which 63 % of it are there"),
+        Parameter("way", "m", 3e-4, 1e-7, 0.05, "way over which it builds up after a reversal"),
+        Parameter("time_constant", "s", 0.015, 1e-4, 0.5, "time constant of the coil"),
+    ),
+    states=3,
+    order=2,
+    shows="an odd step at each reversal whose height follows the command, ever less the higher it is",
+    separate="the same motion at several commands",
+    trial=trial,
+)

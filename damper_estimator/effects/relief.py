@@ -1,0 +1,57 @@
+"""Relief: beyond an opening speed the damper is softer than the curve it had, per direction.
+
+    F -= c_r (v - v_r)  for v > v_r,      F += c_c (-v - v_c)  for v < -v_c
+
+c in N s/m, at or above zero: by how much the slope falls when the blow-off valve opens; v_r, v_c in m/s the opening
+speeds. The knee is rounded over a tenth of the opening speed. It is a correction of a curve that goes on without the
+knee; a damper's whole hydraulic force is ``leak_blow_off_port``. No state. Source: the blow-off characteristic of
+Carrera Akutain et al., section 3.
+"""
+
+from math import sqrt
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.signals.layout import V
+
+_ROUND = 0.1  # of the opening speed
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F -= c max(|v| - v_o, 0) sgn v, rounded."""
+    for i in range(force.size):
+        v = kinematics[V, i]
+        k = 0 if v > 0.0 else 2
+        opening = parameters[k + 1]
+        past = abs(v) - opening
+        width = _ROUND * opening
+        # Half of (u + |u|) with the corner rounded, and zero at rest.
+        rounded = 0.5 * (past + sqrt(past * past + width * width)) - 0.5 * (sqrt(opening**2 + width**2) - opening)
+        force[i] -= parameters[k] * rounded * (1.0 if v > 0.0 else -1.0)
+
+
+def trial(ranges: Ranges) -> Trial:
+    """The valve opens within the speeds that were driven, and not at once."""
+    speed = ranges.speed
+    limits = {name: (0.06 * speed, 0.8 * speed) for name in ("opening_rebound", "opening_compression")}
+    values = {name: 0.3 * speed for name in limits}
+    starts = spread(opening_rebound=(0.15 * speed, 0.5 * speed), opening_compression=(0.15 * speed, 0.5 * speed))
+    return Trial(values, limits, starts)
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="blow_off",
+    parameters=(
+        Parameter("softening_rebound", "N s/m", 500.0, 0.0, 1e5, "loss of slope in rebound", linear=True),
+        Parameter("opening_rebound", "m/s", 0.3, 1e-3, 5.0, "speed at which the valve opens in rebound"),
+        Parameter("softening_compression", "N s/m", 500.0, 0.0, 1e5, "loss of slope in compression", linear=True),
+        Parameter("opening_compression", "m/s", 0.3, 1e-3, 5.0, "speed at which the valve opens in compression"),
+    ),
+    shows="a knee in F-v: above a speed the force grows much more slowly than the model's",
+    separate="speeds well above and below the knee in both directions",
+    trial=trial,
+)

@@ -1,0 +1,62 @@
+"""Valve that opens and closes late: the force overshoots while it opens and is missing while it closes.
+
+    F <- F + g (w - y),      tau dy/dt + y = w,      w = sgn(F) (|F| - F_o ln(1 + |F| / F_o))
+
+g without unit, F_o in N, tau in s. Below the opening force F_o the passages are always open and nothing is late; above
+it the opening follows the pressure with a lag, and the pressure, as the square of flow over opening, is too high by up
+to twice what the opening lacks: g is 0 to 3. w is taken as linear between samples, for which the lag is exact. States:
+y and the last w; second order in the step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2; the
+disc that lifts with pressure, Lang 1977.
+"""
+
+from math import exp, log
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.signals.layout import DT
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += g (w - y)."""
+    opening = parameters[1]
+    for i in range(force.size):
+        size, dt = abs(force[i]), kinematics[DT, i]
+        wanted = size - opening * log(1.0 + size / opening)
+        if force[i] < 0.0:
+            wanted = -wanted
+        follows = wanted
+        if dt > 0.0:
+            lag = parameters[2] / dt
+            ramp = (wanted - state[1]) * lag
+            follows = wanted - ramp + (state[0] - state[1] + ramp) * exp(-1.0 / lag)
+        state[0] = follows
+        state[1] = wanted
+        force[i] += parameters[0] * (wanted - follows)
+
+
+def trial(ranges: Ranges) -> Trial:
+    """It opens at forces that were reached, late by milliseconds."""
+    force = ranges.force
+    values = {"overshoot": 1.0, "opening": 0.3 * force, "time_constant": 0.002}
+    limits = {"opening": (0.05 * force, 5.0 * force), "time_constant": (3e-4, 0.05)}
+    return Trial(values, limits, spread(opening=(0.3 * force, 1.0 * force), time_constant=(0.001, 0.006)))
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="modifier",
+    phenomenon="valve_delay",
+    parameters=(
+        Parameter("overshoot", "1", 1.0, 0.0, 3.0, "overshoot g, per share that the opening lacks"),
+        Parameter("opening", "N", 200.0, 1.0, 20000.0, "force at which the valve opens"),
+        Parameter("time_constant", "s", 0.002, 1e-5, 0.2, "time constant of the valve's opening"),
+    ),
+    states=2,
+    linear=False,
+    order=2,
+    shows="once the valve is open, too much force while it rises and too little while it falls",
+    separate="the same peak velocity at two frequencies: the overshoot grows with the faster one",
+    trial=trial,
+)
