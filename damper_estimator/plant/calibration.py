@@ -1,10 +1,14 @@
-"""How much of a phenomenon it takes to change the force by a wanted share."""
+"""How much of a phenomenon it takes to change the force by a wanted share.
+
+Forces are compared below 30 Hz, where models are judged: a rod that rings on its mount at 60 Hz is no part of it.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, log
 
 import numpy as np
+from scipy import signal
 
 from damper_estimator.plant.damper import Damper
 from damper_estimator.plant.phenomena import PHENOMENA, Phenomenon, Setup
@@ -15,6 +19,9 @@ TOLERANCE = 0.02
 """Relative deviation from the wanted strength at which the search ends."""
 
 MOST_TRIALS = 14
+
+BAND = 30.0
+"""Hz, above which forces are not compared."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +39,17 @@ def relative_difference(off: np.ndarray, on: np.ndarray) -> float:
 
 
 def strength(off: Setup, on: Setup, drive: Drive) -> float:
-    """Relative difference of the noise-free forces of two setups under one drive."""
+    """Relative difference of the noise-free forces of two setups under one drive, in band."""
     return relative_difference(
-        ideal_force(simulate(off.damper, drive), off.sensors), ideal_force(simulate(on.damper, drive), on.sensors)
+        in_band(ideal_force(simulate(off.damper, drive), off.sensors), drive.step),
+        in_band(ideal_force(simulate(on.damper, drive), on.sensors), drive.step),
     )
+
+
+def in_band(force: np.ndarray, step: float) -> np.ndarray:
+    """A force (n,) every ``step`` seconds below ``BAND``: third-order Butterworth, forward and backward."""
+    sections = signal.butter(3, BAND, fs=1.0 / step, output="sos")
+    return signal.sosfiltfilt(sections, force, padlen=min(3 * round(1.0 / (BAND * step)), force.size - 1))
 
 
 def calibrate(name: str, setup: Setup, drive: Drive, wanted: float, sign: float = 1.0) -> Calibration:
@@ -67,9 +81,10 @@ class _Reach:
     def __call__(self, place: float) -> float:
         magnitude = self._factor * exp(place)
         off, on = self._phenomenon.off(self._setup, magnitude), self._phenomenon.on(self._setup, magnitude)
-        without = ideal_force(self._truth(off.damper), off.sensors)
+        without = in_band(ideal_force(self._truth(off.damper), off.sensors), self._drive.step)
         again = self._truths[off.damper] if on.damper == off.damper else simulate(on.damper, self._drive)
-        return log(max(relative_difference(without, ideal_force(again, on.sensors)), 1e-12))
+        changed = in_band(ideal_force(again, on.sensors), self._drive.step)
+        return log(max(relative_difference(without, changed), 1e-12))
 
     def _truth(self, damper: Damper) -> Truth:
         if damper not in self._truths:

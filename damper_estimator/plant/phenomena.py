@@ -9,7 +9,7 @@ A phenomenon's magnitude m is a physical number; 1 is ordinary. "Off" and "on" d
 | `oil_compressibility` | stiff oil and walls, 15 GPa | bulk modulus / m, m times the free gas |
 | `blow_off` | relief stages never open | they open at 1/m of their ordinary pressure |
 | `valve_delay` | discs follow the pressure at once | their lift lags, first order, by m ms |
-| `cavitation` | liquid that stands tension | vapour clamps the pressure; charge towards 1.3 bar by 1/m (off as well) |
+| `cavitation` | liquid that stands tension | vapour clamps it; charge towards 1.3 bar by 1/m, degassed (off as well) |
 | `temperature_fade` | oil keeps its temperature | dissipated power heats it by 4 m K/kJ; viscosity falls 2.2 % per K |
 | `position_dependence` | smooth tube | bypass groove, 16 mm long near mid-stroke, area m times the needle's |
 | `end_stop` | none inside the stroke | rubber from 20 % (bump) and 30 % (rebound) of the stroke, 10 m kN/m |
@@ -36,6 +36,9 @@ from damper_estimator.plant.sensors import Sensors
 
 LOWEST_CHARGE = 1.3e5
 """Pa, gas pressure that ``cavitation`` approaches."""
+
+DEGASSED = 2e-4
+"""Share of free gas in the oil where cavitation is to be seen alone."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,9 @@ def _relief(change: Callable[[Valve, float], Valve]) -> Callable[[Setup, float],
 
 
 def _charged(damper: Damper, magnitude: float) -> Damper:
+    """Little charge, and oil that was degassed: air in it would soften it at such pressures long before it boils."""
     pressure = LOWEST_CHARGE + (damper.gas.pressure - LOWEST_CHARGE) / magnitude
-    return damper.with_part("gas", pressure=pressure)
+    return damper.with_part("gas", pressure=pressure).with_part("oil", free_gas=DEGASSED)
 
 
 def _skewed(damper: Damper, magnitude: float) -> Damper:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from damper_estimator.plant import (
@@ -20,6 +21,7 @@ from damper_estimator.plant import (
     switched,
     without,
 )
+from damper_estimator.plant.calibration import in_band
 
 STEP = 2e-4
 SETUP = Setup(DAMPERS["passenger_front"], Sensors())
@@ -77,7 +79,8 @@ def test_the_calibrated_strength_is_reached(name: str, wanted: float, rough: Dri
     found = calibrate(name, SETUP, rough, wanted)
     assert found.strength == pytest.approx(wanted, rel=0.03)
     off, on = switched(SETUP, (found,))
-    difference = relative_difference(simulate(off.damper, rough).force, simulate(on.damper, rough).force)
+    forces = [in_band(simulate(setup.damper, rough).force, rough.step) for setup in (off, on)]
+    difference = relative_difference(*forces)
     assert difference == pytest.approx(found.strength, rel=1e-9)
 
 
@@ -126,3 +129,11 @@ def test_with_nothing_hidden_all_records_are_of_one_setup() -> None:
     case = hidden((), SETUP, drives("random", "random", "random"), 0.1, seed=3)
     assert case.base.setup == case.fit.setup == case.unseen.setup == SETUP
     assert case.fit_strength == case.unseen_strength == 0.0
+
+
+def test_what_lies_above_the_band_does_not_count() -> None:
+    time = np.arange(20000) * STEP
+    slow, fast = np.sin(2 * np.pi * 5.0 * time), np.sin(2 * np.pi * 150.0 * time)
+    middle = slice(3000, 17000)
+    assert in_band(slow, STEP)[middle] == pytest.approx(slow[middle], abs=1e-3)
+    assert np.abs(in_band(fast, STEP)[middle]).max() < 1e-3
