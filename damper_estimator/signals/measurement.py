@@ -11,6 +11,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Admission, Counts
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
+from damper_estimator.signals.clipping import clipped, touched
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.layout import T
 from damper_estimator.signals.signal_map import DamperSignals, SignalMap
@@ -28,14 +29,16 @@ class Measurement:
         damper: its name.
         kinematics: filtered, (n,) samples.
         force: (n,) N, the damper's force through the same causal filter; None where none was recorded.
-        judged: (n,) bool, samples that count: warm, and with a measured force near.
+        judged: (n,) bool, samples that count: warm, and with a measured force near that no clipped sample has touched.
         counts: what a node would have dropped, in order of arrival.
-        gauge: (m,) N, the finite values of the force channel as they came, before spring and filter; empty without.
+        gauge: (m,) N, the finite values of the force channel by rising stamp, before spring and filter; empty without.
+            Of the whole recording, also in a part of it.
         raw_displacement: (n,) m, before the filter.
         cutoff, band: Hz.
         signals: the damper's entry of the signal map.
         acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN where it has a
             hole; None without one. Models never see it: theirs is the displacement's derivative.
+        gauge_stamp: (m,) int64 ns, corrected for skew; None where the gauge has the stamps of the whole kinematics.
     """
 
     recording: str
@@ -50,10 +53,17 @@ class Measurement:
     band: float
     signals: DamperSignals
     acceleration: np.ndarray | None = None
+    gauge_stamp: np.ndarray | None = None
 
     def in_band(self, force: np.ndarray) -> np.ndarray:
         """A force (n,) through the comparison's zero-phase low-pass."""
         return low_pass_zero_phase(self.band, self.kinematics.dt, force)
+
+    def as_gauge(self, values: np.ndarray) -> np.ndarray:
+        """(n,) what the filter makes of (m,) values at the gauge's stamps: as it makes ``force`` of ``gauge``."""
+        if self.gauge_stamp is None:
+            return low_pass(self.cutoff, self.kinematics.dt, values)
+        return _at_stamps(self.gauge_stamp, values, self.kinematics, self.cutoff)
 
     def part(self, first: int, last: int) -> Measurement:
         """Samples ``first`` to ``last``; the forces keep their filtering, the warm-up counts anew."""
@@ -64,6 +74,7 @@ class Measurement:
             kinematics=kinematics,
             force=None if self.force is None else self.force[window],
             judged=self.judged[window] & kinematics.warm(),
+            gauge_stamp=self.kinematics.stamp if self.gauge_stamp is None else self.gauge_stamp,
             raw_displacement=self.raw_displacement[window],
             acceleration=None if self.acceleration is None else self.acceleration[window],
         )
@@ -100,8 +111,11 @@ def measure(
             f"--to or the map's windows"
         )
     force, near = (None, np.zeros(len(kinematics), bool))
+    gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:
+        gauge_stamp, gauge = _in_order(data["force"], signals.force.skew)
         force, near = _damper_force(data["force"], signals, kinematics, chosen.cutoff, max_gap)
+        near &= ~touched(kinematics.stamp, gauge_stamp[clipped(gauge)], chosen.cutoff, chosen.band)
         if force_wanted and not near.any():
             raise InputError(
                 f"{bag.path}: the force of damper {damper!r} was not recorded at the same time as "
@@ -114,12 +128,13 @@ def measure(
         force=force,
         judged=kinematics.warm() & near,
         counts=counts,
-        gauge=_finite(data["force"].value) if "force" in data else np.zeros(0),
+        gauge=gauge,
         raw_displacement=raw,
         cutoff=chosen.cutoff,
         band=chosen.band,
         signals=signals,
         acceleration=_acceleration(data, signals, kinematics, chosen.cutoff, max_gap),
+        gauge_stamp=gauge_stamp,
     )
 
 
@@ -146,10 +161,6 @@ def _read(bag: Bag, signals: DamperSignals, damper: str, force_wanted: bool) -> 
             f"{signals.force.field}); this verb needs one"
         )
     return data
-
-
-def _finite(values: np.ndarray) -> np.ndarray:
-    return values[np.isfinite(values)]
 
 
 def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[float, float]]:
@@ -224,14 +235,7 @@ def _filtered(
     stamp, value = _in_order(data, skew)
     if not stamp.size:
         return np.full(len(kinematics), np.nan), np.zeros(len(kinematics), bool)
-    filtered = np.empty(len(kinematics))
-    for part in kinematics.stretches():
-        own = kinematics.stamp[part]
-        between = stamp[(stamp > own[0]) & (stamp < own[-1])]
-        grid = np.union1d(own, between)
-        dt = np.diff(grid, prepend=grid[0]) / 1e9
-        on_grid = np.interp(grid - own[0], stamp - own[0], value)
-        filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
+    filtered = _at_stamps(stamp, value, kinematics, cutoff)
     after = np.searchsorted(stamp, kinematics.stamp)
     before = np.searchsorted(stamp, kinematics.stamp, side="right") - 1
     inside = (before >= 0) & (after < stamp.size)
@@ -240,6 +244,18 @@ def _filtered(
     )
     near = hole <= max_gap * 1e9
     return filtered, _settled(near, kinematics)
+
+
+def _at_stamps(stamp: np.ndarray, value: np.ndarray, kinematics: Kinematics, cutoff: float) -> np.ndarray:
+    filtered = np.empty(len(kinematics))
+    for part in kinematics.stretches():
+        own = kinematics.stamp[part]
+        between = stamp[(stamp > own[0]) & (stamp < own[-1])]
+        grid = np.union1d(own, between)
+        dt = np.diff(grid, prepend=grid[0]) / 1e9
+        on_grid = np.interp(grid - own[0], stamp - own[0], value)
+        filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
+    return filtered
 
 
 def _settled(near: np.ndarray, kinematics: Kinematics) -> np.ndarray:

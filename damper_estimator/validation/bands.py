@@ -1,6 +1,7 @@
 """Bands of operation, cut by the data's own ranges.
 
-Speed and direction, stroke, acceleration, time after reversals, time since the start, command, temperature.
+Speed and direction, stroke, acceleration, time after reversals, frequency and amplitude of the half cycle, time since
+the start, command, temperature.
 """
 
 from collections.abc import Callable
@@ -38,24 +39,45 @@ class Bands:
 
 def all_bands(pool: Pool) -> list[Bands]:
     """Every cut that the pool's channels allow."""
-    bands = []
     everywhere = np.ones(pool.velocity.size, bool)
+    speed, size = np.abs(pool.velocity), np.abs(pool.acceleration)
+    bands = [Bands("velocity", "", speed, _decades(speed), _range("speed", "m/s"), everywhere)]
+    bands += _reversals(pool, "", everywhere)
     directions = {"rebound": pool.velocity > 0.0, "compression": pool.velocity < 0.0}
     for direction, inside in directions.items():
-        if not inside.any():
-            continue
-        speed = np.abs(pool.velocity)
-        bands.append(Bands("velocity", direction, speed, _decades(speed[inside]), _range(direction, "m/s"), inside))
-        bands += _reversals(pool, direction, inside)
+        if inside.any():
+            cut = _decades(speed[inside])
+            bands.append(Bands("velocity", direction, speed, cut, _range(direction, "m/s"), inside))
+            bands += _reversals(pool, direction, inside)
     bands.append(_even("displacement", pool.displacement, 6, _range("displacement", "mm", 1e3), everywhere))
-    size = np.abs(pool.acceleration)
     bands.append(Bands("acceleration", "", size, _decades(size), _range("acceleration", "m/s^2"), everywhere))
+    bands.append(_octaves("frequency", pool.frequency, _range("motion", "Hz"), everywhere))
+    bands.append(_octaves("amplitude", pool.amplitude, _range("amplitude", "mm", 1e3), everywhere))
     bands.append(_even("time", pool.elapsed, 6, _time, everywhere))
     bands += _command(pool, everywhere)
     warm = pool.temperature[np.isfinite(pool.temperature)]
     if warm.size and np.ptp(warm) > 1.0:
         bands.append(_even("temperature", pool.temperature, 5, _range("temperature", "deg C"), everywhere))
     return [cut for cut in bands if cut.edges.size > 2]
+
+
+def directions(pool: Pool) -> Bands:
+    """Rebound and compression, to narrow another region down."""
+    edges = np.array([-np.inf, 0.0, np.inf])
+    return Bands("direction", "", pool.velocity, edges, _direction, np.ones(pool.velocity.size, bool))
+
+
+def _direction(low: float, high: float) -> str:
+    return "rebound" if low == 0.0 else "compression"
+
+
+def _octaves(axis: str, value: np.ndarray, words: Callable[[float, float], str], inside: np.ndarray) -> Bands:
+    """Edges 1, 2, 5, 10, ... within all but the hundredth at either end."""
+    known = value[np.isfinite(value) & (value > 0.0)]
+    low, high = np.quantile(known, [0.01, 0.99]) if known.size else (1.0, 1.0)
+    powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+    series = np.outer(powers, [1.0, 2.0, 5.0]).ravel()
+    return Bands(axis, "", value, np.array([0.0, *series[(series > low) & (series < high)], np.inf]), words, inside)
 
 
 def _decades(size: np.ndarray) -> np.ndarray:
@@ -88,12 +110,14 @@ def _reversals(pool: Pool, direction: str, inside: np.ndarray) -> list[Bands]:
     between = 2.0 * float(np.median(known))
     edges = np.array([0.0, *(float(f"{between * share:.1g}") for share in (0.05, 0.1, 0.2, 0.4)), np.inf])
 
+    which = f"{direction}, " if direction else ""
+
     def words(low: float, high: float) -> str:
         if low <= 0.0:
-            return f"{direction}, first {1e3 * high:.3g} ms after a reversal"
+            return f"{which}first {1e3 * high:.3g} ms after a reversal"
         if not np.isfinite(high):
-            return f"{direction}, more than {1e3 * low:.3g} ms after a reversal"
-        return f"{direction}, {1e3 * low:.3g} to {1e3 * high:.3g} ms after a reversal"
+            return f"{which}more than {1e3 * low:.3g} ms after a reversal"
+        return f"{which}{1e3 * low:.3g} to {1e3 * high:.3g} ms after a reversal"
 
     return [Bands("reversal", direction, since, np.unique(edges), words, inside, within=True)]
 

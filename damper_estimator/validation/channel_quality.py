@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from damper_estimator.signals.admission import Admission, Counts
+from damper_estimator.signals.clipping import clipped
 from damper_estimator.signals.rest import noise_level, quantum
-from damper_estimator.validation.quality import saturated
 
 _WINDOW = 64
 
@@ -22,7 +22,7 @@ class ChannelQuality:
         gaps, steps_back, inversions, duplicates, non_finite: in order of arrival.
         quantum: step of quantisation, 0 where none is seen.
         noise: standard deviation of the white part, from the quiet tenth of short windows.
-        saturated: samples in runs at the extremes.
+        saturated: samples at a limit of the sensor's range.
         low, high: extremes.
     """
 
@@ -62,7 +62,7 @@ def channel_quality(stamp: np.ndarray, value: np.ndarray, max_gap: float) -> Cha
         non_finite=counts.non_finite,
         quantum=quantum(finite),
         noise=_noise(finite),
-        saturated=saturated(finite) if finite.size else 0,
+        saturated=int(np.count_nonzero(clipped(finite))),
         low=float(finite.min()) if finite.size else float("nan"),
         high=float(finite.max()) if finite.size else float("nan"),
     )

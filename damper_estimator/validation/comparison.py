@@ -10,6 +10,8 @@ import numpy as np
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation.coherence import Coherence, coherence
+from damper_estimator.validation.finding import DataFinding
+from damper_estimator.validation.findings import data_findings
 from damper_estimator.validation.groups import (
     FrequencyError,
     GroupError,
@@ -21,6 +23,7 @@ from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.noise import noise_floor
 from damper_estimator.validation.quality import DataQuality, data_quality
 from damper_estimator.validation.regions import Region, find_regions
+from damper_estimator.validation.split import Split, split
 from damper_estimator.validation.trace import Pool, Trace, pool, trace
 
 
@@ -32,7 +35,8 @@ class Comparison:
         model: what was run.
         traces: forces in band, one per recording.
         measures: over the judged samples of all recordings.
-        regions: where the error is concentrated, worst first.
+        split: how much of the error is the gauge's zero, drift, a gain and scatter.
+        regions: where the error is concentrated, zero and drift left out; worst first.
         coherence: of measured and modelled force.
         data_quality: of the recordings.
         noise_floor_n: N, what a perfect model would still show; NaN where it cannot be estimated.
@@ -43,6 +47,7 @@ class Comparison:
     model: DamperModel
     traces: tuple[Trace, ...]
     measures: Measures
+    split: Split
     regions: tuple[Region, ...]
     coherence: Coherence
     data_quality: DataQuality
@@ -63,7 +68,12 @@ class Comparison:
     @cached_property
     def pool(self) -> Pool:
         """The judged samples."""
-        return pool(self.traces)
+        return pool(self.traces, self.split.slow)
+
+    @cached_property
+    def findings(self) -> tuple[DataFinding, ...]:
+        """Mistakes of the measurement chain that the recordings show by themselves."""
+        return data_findings(self.model, [t.measurement for t in self.traces])
 
     @cached_property
     def contributions(self) -> dict[str, float]:
@@ -97,6 +107,7 @@ class Comparison:
             "model": self.model.name,
             **self.measures.record(),
             "noise_floor_n": self.noise_floor_n,
+            **self.split.record(),
             "regions": [region.record() for region in self.regions],
             "coherence": {"frequency_hz": self.coherence.frequency, "value": self.coherence.value},
             "relative_rms": {
@@ -105,7 +116,7 @@ class Comparison:
                 "cycles": [row.cycles for row in self.relative_rms],
             },
             "groups": [group.record() for group in self.groups],
-            "data_quality": self.data_quality.record(),
+            "data_quality": self.data_quality.record() | {"findings": [own.record() for own in self.findings]},
             "contributions_rms_n": self.contributions,
             "warnings": list(self.warnings),
         }
@@ -128,13 +139,15 @@ def per_recording(comparison: Comparison) -> tuple[Comparison, ...]:
 
 
 def _judged(model: DamperModel, traces: Sequence[Trace]) -> Comparison:
-    together = pool(traces)
+    parts = split(traces)
+    together = pool(traces, parts.slow)
     floors = [noise_floor(model, t.measurement) for t in traces]
     shares = [t.judged.sum() for t in traces]
     return Comparison(
         model=model,
         traces=tuple(traces),
         measures=measures(together.measured, together.modelled, together.velocity, together.dt),
+        split=parts,
         regions=find_regions(together),
         coherence=coherence(traces),
         data_quality=data_quality(traces),

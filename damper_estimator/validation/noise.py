@@ -1,74 +1,230 @@
 """The error that a perfect model would still show: gauge noise, and displacement noise carried through filter and
 model.
 
-Noise is taken as white. Its density comes from the quietest part of the spectrum above the comparison band, where a
-damper's
-force and motion have little left: an estimate from above where they have more, from below where the logger itself
-filtered. Gauge noise then passes both low-passes (spectrally); displacement noise is carried by running filter and
-model on the motion with a second helping of the same noise.
+Noise is white, and quantised. Its density is what a channel's neighbours in time do not foretell: each sample less the
+cubic through two on either side, at the times that their stamps tell, so that neither motion nor uneven sampling nor a
+lost sample counts. What motion and force reach so high is kept out twice: by the quietest second, and by the lowest
+part of the spectrum above a fifth of the rate, over the gain of the cubic; the smaller of both is taken.
+
+Both channels are then simulated: noise and quantisation put on what is left of the signal without them, carried through
+filter, model and band. Quantisation coarser than the noise is not white; its error follows the signal.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import signal
 
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
-from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
+from damper_estimator.signals.butterworth import STATE_SIZE, differentiate, low_pass_zero_phase
 from damper_estimator.signals.layout import A, V, X
+from damper_estimator.signals.rest import quantum
 
-_SEGMENT = 512
-_LEAST_SAMPLES = 2 * _SEGMENT
+_LEAST_SAMPLES = 100
 _MOST_SAMPLES = 200_000  # more would only take longer
+_SEGMENT = 512
+_CUBIC = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0  # evenly sampled
+_LOWEST, _HIGHEST, _PARTS = 0.2, 0.49, 6  # of the rate
+_FAR = 3.0  # neighbours whose steps are longer than this many ordinary ones are no neighbours
+_QUIET = 1.0  # s
+_DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
+_ALIKE = 2.0  # variances of quiet seconds over that of the quietest
+_COARSE = 2.0  # quantum over noise above which the signal is read off the moments at which it changes
+_SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that is tried then
+_MOTION = 0.1  # s over which motion is told from noise
+_SLOW = 1.0  # Hz
 
 
 def noise_floor(model: DamperModel, measurement: Measurement) -> float:
-    """RMS error in N at the comparison's bandwidth; NaN where the rate leaves nothing to see above the band."""
-    rate = measurement.kinematics.rate
-    covered = max(measurement.counts.samples, 1)
-    gauge_rate = rate * measurement.gauge.size / covered
-    gauge = white_density(measurement.gauge, gauge_rate, measurement.band)
-    displacement = white_density(measurement.raw_displacement, rate, measurement.band)
-    if not np.isfinite(gauge) or not np.isfinite(displacement):
+    """RMS error in N at the comparison's bandwidth; NaN where the recording is too short to tell."""
+    measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
+    judged = measurement.judged
+    through_gauge, through_model = _gauge_error(measurement), _model_error(model, measurement)
+    if through_gauge is None or through_model is None or not judged.any():
         return float("nan")
-    through_gauge = gauge * _equivalent_bandwidth(measurement.cutoff, measurement.band, gauge_rate / 2.0)
-    through_model = _carried(model, measurement, np.sqrt(displacement * rate / 2.0))
-    return float(np.sqrt(through_gauge + through_model))
+    judged = judged & np.isfinite(through_model)
+    error = measurement.in_band(np.where(np.isfinite(through_model), through_model, 0.0) - through_gauge)
+    return float(np.sqrt(np.mean(error[judged] ** 2))) if judged.any() else float("nan")
+
+
+def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
+    """One-sided power density of the white part in unit^2/Hz; NaN for fewer than a hundred samples in a row.
+
+    Args:
+        stamp: (n,) int64 ns, rising.
+        value: (n,).
+    """
+    step = np.diff(stamp)
+    good = np.concatenate([[True], step > 0])
+    stamp, value = stamp[good], value[good]
+    if value.size < _LEAST_SAMPLES:
+        return float("nan")
+    time = (stamp - stamp[0]) / 1e9
+    period = float(np.median(np.diff(time)))
+    residual, whole = _unforetold(time, value, period)
+    if np.count_nonzero(whole) < _LEAST_SAMPLES:
+        return float("nan")
+    changes = (value[2:-2] != value[1:-3])[whole]
+    return min(_lowest_part(residual[whole], 1.0 / period), _quietest(residual[whole], changes, 1.0 / period))
+
+
+def _unforetold(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Each sample less the cubic through its four neighbours, and where these are near; both (n - 4,)."""
+    centre = time[2:-2]
+    around = [time[i : time.size - 4 + i] - centre for i in (0, 1, 3, 4)]
+    foretold = np.zeros(centre.size)
+    for i, own in enumerate(around):
+        weight = np.ones(centre.size)
+        for j, other in enumerate(around):
+            if j != i:
+                weight *= other / (other - own)
+        place = (0, 1, 3, 4)[i]
+        foretold += weight * value[place : value.size - 4 + place]
+    return value[2:-2] - foretold, around[3] - around[0] < _FAR * 4.0 * period
+
+
+def _lowest_part(residual: np.ndarray, rate: float) -> float:
+    size = min(_SEGMENT, residual.size)
+    frequency, density = signal.welch(residual, rate, nperseg=size, window="hann", detrend=False, average="median")
+    angle = 2.0 * np.pi * frequency / rate
+    gain = 1.0 - (4.0 * np.cos(angle) - np.cos(2.0 * angle)) / 3.0
+    edges = np.linspace(_LOWEST * rate, _HIGHEST * rate, _PARTS + 1)
+    parts = [(frequency >= low) & (frequency < high) for low, high in zip(edges, edges[1:], strict=False)]
+    return float(min(np.mean(density[part] / gain[part] ** 2) for part in parts if part.any()))
+
+
+def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
+    """From the second with the smallest variance; less chance's share, which white noise of the same length tells."""
+    size = max(round(_QUIET * rate), 64)
+    if residual.size < 2 * size:
+        return float("inf")
+    starts = np.arange(0, residual.size - size + 1, size // 2)
+
+    def means(values: np.ndarray) -> np.ndarray:
+        sums = np.concatenate([[0.0], np.cumsum(values)])
+        return (sums[starts + size] - sums[starts]) / size
+
+    chosen = means(changes.astype(float)) >= _DITHERED
+    if not chosen.any():
+        return float("inf")
+    white = np.convolve(np.random.default_rng(0).standard_normal(residual.size + 4), _CUBIC, mode="valid")
+    variance, chance = means(residual**2)[chosen], means(white**2)
+    quiet = np.sort(variance)[: np.count_nonzero(variance <= _ALIKE * variance.min())]
+    # Of so many quiet seconds in a row the mean is known; chance picked the lowest of all.
+    alike = float(np.mean(chance[: quiet.size][chance[: quiet.size] <= _ALIKE * chance[: quiet.size].min()]))
+    return 2.0 * float(quiet.mean() / alike) / rate
 
 
 def white_density(value: np.ndarray, rate: float, band: float) -> float:
-    """One-sided power density of the white part, unit^2/Hz, from above ``band``; NaN where that cannot be seen."""
-    lowest = max(1.5 * band, 0.15 * rate)
-    if value.size < _LEAST_SAMPLES or not np.isfinite(rate) or lowest > 0.4 * rate:
+    """Density of an evenly sampled signal, see ``noise_density``; ``band`` in Hz is not needed."""
+    if not np.isfinite(rate) or rate <= 0.0:
         return float("nan")
-    frequency, density = signal.welch(value, rate, nperseg=_SEGMENT, window="blackmanharris", detrend="constant")
-    edges = np.linspace(lowest, 0.48 * rate, 5)
-    parts = [density[(frequency >= low) & (frequency < high)] for low, high in zip(edges, edges[1:], strict=False)]
-    return float(min(np.median(part) for part in parts if part.size))
+    return noise_density(np.round(np.arange(value.size) * 1e9 / rate).astype(np.int64), value)
 
 
-def _equivalent_bandwidth(cutoff: float, band: float, top: float) -> float:
-    """Hz; integral of the squared gain of the causal low-pass and of the zero-phase one up to ``top``."""
-    frequency = np.linspace(0.0, top, 2000)
-    gain = np.ones_like(frequency)
-    if cutoff > 0.0:
-        gain /= 1.0 + (frequency / cutoff) ** 6
-    if band > 0.0:
-        gain /= (1.0 + (frequency / band) ** 6) ** 2
-    return float(np.sum((gain[1:] + gain[:-1]) / 2.0) * (frequency[1] - frequency[0]))
+@dataclass(frozen=True)
+class _Channel:
+    """A channel taken apart: (n,) signal without noise and steps, standard deviation of its white part, quantum.
+
+    ``level`` is any of the values that quantisation leaves. They are set a quarter of a step off: what rests on one of
+    them, or half-way between two where the signal turned round, is then off the edge of a step by a quarter.
+    """
+
+    smooth: np.ndarray
+    deviation: float
+    step: float
+    level: float
+
+    def disturbed(self, seed: int) -> np.ndarray:
+        """(n,) the signal with another helping of the same noise and quantisation."""
+        noisy = self.smooth + self.deviation * np.random.default_rng(seed).standard_normal(self.smooth.size)
+        if self.step <= 0.0:
+            return noisy
+        level = self.level + 0.25 * self.step
+        return level + self.step * np.round((noisy - level) / self.step)
+
+    def error(self, seed: int) -> np.ndarray:
+        """(n,) what that changes."""
+        return self.disturbed(seed) - self.smooth
 
 
-def _carried(model: DamperModel, measurement: Measurement, deviation: float) -> float:
-    """Mean square, N^2, of what displacement noise of this deviation (m) does to the modelled force in band."""
-    measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
-    kinematics = measurement.kinematics
-    noise = deviation * np.random.default_rng(0).standard_normal(len(kinematics))
-    x, v, a = np.empty((3, noise.size))
-    differentiate(measurement.cutoff, np.ascontiguousarray(kinematics.dt), noise, np.zeros(STATE_SIZE), x, v, a)
-    shaken = kinematics.block.copy()
-    shaken[X] += x
-    shaken[V] += v
-    shaken[A] += a
-    change = model.force(shaken) - model.force(kinematics.block)
-    judged = measurement.judged & np.isfinite(change)
-    carried = measurement.in_band(np.where(np.isfinite(change), change, 0.0))
-    return float(np.mean(carried[judged] ** 2)) if judged.any() else 0.0
+def _channel(stamp: np.ndarray, value: np.ndarray, band: float) -> _Channel | None:
+    """A channel taken apart; None where too little is known of it."""
+    density = noise_density(stamp, value)
+    if not np.isfinite(density):
+        return None
+    step = quantum(value)
+    # One-sided density times half the rate.
+    per_density = 0.5e9 / float(np.median(np.diff(stamp)))
+    deviation = float(np.sqrt(max(per_density * density - step**2 / 12.0, 0.0)))
+    if step <= _COARSE * deviation:
+        return _Channel(value, deviation, step, float(value[0]))
+    smooth = _without_steps(value)
+    smooth = low_pass_zero_phase(band, np.diff(stamp, prepend=stamp[0]) / 1e9, smooth)
+    # Coarse steps are not white: the noise is what makes as much of them as was measured.
+    tried = step * np.array(_SHARES)
+    level = float(value[0])
+    made = [noise_density(stamp, _Channel(smooth, own, step, level).disturbed(2)) for own in tried]
+    return _Channel(smooth, float(np.interp(density, np.maximum.accumulate(made), tried)), step, level)
+
+
+def _without_steps(value: np.ndarray) -> np.ndarray:
+    """Straight lines between the moments at which a coarse signal changes."""
+    changed = np.flatnonzero(np.diff(value))
+    if changed.size < 2:
+        return value
+    return np.interp(np.arange(value.size), changed + 0.5, 0.5 * (value[changed] + value[changed + 1]))
+
+
+def _gauge_error(m: Measurement) -> np.ndarray | None:
+    """(n,) N, what noise and quantisation of the gauge make of the filtered force."""
+    own = m.kinematics.stamp
+    stamp = own if m.gauge_stamp is None else m.gauge_stamp
+    inside = slice(*np.searchsorted(stamp, [own[0], own[-1] + 1]).tolist())
+    channel = _channel(stamp[inside], m.gauge[inside], m.band)
+    if channel is None:
+        return None
+    error = np.zeros(stamp.size)
+    error[inside] = channel.error(0)
+    return m.as_gauge(error)
+
+
+def _model_error(model: DamperModel, m: Measurement) -> np.ndarray | None:
+    """(n,) N, what noise and quantisation of the displacement make of the modelled force."""
+    k = m.kinematics
+    channel = _channel(k.stamp, m.raw_displacement, m.band)
+    if channel is None:
+        return None
+    error = _filtered(m, channel.error(1), 0.0)
+    still, shaken = k.block.copy(), k.block.copy()
+    still[[X, V, A]] = _quiet(m, _filtered(m, channel.smooth, channel.smooth[0]), error)
+    shaken[[X, V, A]] = still[[X, V, A]] + error
+    return model.force(shaken) - model.force(still)
+
+
+def _quiet(m: Measurement, motion: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """(3, n) the motion as it would be without noise: within the band, and at rest where it is no more than noise.
+
+    What a friction model holds at rest the noise lets go, so the difference needs a displacement that truly rests.
+    """
+    x, v, a = (m.in_band(own) for own in motion)
+    v, a = (own * _moving(m, own, m.in_band(noise)) for own, noise in ((v, error[1]), (a, error[2])))
+    gone = np.cumsum(v * m.kinematics.dt)
+    return np.stack([gone + low_pass_zero_phase(_SLOW, m.kinematics.dt, x - gone), v, a])
+
+
+def _filtered(m: Measurement, raw: np.ndarray, start: float) -> np.ndarray:
+    """(3, n) displacement, velocity and acceleration of a raw displacement."""
+    out = np.empty((3, raw.size))
+    state = np.zeros(STATE_SIZE)
+    state[[0, 3]] = start
+    differentiate(m.cutoff, np.ascontiguousarray(m.kinematics.dt), raw, state, *out)
+    return out
+
+
+def _moving(m: Measurement, value: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(n,) 0 to 1: the share of a signal that is not noise, by its mean square over a tenth of a second."""
+    size = max(round(_MOTION * m.kinematics.rate), 3)
+    square = np.convolve(value**2, np.full(size, 1.0 / size), mode="same")
+    return np.sqrt(np.maximum(1.0 - 2.0 * float(np.mean(noise**2)) / np.maximum(square, 1e-300), 0.0))

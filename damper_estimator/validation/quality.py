@@ -5,9 +5,9 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from damper_estimator.signals.clipping import clipped
 from damper_estimator.validation.trace import Trace
 
-_RUN = 4  # equal samples at an extreme
 _BLOCKS = 20
 _LEAST_CORRELATION = 0.8  # below it the model says too little of the force to tell when it came
 _FINEST = 5e-4  # s; a skew whose standard error is larger (and above a quarter of it) is not told
@@ -21,7 +21,7 @@ class DataQuality:
         samples: displacement samples that arrived.
         gaps, inversions, duplicates, non_finite, steps_back: among them, in order of arrival, as a node would count.
         rate_hz: from the steps inside the stretches.
-        saturated: force samples in runs at the gauge's extremes.
+        saturated: force samples at the gauge's limits.
         skew_s: by how much the force seems late against the model's; NaN where that cannot be told.
     """
 
@@ -51,41 +51,9 @@ def data_quality(traces: Sequence[Trace]) -> DataQuality:
     return DataQuality(
         **{name: total(name) for name in names},
         rate_hz=float(np.median([m.kinematics.rate for m in measurements])),
-        saturated=sum(saturated(m.gauge) for m in measurements),
+        saturated=sum(int(np.count_nonzero(clipped(m.gauge))) for m in measurements),
         skew_s=apparent_skew(traces),
     )
-
-
-def saturated(value: np.ndarray) -> int:
-    """Samples of (n,) that sit in runs at the largest or smallest value, where the signal ran into it and was cut off.
-
-    A coarse but unclipped signal also rests on its extremes at its turning points. There its parabola leaves the last
-    quantum slowly; a run counts only where the slope at its ends, kept up, would have overshot by several quanta.
-    """
-    steps = np.abs(np.diff(value))
-    quantum = float(steps[steps > 0.0].min()) if np.any(steps > 0.0) else 0.0
-    if quantum <= 0.0:
-        return 0
-    count = 0
-    for extreme in (value.max(), value.min()):
-        flags = np.diff((value == extreme).astype(np.int8), prepend=0, append=0)
-        starts, ends = np.flatnonzero(flags == 1), np.flatnonzero(flags == -1)
-        for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
-            length = last - first
-            if length >= _RUN and _slope_at(value, first, last) * length > 16.0 * quantum:
-                count += length
-    return count
-
-
-def _slope_at(value: np.ndarray, first: int, last: int) -> float:
-    """Mean change per sample just before and after the run ``first`` to ``last``; the smaller of the two."""
-    reach = 3
-    slopes = []
-    if first >= reach:
-        slopes.append(abs(float(value[first] - value[first - reach])) / reach)
-    if last + reach <= value.size:
-        slopes.append(abs(float(value[last - 1] - value[last - 1 + reach])) / reach)
-    return min(slopes, default=0.0)
 
 
 def apparent_skew(traces: Sequence[Trace]) -> float:

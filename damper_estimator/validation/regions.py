@@ -1,26 +1,34 @@
 """Where a model fails: regions of operation that carry more of the squared error than of the time, in words."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.validation.bands import Bands, all_bands
+from damper_estimator.validation.bands import Bands, all_bands, directions
 from damper_estimator.validation.trace import Pool
 
 LEAST_CONCENTRATION = 1.25  # share of the squared error over share of the samples
 LEAST_SHARE = 0.05  # of the squared error
+MOST = 6  # regions told
 _CERTAINTY = 3.0  # standard deviations of a mean square of so many independent samples
+_NEW = 0.5  # share of a region's own error that no worse region has yet
+_KEPT, _NARROWER = 0.75, 0.6  # share of the error kept, and of the samples, where a region is narrowed down
+_NARROWINGS = 2
 
 
 @dataclass(frozen=True)
 class Region:
-    """A region of operation in which the error is concentrated.
+    """A region of operation in which the error is concentrated; the gauge's zero and drift are left out of shares.
 
     Attributes:
         where: in words.
         what: the error in words, such as ``model 120 N too soft``.
-        axis, direction, low, high: the same for programs, SI.
-        rmse_n, bias_n: N, in the region.
+        axis, direction, low, high: the same for programs, SI; of the cut that found it.
+        narrowed: (axis, direction, low, high) of the cuts that narrow it down.
+        rmse_n, bias_n: N, of the whole error in the region.
+        drift_n: N rms of the gauge's zero and drift in it.
+        scatter_n: N rms about the mean of what is left.
         share_of_squared_error, share_of_samples: 0 to 1.
         recording, time: index of the recording and s since its first sample of the largest error in the region.
     """
@@ -31,8 +39,11 @@ class Region:
     direction: str
     low: float
     high: float
+    narrowed: tuple[tuple[str, str, float, float], ...]
     rmse_n: float
     bias_n: float
+    drift_n: float
+    scatter_n: float
     share_of_squared_error: float
     share_of_samples: float
     recording: int
@@ -47,13 +58,40 @@ class Region:
     def sentence(self) -> str:
         """All of it in words."""
         error, samples = 100.0 * self.share_of_squared_error, 100.0 * self.share_of_samples
-        return f"{self.where}: {error:.0f} % of the squared error in {samples:.0f} % of the time, {self.what}"
+        return f"{self.where}: {error:.0f} % of the squared error in {_percent(samples)} of the time, {self.what}"
 
     def record(self) -> dict[str, object]:
         """For JSON."""
-        names = ("where", "rmse_n", "bias_n", "share_of_squared_error", "share_of_samples", "what", "axis", "direction")
-        ends = {name: value if np.isfinite(value) else None for name, value in (("low", self.low), ("high", self.high))}
-        return {name: getattr(self, name) for name in names} | ends | {"recording": self.recording, "time_s": self.time}
+        names = ("where", "rmse_n", "bias_n", "drift_n", "scatter_n", "share_of_squared_error", "share_of_samples")
+        more = {
+            "what": self.what, "recording": self.recording, "time_s": self.time,
+            "narrowed": [_cut_record(*cut) for cut in self.narrowed],
+        }  # fmt: skip
+        cut = _cut_record(self.axis, self.direction, self.low, self.high)
+        return {name: getattr(self, name) for name in names} | cut | more
+
+
+def _percent(share: float) -> str:
+    return f"{share:.0f} %" if share >= 1.0 else f"{share:.1g} %"
+
+
+def _cut_record(axis: str, direction: str, low: float, high: float) -> dict[str, object]:
+    ends = {name: value if np.isfinite(value) else None for name, value in (("low", low), ("high", high))}
+    return {"axis": axis, "direction": direction} | ends
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Neighbouring bands of one cut, (first, last) of its edges, and the samples (n,) bool in them."""
+
+    cut: Bands
+    low: float
+    high: float
+    inside: np.ndarray
+
+    @property
+    def words(self) -> str:
+        return self.cut.words(self.low, self.high)
 
 
 def find_regions(pool: Pool) -> tuple[Region, ...]:
@@ -61,33 +99,99 @@ def find_regions(pool: Pool) -> tuple[Region, ...]:
 
     Neighbouring bands that are both concentrated are one region. A band counts where its mean square exceeds the
     whole's by more than what independent samples of its number would scatter (2 band independent samples a second),
-    so noise alone gives none. A passage after reversals must stand out within its own direction, too.
+    so noise alone gives none. A passage after reversals must stand out within its own direction, too. The worst region
+    is narrowed down by other quantities where most of its error is in few of its samples; then the next is looked for
+    among what it leaves: a region that is the same samples under another name is not told again. Where zero and drift
+    are all there is, none is told.
     """
-    square = pool.residual**2
+    square = pool.structure**2
     total = float(square.sum())
-    if total <= 0.0:
+    if total <= LEAST_SHARE * float(np.sum(pool.residual**2)):
         return ()
-    found = [region for cut in all_bands(pool) for region in _regions(cut, pool, square / total)]
+    share = square / total
+    cuts = all_bands(pool)
+    everywhere = np.ones(share.size, bool)
+    found: list[Region] = []
+    free = everywhere.copy()
+    runs = [run for cut in cuts for run in _concentrated(cut, pool, share, everywhere)]
+    while runs and len(found) < MOST:
+        runs = [run for run in runs if _is_new(run, pool, share, free)]
+        if not runs:
+            break
+        worst = max(runs, key=lambda run: _excess(run.inside & free, share, free))
+        region, inside = _narrowed(worst, [*cuts, directions(pool)], pool, share)
+        found.append(region)
+        free &= ~inside
+        runs = [run for run in runs if run is not worst]
     return tuple(sorted(found, key=lambda region: -region.excess))
 
 
-def _regions(cut: Bands, pool: Pool, share: np.ndarray) -> list[Region]:
-    known = cut.inside & np.isfinite(cut.value)
+def _concentrated(cut: Bands, pool: Pool, share: np.ndarray, among: np.ndarray) -> Iterator[_Run]:
+    """Runs of bands that stand out ``among`` (n,) bool samples."""
+    known = cut.inside & among & np.isfinite(cut.value)
+    if not known.any():
+        return
     band = np.where(known, np.searchsorted(cut.edges, np.where(known, cut.value, 0.0), side="right") - 1, -1)
     count = cut.edges.size - 1
     errors = np.bincount(band[known], share[known], count)
-    samples = np.bincount(band[known], minlength=count) / share.size
+    samples = np.bincount(band[known], minlength=count)
     seconds = np.bincount(band[known], pool.dt[known], count)
-    independent = np.maximum(2.0 * pool.band * seconds if pool.band > 0.0 else samples * share.size, 1.0)
-    least = LEAST_CONCENTRATION * (1.0 + _CERTAINTY * np.sqrt(2.0 / independent))
-    level = float(share[cut.inside].sum() / cut.inside.mean()) if cut.within else 1.0
-    worse = errors > least * samples * max(level, 1.0)
-    regions = []
+    level = _level(share, among)
+    if cut.within:
+        level = max(level, _level(share, among & cut.inside))
+    worse = errors > level * samples * _least(samples, seconds, pool.band)
     for first, last in _runs(worse):
         if errors[first:last].sum() >= LEAST_SHARE:
             inside = (band >= first) & (band < last)
-            regions.append(_region(cut, float(cut.edges[first]), float(cut.edges[last]), inside, pool, share))
-    return regions
+            yield _Run(cut, float(cut.edges[first]), float(cut.edges[last]), inside)
+
+
+def _level(share: np.ndarray, among: np.ndarray) -> float:
+    """Mean share of a sample."""
+    return float(share[among].mean()) if among.any() else 0.0
+
+
+def _least(samples: np.ndarray, seconds: np.ndarray, band: float) -> np.ndarray:
+    """Times the mean level that bands of so many samples and seconds must exceed."""
+    independent = np.maximum(2.0 * band * seconds if band > 0.0 else samples, 1.0)
+    return LEAST_CONCENTRATION * (1.0 + _CERTAINTY * np.sqrt(2.0 / independent))
+
+
+def _is_new(run: _Run, pool: Pool, share: np.ndarray, free: np.ndarray) -> bool:
+    """Whether enough of a run's error is still free, and stands out among what is free."""
+    own = run.inside & free
+    error = float(share[own].sum())
+    if error < max(LEAST_SHARE, _NEW * float(share[run.inside].sum())):
+        return False
+    least = float(_least(np.array(own.sum()), np.array(pool.dt[own].sum()), pool.band))
+    return error > least * _level(share, free) * float(own.sum())
+
+
+def _excess(own: np.ndarray, share: np.ndarray, free: np.ndarray) -> float:
+    return float(share[own].sum()) - _level(share, free) * float(own.sum())
+
+
+def _narrowed(run: _Run, cuts: Sequence[Bands], pool: Pool, share: np.ndarray) -> tuple[Region, np.ndarray]:
+    """The region of a run, narrowed down by what holds most of its error in few of its samples."""
+    # That what happens once happened at some time says nothing.
+    inside, used = run.inside, {run.cut.axis, "time"} | ({"direction"} if run.cut.direction else set())
+    more: list[_Run] = []
+    for _ in range(_NARROWINGS):
+        other = [
+            own
+            for cut in cuts
+            if cut.axis not in used and not (cut.direction and "direction" in used)
+            for own in _concentrated(cut, pool, share, inside)
+            if share[own.inside].sum() >= _KEPT * share[inside].sum()
+            and np.count_nonzero(own.inside) <= _NARROWER * np.count_nonzero(inside)
+        ]
+        if not other:
+            break
+        best = max(other, key=lambda own: _excess(own.inside, share, inside))
+        inside = best.inside
+        used |= {best.cut.axis} | ({"direction"} if best.cut.direction else set())
+        more.append(best)
+    return _region(run, more, inside, pool, share), inside
 
 
 def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
@@ -95,19 +199,21 @@ def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def _region(cut: Bands, low: float, high: float, inside: np.ndarray, pool: Pool, share: np.ndarray) -> Region:
-    residual = pool.residual[inside]
-    rmse, bias = float(np.sqrt(np.mean(residual**2))), float(residual.mean())
-    worst = int(np.flatnonzero(inside)[np.argmax(np.abs(residual))])
+def _region(run: _Run, more: Sequence[_Run], inside: np.ndarray, pool: Pool, share: np.ndarray) -> Region:
+    residual, structure = pool.residual[inside], pool.structure[inside]
+    worst = int(np.flatnonzero(inside)[np.argmax(np.abs(structure))])
     return Region(
-        where=cut.words(low, high),
-        what=_error_in_words(residual, pool.velocity[inside], rmse),
-        axis=cut.axis,
-        direction=cut.direction,
-        low=low,
-        high=high,
-        rmse_n=rmse,
-        bias_n=bias,
+        where=", ".join([run.words, *(own.words for own in more)]),
+        what=_error_in_words(structure, pool.velocity[inside], pool.acceleration[inside]),
+        axis=run.cut.axis,
+        direction=run.cut.direction,
+        low=run.low,
+        high=run.high,
+        narrowed=tuple((own.cut.axis, own.cut.direction, own.low, own.high) for own in more),
+        rmse_n=float(np.sqrt(np.mean(residual**2))),
+        bias_n=float(residual.mean()),
+        drift_n=float(np.sqrt(np.mean(pool.slow[inside] ** 2))),
+        scatter_n=float(structure.std()),
         share_of_squared_error=float(share[inside].sum()),
         share_of_samples=float(inside.mean()),
         recording=int(pool.recording[worst]),
@@ -115,11 +221,18 @@ def _region(cut: Bands, low: float, high: float, inside: np.ndarray, pool: Pool,
     )
 
 
-def _error_in_words(residual: np.ndarray, velocity: np.ndarray, rmse: float) -> str:
-    """Too soft or stiff where the error follows the motion, too high or low where it has one sign, else scatter."""
-    bias, along = float(residual.mean()), float(np.mean(residual * np.sign(velocity)))
-    if max(abs(bias), abs(along)) < 0.4 * rmse:
-        return f"error of {rmse:.3g} N without a steady sign"
-    if abs(along) >= 0.999 * abs(bias):
-        return f"model {abs(along):.3g} N too {'stiff' if along > 0.0 else 'soft'}"
-    return f"model {abs(bias):.3g} N too {'high' if bias > 0.0 else 'low'}"
+def _error_in_words(error: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> str:
+    """Too soft or stiff where the error follows the motion, too high or low where it has one sign, with acceleration
+    where it follows that, else scatter.
+    """
+    bias, along = float(error.mean()), float(np.mean(error * np.sign(velocity)))
+    rmse = float(np.sqrt(np.mean(error**2)))
+    if max(abs(bias), abs(along)) >= 0.4 * rmse:
+        if abs(along) >= 0.999 * abs(bias):
+            return f"model {abs(along):.3g} N too {'stiff' if along > 0.0 else 'soft'}"
+        return f"model {abs(bias):.3g} N too {'high' if bias > 0.0 else 'low'}"
+    with_acceleration = float(np.mean(error * np.sign(acceleration)))
+    if abs(with_acceleration) >= 0.4 * rmse:
+        first, then = ("high", "low") if with_acceleration > 0.0 else ("low", "high")
+        return f"model {abs(with_acceleration):.3g} N too {first} at positive acceleration, too {then} at negative"
+    return f"error of {rmse:.3g} N without a steady sign"

@@ -9,7 +9,8 @@ import numpy as np
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
-from damper_estimator.signals.kinematics import WARM_UP
+from damper_estimator.signals.cycles import reversals
+from damper_estimator.signals.kinematics import WARM_UP, Kinematics
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,11 @@ class Trace:
     def since_reversal(self) -> np.ndarray:
         """(n,) s since the velocity last changed its sign; NaN before the first time."""
         return _since_reversal(self.measurement)
+
+    @cached_property
+    def half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) Hz and (n,) m, frequency and amplitude of the half cycle that each sample is in; NaN outside of any."""
+        return _half_cycles(self.measurement.kinematics)
 
 
 def trace(model: DamperModel, measurement: Measurement) -> Trace:
@@ -100,6 +106,16 @@ def _since_reversal(measurement: Measurement) -> np.ndarray:
     return since
 
 
+def _half_cycles(kinematics: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+    frequency, amplitude = np.full((2, len(kinematics)), np.nan)
+    for part in kinematics.stretches():
+        at = reversals(kinematics, part)
+        for first, last in zip(at[:-1].tolist(), at[1:].tolist(), strict=True):
+            frequency[first:last] = 0.5 / (kinematics.time[last] - kinematics.time[first])
+            amplitude[first:last] = 0.5 * abs(kinematics.displacement[last] - kinematics.displacement[first])
+    return frequency, amplitude
+
+
 @dataclass(frozen=True)
 class Pool:
     """The judged samples of several traces one after the other; all arrays (n,), SI.
@@ -108,6 +124,8 @@ class Pool:
         recording: index of the trace that each sample comes from.
         elapsed: s since the first sample of that recording.
         since_reversal: s, NaN before the first.
+        frequency, amplitude: Hz and m, of the half cycle that the sample is in; NaN outside of any.
+        slow: N, what of the error is no matter of the operation: the gauge's zero and its drift.
         band: Hz.
     """
 
@@ -121,6 +139,9 @@ class Pool:
     dt: np.ndarray
     elapsed: np.ndarray
     since_reversal: np.ndarray
+    frequency: np.ndarray
+    amplitude: np.ndarray
+    slow: np.ndarray
     recording: np.ndarray
     band: float
 
@@ -129,9 +150,15 @@ class Pool:
         """(n,) N, modelled - measured."""
         return self.modelled - self.measured
 
+    @property
+    def structure(self) -> np.ndarray:
+        """(n,) N, the residual less zero and drift: what depends on the operation."""
+        return self.residual - self.slow
 
-def pool(traces: Sequence[Trace]) -> Pool:
-    """Judged samples of all traces."""
+
+def pool(traces: Sequence[Trace], slow: Sequence[np.ndarray] | None = None) -> Pool:
+    """Judged samples of all traces; ``slow`` holds (n,) N for each, zero where it is None."""
+    taken = [np.zeros(t.time.size) for t in traces] if slow is None else slow
 
     def gathered(column) -> np.ndarray:
         return np.concatenate([np.asarray(column(t))[t.judged] for t in traces])
@@ -147,6 +174,9 @@ def pool(traces: Sequence[Trace]) -> Pool:
         dt=gathered(lambda t: t.measurement.kinematics.dt),
         elapsed=gathered(lambda t: t.time - t.time[0]),
         since_reversal=gathered(lambda t: t.since_reversal),
+        frequency=gathered(lambda t: t.half_cycles[0]),
+        amplitude=gathered(lambda t: t.half_cycles[1]),
+        slow=np.concatenate([own[t.judged] for t, own in zip(traces, taken, strict=True)]),
         recording=np.repeat(np.arange(len(traces)), [int(t.judged.sum()) for t in traces]),
         band=traces[0].measurement.band,
     )

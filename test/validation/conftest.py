@@ -1,4 +1,7 @@
-"""Measurements made of functions of time, without a bag."""
+"""Measurements made of functions of time, without a bag; and recordings of simulated dampers, with one."""
+
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -6,8 +9,12 @@ import pytest
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.signals import Counts, Measurement, default_signals, low_pass
+from damper_estimator.plant import DAMPERS, Sensors, Truth, current_steps, simulate
+from damper_estimator.plant import measure as sense
+from damper_estimator.recordings import BagWriter, floats, joint_states, open_bag
+from damper_estimator.signals import Counts, Measurement, SignalMap, default_signals, low_pass, measure
 from damper_estimator.signals.kinematics import Differentiator
+from damper_estimator.vehicle import drive
 
 DAMPING = 1500.0  # N s/m, of the model that the tests run
 
@@ -67,3 +74,40 @@ def measured():
 def filtered():
     """A signal through the causal filter at 60 Hz, as the measured force is: (kinematics, values) to values."""
     return lambda kinematics, values, cutoff=60.0: low_pass(cutoff, kinematics.dt, values)
+
+
+@cache
+def driven(damper: str, excitation: str, seed: int, seconds: float = 20.0) -> Truth:
+    """A simulated damper on its way, without sensors; an adjustable one with steps of its current."""
+    own = DAMPERS[damper]
+    current = current_steps(seconds, seed) if own.coil.pressure > 0.0 else None
+    return simulate(own, drive(excitation, own, seconds, seed, current))
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory):
+    """Measurement of a simulated damper, through a bag.
+
+    ``change`` gets the channels by role and returns them as the logger wrote them; the rest are fields of ``Sensors``.
+    """
+    folder, count = tmp_path_factory.mktemp("recorded"), iter(range(10**6))
+
+    def make(damper="passenger_front", excitation="random", seed=1, change=None, signal_map=None, **sensors):
+        truth = driven(damper, excitation, seed)
+        sensed = sense(truth, replace(Sensors(), **sensors), seed)
+        channels = {"displacement": sensed.displacement, "force": sensed.force, "current": sensed.current}
+        channels = change(channels) if change else channels
+        path = folder / f"{next(count)}.mcap"
+        with BagWriter(path) as bag:
+            for role, field in (("displacement", "position"), ("force", "effort")):
+                own = channels[role]
+                messages = joint_states([damper], own.stamp, **{field: own.value[:, None]})
+                bag.write_messages(f"/suspension/{role}", "sensor_msgs/msg/JointState", own.stamp, messages)
+            if DAMPERS[damper].coil.pressure > 0.0:
+                own = channels["current"]
+                topic = f"/suspension/{damper}/current"
+                bag.write_messages(topic, "std_msgs/msg/Float64", own.stamp, floats(own.value))
+        with open_bag(path) as bag:
+            return measure(bag, signal_map or SignalMap(), damper)
+
+    return make

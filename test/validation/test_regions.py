@@ -59,6 +59,78 @@ def test_an_error_after_reversals_is_told_from_slow_motion(viscous, motion, meas
     assert any("after a reversal" in where and "first" in where for where in words(c))
 
 
+def sines(frequencies, speed=0.1, seconds=4.0):
+    """Time and displacement of sines one after the other, all of one peak speed, in no order."""
+    draw = np.random.default_rng(0)
+    chosen = draw.permutation(np.repeat(frequencies, 4))
+    time = np.arange(round(seconds * chosen.size * 500)) / 500.0
+    frequency = chosen[np.minimum((time / seconds).astype(int), chosen.size - 1)]
+    angle = 2 * np.pi * np.cumsum(frequency) / 500.0
+    return time, speed * np.cumsum(np.cos(angle)) / 500.0
+
+
+def test_an_error_of_fast_or_small_motion_is_found_by_frequency_and_amplitude(viscous, measured):
+    """At one speed a high frequency and a small amplitude are the same samples: told once."""
+    time, x = sines((1.0, 3.0, 9.0))
+    since = np.diff(x, 2, prepend=[0.0, 0.0]) * 250000.0
+    fast = np.convolve(np.abs(since) > 2.5, np.ones(100), "same") > 0  # 9 Hz at 0.1 m/s: peaks of 5.7 m/s^2
+    c = compare(viscous, measured(time, x, plant(lambda k: fast, 60.0)))
+    told = [region for region in c.regions if region.axis in ("frequency", "amplitude")]
+    assert len(told) == 1 and told[0].share_of_squared_error > 0.85 and told[0].excess >= 0.8 * c.regions[0].excess
+    assert told[0].where in ("motion above 5 Hz", "amplitude below 5 mm", "amplitude below 2 mm")
+
+
+def test_frequency_is_told_apart_from_speed(viscous, measured):
+    """Two speeds at two frequencies: only the fast small motion is wrong."""
+    time, slow = sines((1.0, 8.0))
+    loud = 0.5 + 0.5 * np.sign(np.sin(2 * np.pi * time / 16.0))
+    x = slow * (0.4 + 0.6 * loud)
+    high = np.abs(np.gradient(np.gradient(x, time), time))
+    at_eight = np.convolve(high > 1.3, np.ones(70), "same") > 0
+    c = compare(viscous, measured(time, x, plant(lambda k: at_eight, 60.0)))
+    assert c.regions[0].axis in ("frequency", "amplitude", "acceleration")
+    assert any(region.axis == "frequency" and region.low >= 1.0 for region in c.regions)
+
+
+def test_a_region_is_narrowed_down_as_far_as_the_data_support(viscous, motion, measured):
+    speeds = plant(lambda k: (k.velocity > 0.05) & (k.displacement > 0.005))
+    c = compare(viscous, measured(*motion(60.0), speeds))
+    assert len(c.regions) == 1
+    first = c.regions[0]
+    assert first.where == "rebound above 0.05 m/s, displacement above 4 mm"
+    assert first.narrowed[0][0] == "displacement" and first.share_of_squared_error > 0.9
+    assert first.share_of_samples < 0.05 and "too soft" in first.what
+
+
+def test_one_planted_error_is_told_once(viscous, motion, measured):
+    """Whatever else goes with it: speed with acceleration, place with time."""
+    for where in (
+        lambda k: np.abs(k.velocity) > 0.05,
+        lambda k: k.displacement < np.quantile(k.displacement, 0.15),
+        lambda k: k.time > 25.0,
+    ):
+        assert len(compare(viscous, measured(*motion(), plant(where))).regions) == 1
+
+
+def test_the_gauges_zero_and_drift_leave_the_regions_as_they_are(viscous, motion, measured):
+    def offset_too(k):
+        return plant(lambda k: (k.velocity > 0.1) & (k.velocity < 0.2))(k) + 60.0 + 0.5 * k.time
+
+    own = motion(60.0, rms=0.03)
+    plain = compare(viscous, measured(*own, plant(lambda k: (k.velocity > 0.1) & (k.velocity < 0.2)))).regions
+    both = compare(viscous, measured(*own, offset_too))
+    assert [r.where for r in both.regions] == [r.where for r in plain]
+    assert both.regions[0].share_of_squared_error == pytest.approx(plain[0].share_of_squared_error, abs=0.05)
+    assert both.regions[0].bias_n == pytest.approx(plain[0].bias_n + both.split.offset_n, abs=8.0)
+    assert both.regions[0].drift_n > 50.0 > plain[0].drift_n == 0.0
+
+
+def test_an_error_that_goes_with_the_acceleration_says_so(viscous, motion, measured):
+    c = compare(viscous, measured(*motion(), lambda k: 1500.0 * k.velocity + 5.0 * k.acceleration))
+    assert c.regions[0].axis == "acceleration"
+    assert "too low at positive acceleration, too high at negative" in c.regions[0].what
+
+
 def test_noise_alone_is_no_region(viscous, motion, measured):
     for seed in range(5):
         noise = np.random.default_rng(seed)

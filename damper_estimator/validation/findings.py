@@ -1,0 +1,22 @@
+"""Mistakes of the measurement chain that the recordings show by themselves: data before physics."""
+
+from collections.abc import Sequence
+
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
+from damper_estimator.validation.channel_findings import channel_findings
+from damper_estimator.validation.finding import DataFinding
+from damper_estimator.validation.force_findings import force_findings
+
+
+def data_findings(model: DamperModel | None, measurements: Sequence[Measurement]) -> tuple[DataFinding, ...]:
+    """What is wrong with the recordings of one damper, whatever a model lacks.
+
+    A model, where there is one, only helps to tell which of two channels has the wrong sign. Skew, gain, offset and
+    spring rate that show against a model alone are candidates of the diagnosis.
+    """
+    found = [finding for m in measurements for finding in channel_findings(m)]
+    dead = {finding.recording for finding in found if finding.kind == "dead_channel"}
+    alive = [m for m in measurements if m.recording not in dead and m.force is not None and m.judged.any()]
+    # Parts of one recording say the same of their channels.
+    return tuple(dict.fromkeys([*found, *force_findings(model, alive)]))

@@ -1,0 +1,236 @@
+"""What the force shows beside the motion: a wrong sign, a zero that wanders, a clock that runs apart, a spring."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import A, V, X
+from damper_estimator.validation.drift import drift
+from damper_estimator.validation.finding import DataFinding, entry
+from damper_estimator.validation.surrogate import Surrogate, Zero, least_squares, surrogate
+
+LEAST_DRIFT = 0.05  # of the force's rms
+_OVER_REST = 1.5  # times the rms of what the motion does not explain
+_CERTAIN = 5.0  # standard errors
+LEAST_CLOCK = 1e-3  # s, change of lateness over the recording
+LEAST_SPRING = 0.3  # rms of a straight line over displacement, over the force's
+_BLOCKS = 8
+_UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, over its rms
+
+
+def force_findings(model: DamperModel | None, measurements: Sequence[Measurement]) -> list[DataFinding]:
+    """Findings of recordings with a force, each alone and all against each other."""
+    found: list[DataFinding] = []
+    told: list[tuple[Measurement, Surrogate]] = []
+    for m in measurements:
+        own = surrogate([m])
+        if own is None:
+            continue
+        if own.rest_n > _UNEXPLAINED * own.rms_n:
+            found.append(_silent(m))
+            continue
+        if wrong := list(_sign(model, m)):
+            found += wrong
+            continue
+        found += [*_drift(m, own), *_clock(m, own), *_spring(m, own)]
+        told.append((m, own))
+    return found + list(_zeros_differ(told))
+
+
+def _silent(m: Measurement) -> DataFinding:
+    channel = m.signals.force
+    return DataFinding(
+        "dead_channel",
+        "the force does not follow the motion at all",
+        f"check the gauge, its cable, and that topic {channel.topic}, field {channel.field} is this damper's",
+        m.recording,
+        1.0,
+    )
+
+
+def _sign(model: DamperModel | None, m: Measurement) -> Iterator[DataFinding]:
+    """A damper takes energy: the force's part that goes with velocity is positive."""
+    k, own = m.kinematics, m.judged
+    force, v, x = m.in_band(m.force)[own], k.velocity[own], k.displacement[own]
+    columns = np.stack([v - v.mean(), x - x.mean()], axis=1)
+    columns = columns / (columns.std(axis=0) + 1e-12)
+    damping, _ = least_squares(columns, force - force.mean())[0]
+    share = float(damping / force.std()) if force.std() > 0.0 else 0.0
+    power = float(np.mean((force - force.mean()) * v))
+    if share > -0.3 or power >= 0.0:
+        return
+    role = _turned(model, m)
+    lines = {name: entry(name, m.signals, **_negative(m, name)) for name in ("force", "displacement")}
+    mend = (
+        f"`{lines[role]}`" if role else f"`{lines['force']}`, or `{lines['displacement']}`: push the damper together "
+    )
+    if not role:
+        mend += "by hand, displacement and force must both fall"
+    what = role or "force or displacement"
+    yield DataFinding(
+        "sign",
+        f"the damper seems to give energy ({-power:.3g} W on average): {what} has the wrong sign",
+        mend,
+        m.recording,
+        1.0,
+    )
+
+
+def _negative(m: Measurement, role: str) -> dict[str, float]:
+    channel = getattr(m.signals, role)
+    turned = {"scale": -channel.scale} | ({"offset": -channel.offset} if channel.offset else {})
+    return turned | ({"preload": -m.signals.preload} if role == "force" and m.signals.preload else {})
+
+
+def _turned(model: DamperModel | None, m: Measurement) -> str:
+    """Which channel's turn brings the model closer; "" where there is no model or both do alike."""
+    if model is None:
+        return ""
+    block = m.kinematics.block
+    mirrored = block.copy()
+    mirrored[[X, V, A]] *= -1.0
+    own = m.judged
+    measured = m.in_band(m.force)
+    errors = {}
+    for role, (motion, sign) in {"force": (block, -1.0), "displacement": (mirrored, 1.0)}.items():
+        modelled = model.force(motion)
+        if not np.isfinite(modelled[own]).all():
+            return ""
+        errors[role] = float(np.var((m.in_band(np.nan_to_num(modelled)) - sign * measured)[own]))
+    best, other = sorted(errors, key=errors.get)
+    return best if errors[best] < 0.7 * errors[other] else ""
+
+
+def _drift(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
+    told = drift(m, own)
+    if told is None or abs(told.change) <= max(LEAST_DRIFT * own.rms_n, own.rest_n):
+        return
+    begin, end, change = told.begin, told.end, told.change
+    start, stop = _calmest(own.zeros[0])
+    warmth = _warmth(m, begin, end)
+    yield DataFinding(
+        "zero_drift",
+        f"the force at standstill drifts by {change:+.3g} N between {begin:.3g} and {end:.3g} s"
+        + (f", while the temperature changes by {warmth:+.2g} K" if warmth else "")
+        + ": the gauge's zero"
+        + (", or gas that warms" if warmth * -change > 0.0 else ""),
+        f"tare before each run and let the amplifier warm up; the calmest half is `use: [{{from: {start:.3g}, to: "
+        f"{stop:.3g}}}]`",
+        m.recording,
+        min(abs(change) / own.rms_n, 1.0),
+    )
+
+
+def _warmth(m: Measurement, begin: float, end: float) -> float:
+    """Change of the temperature in K between two times; 0 where it is small or not known."""
+    k = m.kinematics
+    known = np.flatnonzero(np.isfinite(k.temperature))
+    if not known.size:
+        return 0.0
+    at = np.interp([begin, end], (k.time - k.time[0])[known], k.temperature[known])
+    change = float(at[1] - at[0])
+    return change if abs(change) >= 5.0 else 0.0
+
+
+def _calmest(zero: Zero) -> tuple[float, float]:
+    """The half of the recording in which the zero moves least, s."""
+    half = 0.5 * float(zero.knots[-1] - zero.knots[0])
+    starts = np.linspace(zero.knots[0], zero.knots[-1] - half, 9)
+    fine = np.linspace(0.0, half, 50)
+    ranges = [float(np.ptp(np.interp(start + fine, zero.knots, zero.value))) for start in starts]
+    start = float(starts[int(np.argmin(ranges))])
+    return start, start + half
+
+
+def _clock(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
+    """Lateness that changes over the recording: the two channels' clocks run apart."""
+    time = m.kinematics.time[own.rows[0]] - m.kinematics.time[0]
+    slope = np.gradient(own.motion[0], time)
+    edges = np.linspace(time[0], time[-1], _BLOCKS + 1)
+    block = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, _BLOCKS - 1)
+    weight = np.bincount(block, slope**2, _BLOCKS)
+    told = weight > 0.02 * weight.sum()
+    if np.count_nonzero(told) < 5:
+        return
+    late = -np.bincount(block, own.residual[0] * slope, _BLOCKS)[told] / weight[told]
+    middle, weight = 0.5 * (edges[1:] + edges[:-1])[told], weight[told] / weight[told].sum()
+    centred = middle - float(weight @ middle)
+    spread = float(weight @ centred**2)
+    rate = float(weight @ (centred * late)) / spread
+    scatter = late - float(weight @ late) - rate * centred
+    error = float(np.sqrt((weight @ scatter**2) / (late.size - 2) / spread))
+    span = float(time[-1] - time[0])
+    if abs(rate) * span <= LEAST_CLOCK or abs(rate) <= 1.2 * _CERTAIN * error:
+        return
+    yield DataFinding(
+        "clock_drift",
+        f"the force's clock runs {abs(1e6 * rate):.2g} ppm {'slow' if rate > 0.0 else 'fast'} against the "
+        f"displacement's: its lateness changes by {1e3 * rate * span:+.2g} ms over the recording",
+        "stamp both channels by one clock (PTP, one converter); a skew in the signal map mends short windows only",
+        m.recording,
+        1.0,
+    )
+
+
+def _spring(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
+    """The same straight line over displacement in both directions makes up much of the force."""
+    k, rows = m.kinematics, own.rows[0]
+    force, v, x = m.in_band(m.force)[rows], k.velocity[rows], k.displacement[rows]
+    # A damper that holds what it was left with between two positions has a step where a spring has a line.
+    step = np.tanh((x - np.median(x)) / (0.3 * x.std() + 1e-9))
+    columns = np.stack([v, np.sqrt(np.abs(v)), np.ones_like(v), x, step], axis=1)
+    scale = np.sqrt(np.mean(columns**2, axis=0)) + 1e-12
+    rates = []
+    for inside in (v > 0.0, v < 0.0):
+        if np.count_nonzero(inside) < 50:
+            return
+        rates += [
+            float(least_squares(columns[inside, :count] / scale[:count], force[inside])[0][3]) for count in (4, 5)
+        ]
+    rates = np.array(rates) / scale[3]
+    rate = float(np.mean(rates[::2]))
+    share = abs(rate) * float(x.std()) / own.rms_n
+    if share < LEAST_SPRING or min(rates, key=abs) * rate <= 0.0 or min(np.abs(rates)) < 0.7 * max(np.abs(rates)):
+        return
+    what = "a spring seems to be in the gauge's force" if rate > 0.0 else "the spring seems to be subtracted twice"
+    yield DataFinding(
+        "spring",
+        f"a straight line of {rate / 1e3:.3g} N/mm over displacement makes up {100.0 * share:.0f} % of the force's "
+        f"rms: {what}",
+        f"where that is so, `{entry('force', m.signals, spring_rate=round(m.signals.spring_rate + rate, -1))}`; "
+        "diagnose judges it against gas and mounts",
+        m.recording,
+        min(share, 1.0),
+    )
+
+
+def _zeros_differ(told: Sequence[tuple[Measurement, Surrogate]]) -> Iterator[DataFinding]:
+    """The recordings whose forces at standstill are furthest apart, by their own curves and by a common one.
+
+    Own curves are extrapolated to standstill each in its way where the excitations differ; a common one makes a
+    zero of a damper that changed in between.
+    """
+    if len(told) < 2:
+        return
+    levels = [own.levels[0] for _, own in told]
+    low, high = int(np.argmin(levels)), int(np.argmax(levels))
+    pair = [told[low], told[high]]
+    error = float(np.hypot(*(own.level_error for _, own in pair)))
+    rms = max(own.rms_n for _, own in pair)
+    least = max(LEAST_DRIFT * rms, _OVER_REST * max(own.rest_n for _, own in pair), _CERTAIN * error)
+    if levels[high] - levels[low] <= least:
+        return
+    together = surrogate([m for m, _ in pair])
+    change = together.levels[1] - together.levels[0] if together else 0.0
+    if change <= least:
+        return
+    names = [m.recording for m, _ in pair]
+    yield DataFinding(
+        "zero_differs",
+        f"the force at standstill is {change:.3g} N higher in {names[1]} than in {names[0]}: the gauge's zero",
+        "tare each recording (`damper-estimator tare BAG -o MAP.yaml`) and give each its own map",
+        "",
+        min(change / rms, 1.0),
+    )

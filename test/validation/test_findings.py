@@ -1,0 +1,230 @@
+"""Data before physics: mistakes of the measurement chain are found, named and mended; good recordings have none."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from damper_estimator.model import load_model
+from damper_estimator.signals import parse_signal_map
+from damper_estimator.validation import compare, data_findings
+
+RMS = 380.0  # N, about that of the damper and excitation that most tests take
+SPRING = 28000.0
+
+
+def kinds(*measurements, model=None):
+    return [finding.kind for finding in data_findings(model, measurements)]
+
+
+def only(measurement, model=None):
+    """The one finding of a recording."""
+    found = data_findings(model, [measurement])
+    assert len(found) == 1, found
+    return found[0]
+
+
+def values(role, of):
+    """A logger that writes ``of(time, value)`` instead of the values."""
+
+    def change(channels):
+        own = channels[role]
+        return channels | {role: replace(own, value=of(own.stamp / 1e9, own.value))}
+
+    return change
+
+
+def stamps(role, of):
+    """A logger that writes ``of(time)`` instead of the times."""
+
+    def change(channels):
+        own = channels[role]
+        return channels | {role: replace(own, stamp=np.round(1e9 * of(own.stamp / 1e9)).astype(np.int64))}
+
+    return change
+
+
+def without(role, lost):
+    """A logger that loses the samples for which ``lost(time)``."""
+
+    def change(channels):
+        own = channels[role]
+        kept = ~lost(own.stamp / 1e9)
+        return channels | {role: type(own)(own.log[kept], own.stamp[kept], own.value[kept])}
+
+    return change
+
+
+def held(role, times):
+    """A logger that is faster than its sensor."""
+
+    def change(channels):
+        own = channels[role]
+        return channels | {role: replace(own, value=own.value[np.arange(own.value.size) // times * times])}
+
+    return change
+
+
+def with_spring(rate):
+    def change(channels):
+        x, force = channels["displacement"], channels["force"]
+        more = rate * np.interp(force.stamp, x.stamp, x.value)
+        return channels | {"force": replace(force, value=force.value + more)}
+
+    return change
+
+
+@pytest.mark.parametrize("damper", ["passenger_front", "rally_rear", "light_car", "semi_active"])
+@pytest.mark.parametrize(("excitation", "seed"), [("random", 1), ("road", 2), ("dyno", 3)])
+def test_a_good_recording_has_no_finding(damper, excitation, seed, recorded):
+    assert kinds(recorded(damper, excitation, seed)) == []
+
+
+@pytest.mark.parametrize(
+    "sensors",
+    [{"rate": 200.0}, {"rate": 2000.0}, {"force_noise": 40.0}, {"displacement_noise": 1e-4}, {"force_step": 20.0}],
+    ids=str,
+)
+def test_noise_and_rates_are_no_mistakes(sensors, recorded):
+    assert kinds(recorded(**sensors)) == []
+
+
+def test_a_shaken_damper_of_another_day_is_no_mistake(recorded):
+    """Other excitations of one damper: its force at standstill is the same."""
+    assert kinds(recorded(), recorded(excitation="road", seed=2), recorded(excitation="dyno", seed=3)) == []
+
+
+def test_a_clipped_gauge_is_named_with_its_limit(recorded):
+    finding = only(recorded(saturation=700.0))
+    assert finding.kind == "saturation" and "-700 N and 700 N" in finding.sentence
+    assert 0.0 < finding.share < 0.2
+
+
+@pytest.mark.parametrize("role", ["displacement", "force"])
+def test_gaps_and_lost_samples_are_told_apart(role, recorded):
+    gap = only(recorded(change=without(role, lambda t: (t > 8.0) & (t < 9.5))))
+    assert gap.kind == "gaps" and f"the {role} has 1 gap of 1.5 s" in gap.sentence
+    assert gap.share == pytest.approx(1.5 / 20.0, rel=0.02)
+    few = only(recorded(change=without(role, lambda t: np.random.default_rng(1).random(t.size) < 0.05)))
+    assert few.kind == "gaps" and "missing one by one" in few.sentence and few.share == pytest.approx(0.05, rel=0.2)
+
+
+@pytest.mark.parametrize("role", ["displacement", "force"])
+def test_a_wrong_sign_is_named_and_its_mend_mends_it(role, recorded):
+    turned = values(role, lambda t, v: -v)
+    model = load_model("carrera_akutain", "passenger_front")
+    finding = only(recorded(change=turned), model)
+    assert finding.kind == "sign" and f": {role} has the wrong sign" in finding.sentence
+    assert kinds(recorded(change=turned, signal_map=mended(finding))) == []
+    unknown = only(recorded(change=turned))
+    assert "force or displacement" in unknown.sentence and "push the damper together" in unknown.mend
+
+
+def mended(finding):
+    """The signal map with the first line that a mend says to write."""
+    line = yaml.safe_load(re.search(r"`([^`]*)`", finding.mend).group(1))
+    content = line if "filter" in line or "use" in line else {"dampers": {"passenger_front": line}}
+    return parse_signal_map(content, "mended")
+
+
+def test_an_offset_turns_with_the_sign(recorded):
+    own = parse_signal_map({"dampers": {"passenger_front": {"force": {"scale": 2.0, "offset": 30.0}}}}, "map")
+    finding = only(recorded(change=values("force", lambda t, v: -0.5 * v), signal_map=own))
+    force = mended(finding).dampers["passenger_front"].force
+    assert (force.scale, force.offset) == (-2.0, -30.0)
+
+
+def test_a_drift_of_the_zero_is_told_in_newtons_and_time(recorded):
+    finding = only(recorded(change=values("force", lambda t, v: v + 80.0 * np.clip(t - 5.0, 0.0, 10.0) / 10.0)))
+    assert finding.kind == "zero_drift"
+    drift, begin, end = (float(x) for x in re.findall(r"[-+]?\d+\.?\d*", finding.sentence))
+    assert drift == pytest.approx(80.0, abs=12.0) and begin < 8.0 and end > 14.0
+    assert mended(finding).windows[0][1] - mended(finding).windows[0][0] == pytest.approx(9.0, abs=1.0)
+
+
+def test_zeros_that_differ_between_recordings_are_told(recorded):
+    one, other = recorded(), recorded(seed=2, change=values("force", lambda t, v: v + 60.0))
+    finding = data_findings(None, [one, other])[0]
+    assert (finding.kind, finding.recording) == ("zero_differs", "")
+    assert f"higher in {other.recording}" in finding.sentence
+    assert float(re.search(r"is ([\d.]+) N", finding.sentence).group(1)) == pytest.approx(60.0, abs=10.0)
+
+
+@pytest.mark.parametrize("role", ["displacement", "force"])
+def test_a_dead_channel_is_named(role, recorded):
+    finding = only(recorded(change=values(role, lambda t, v: 0.0 * v + 0.003)))
+    assert finding.kind == "dead_channel" and f"the {role} never changes" in finding.sentence
+
+
+def test_a_gauge_of_another_damper_is_dead_for_this_one(recorded):
+    noise = np.random.default_rng(0)
+    finding = only(recorded(change=values("force", lambda t, v: 300.0 * noise.standard_normal(v.size))))
+    assert finding.kind == "dead_channel" and "does not follow the motion" in finding.sentence
+
+
+@pytest.mark.parametrize("role", ["displacement", "force"])
+def test_a_logger_that_repeats_values_is_named_and_the_lateness_mended(role, recorded):
+    finding = only(recorded(change=held(role, 5)))
+    assert finding.kind == "held" and "comes 5 times" in finding.sentence
+    channel = getattr(mended(finding).dampers["passenger_front"], role)
+    assert channel.skew == pytest.approx(0.004, abs=2e-4)
+
+
+def test_coarse_steps_of_the_displacement_are_named_and_the_cutoff_mends_them(recorded):
+    finding = only(recorded(displacement_step=5e-4))
+    assert finding.kind == "quantisation" and "steps of 0.5 mm" in finding.sentence
+    assert mended(finding).cutoff < 60.0
+    assert kinds(recorded(displacement_step=5e-4, signal_map=mended(finding))) == []
+
+
+def test_coarse_steps_of_the_gauge_are_named(recorded):
+    finding = only(recorded(force_step=150.0))
+    assert finding.kind == "quantisation" and "the gauge comes in steps of 150 N" in finding.sentence
+
+
+def test_a_rate_too_low_for_the_filter_is_named_and_mended(recorded):
+    finding = only(recorded(rate=100.0))
+    assert finding.kind == "rate" and "50 Hz" in finding.sentence
+    assert kinds(recorded(rate=100.0, signal_map=mended(finding))) == []
+
+
+def test_rounded_equal_and_uneven_stamps_are_told_apart(recorded):
+    told = [
+        only(recorded(rate=300.0, change=stamps("displacement", lambda t: np.round(t, 3)))).sentence,
+        only(recorded(change=stamps("force", lambda t: np.round(t, 2)))).sentence,
+        only(recorded(change=stamps("displacement", jittering))).sentence,
+    ]
+    assert "rounded to 1 ms" in told[0] and "repeat the one before" in told[1] and "uneven" in told[2]
+
+
+def jittering(time):
+    return np.sort(time + 1e-3 * np.random.default_rng(1).standard_normal(time.size))
+
+
+def test_clocks_that_run_apart_are_told_in_ppm(recorded):
+    finding = only(recorded(change=stamps("force", lambda t: t * (1.0 + 200e-6))))
+    assert finding.kind == "clock_drift" and "slow" in finding.sentence
+    assert float(re.search(r"runs ([\d.e+]+) ppm", finding.sentence).group(1)) == pytest.approx(200.0, rel=0.15)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_spring_in_the_gauge_is_a_hint_with_its_rate(sign, recorded):
+    finding = only(recorded(excitation="road", change=with_spring(sign * SPRING)))
+    assert finding.kind == "spring"
+    rate = mended(finding).dampers["passenger_front"].spring_rate
+    assert rate == pytest.approx(sign * SPRING, rel=0.15)
+    assert kinds(recorded(excitation="road", change=with_spring(sign * SPRING), signal_map=mended(finding))) == []
+
+
+def test_what_is_said_of_parts_of_a_recording_is_said_once(recorded):
+    m = recorded(saturation=700.0)
+    half = len(m.kinematics) // 2
+    assert kinds(m.part(0, half), m.part(half, 2 * half)) == ["saturation"]
+
+
+def test_compare_tells_the_findings_with_the_quality_of_the_data(viscous, recorded):
+    record = compare(viscous, recorded(saturation=700.0)).record()["data_quality"]
+    assert [own["kind"] for own in record["findings"]] == ["saturation"] and record["saturated"] > 0
+    assert set(record["findings"][0]) == {"kind", "sentence", "mend", "recording", "share"}

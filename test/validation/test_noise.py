@@ -1,0 +1,102 @@
+"""The noise floor: what a perfect model would still show, whatever sensors measured it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from damper_estimator.model import load_model
+from damper_estimator.signals import low_pass
+from damper_estimator.validation import compare
+from damper_estimator.validation.noise import noise_density, noise_floor
+
+SILENT = {"displacement_noise": 0.0, "displacement_step": 0.0, "force_noise": 0.0, "force_step": 0.0}
+STEADY = {"force_drift": 0.0, "drop_out": 0.0}
+SENSORS = {
+    "ordinary": {},
+    "quiet displacement": {"displacement_noise": 2e-6, "displacement_step": 1e-6},
+    "loud displacement": {"displacement_noise": 1e-4},
+    "coarse displacement": {"displacement_step": 1e-4},
+    "very coarse displacement": {"displacement_step": 5e-4},
+    "quiet gauge": {"force_noise": 0.5, "force_step": 0.0},
+    "loud gauge": {"force_noise": 40.0},
+    "coarse gauge": {"force_step": 50.0},
+    "100 Hz": {"rate": 100.0},
+    "200 Hz": {"rate": 200.0},
+    "2 kHz": {"rate": 2000.0},
+    "100 Hz, loud": {"rate": 100.0, "displacement_noise": 1e-4, "force_noise": 20.0},
+    "uneven": {"clock_jitter": 3e-4},
+}
+TIME = np.arange(20000) / 500.0
+
+
+def perfect_models_error(model, noisy, clean):
+    """RMS in N of the difference that the sensors' errors alone make, in the model's force and in the gauge's."""
+    change = model.force(noisy.kinematics.block) - model.force(clean.kinematics.block)
+    error = noisy.in_band(change - noisy.as_gauge(noisy.gauge - clean.gauge))
+    return float(np.sqrt(np.mean(error[noisy.judged] ** 2)))
+
+
+def fewer(every):
+    """A gauge of its own rate."""
+
+    def change(channels):
+        force = channels["force"]
+        fields = (force.log, force.stamp, force.value)
+        return channels | {"force": type(force)(*(own[::every] for own in fields))}
+
+    return change
+
+
+@pytest.mark.parametrize("sensors", SENSORS.values(), ids=SENSORS)
+@pytest.mark.parametrize(("damper", "excitation"), [("passenger_front", "random"), ("light_car", "road")])
+def test_the_floor_is_the_error_of_the_perfect_model(sensors, damper, excitation, recorded):
+    model = load_model("carrera_akutain", damper)
+    noisy = recorded(damper, excitation, **(STEADY | sensors))
+    clean = recorded(damper, excitation, **(STEADY | sensors | SILENT))
+    assert noise_floor(model, noisy) == pytest.approx(perfect_models_error(model, noisy, clean), rel=0.2)
+
+
+@pytest.mark.parametrize("every", [3, 5])
+def test_a_gauge_may_have_another_rate(every, recorded):
+    model = load_model("carrera_akutain", "passenger_front")
+    noisy, clean = (recorded(change=fewer(every), **(STEADY | more)) for more in ({}, SILENT))
+    assert noise_floor(model, noisy) == pytest.approx(perfect_models_error(model, noisy, clean), rel=0.2)
+
+
+def test_what_friction_lets_go_at_rest_is_part_of_it(recorded):
+    """Memory makes noise last; what matters is the size of it, not its shape."""
+    model = load_model("dahl", "rally_rear")
+    noisy, clean = (recorded("rally_rear", "dyno", **(STEADY | more)) for more in ({}, SILENT))
+    assert noise_floor(model, noisy) == pytest.approx(perfect_models_error(model, noisy, clean), rel=0.4)
+
+
+def test_of_a_made_recording_it_is_the_error_that_compare_shows(viscous, motion, measured):
+    """Gauge and displacement noise are put on; the model is the true one; its error is what the floor foretells."""
+    time, x = motion(60.0)
+    draw = np.random.default_rng(1)
+    noisy, gauge_noise = x + 2e-5 * draw.standard_normal(x.size), 20.0 * draw.standard_normal(x.size)
+    clean = {}
+    measured(time, x, lambda k: clean.setdefault("force", 1500.0 * k.velocity))
+    m = measured(
+        time, noisy, lambda k: clean["force"] + low_pass(60.0, k.dt, gauge_noise), gauge=clean["force"] + gauge_noise
+    )
+    c = compare(viscous, m)
+    assert c.noise_floor_n == pytest.approx(c.measures.rmse_n, rel=0.15)
+    assert c.regions == ()
+
+
+@settings(deadline=None, max_examples=30)
+@given(seed=st.integers(0, 10**6), size=st.floats(1e-3, 1e3), jitter=st.floats(0.0, 0.3), lost=st.floats(0.0, 0.02))
+def test_the_density_of_noise_depends_on_nothing_else(seed, size, jitter, lost):
+    """Motion, uneven stamps and lost samples leave it; it goes with the square of the noise."""
+    draw = np.random.default_rng(seed)
+    time = (TIME + jitter * 2e-3 * draw.uniform(-1.0, 1.0, TIME.size))[draw.random(TIME.size) >= lost]
+    smooth = 300.0 * size * np.sin(2 * np.pi * 3.0 * time) + 30.0 * size * np.sin(2 * np.pi * 15.0 * time)
+    value = smooth + size * draw.standard_normal(time.size)
+    density = noise_density(np.round(time * 1e9).astype(np.int64), value)
+    assert np.sqrt(density * 250.0) == pytest.approx(size, rel=0.12)
+
+
+def test_no_floor_is_told_of_a_few_samples(viscous, motion, measured):
+    assert np.isnan(compare(viscous, measured(*motion(1.0, rate=80.0), lambda k: 900.0 * k.velocity)).noise_floor_n)
