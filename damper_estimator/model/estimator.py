@@ -1,17 +1,49 @@
-"""The live line of one damper: stamp and raw displacement in, estimate out. Node and ``replay`` run this same code."""
+"""The line of one damper over blocks: stamp and raw displacement in, estimate out.
 
+``replay`` runs on this; the node runs the same kernels one sample at a time (``model.live_line``).
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from damper_estimator.compiled import compiled
 from damper_estimator.errors import InputError
 from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.signals.kinematics import WARM_UP, Differentiator, Kinematics
-from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, V, X
+from damper_estimator.model.status import (
+    COUNTS,
+    DEGRADED,
+    EXTRAPOLATING,
+    GOOD,
+    LEVELS,
+    MARKS,
+    REGION_ROWS,
+    STALE,
+    WARMING_UP,
+    bounds_of,
+    watch,
+)
+from damper_estimator.signals.kinematics import Differentiator, Kinematics
+from damper_estimator.signals.layout import A, V, X
 
-GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
-# Rows of the block by the name under which a fit records its region of validity.
-REGION_ROWS = {"displacement": X, "velocity": V, "acceleration": A, "command": COMMAND, "temperature": TEMPERATURE}
+__all__ = [
+    "DEGRADED",
+    "EXTRAPOLATING",
+    "GOOD",
+    "REGION_ROWS",
+    "STALE",
+    "WARMING_UP",
+    "DamperEstimator",
+    "Deployed",
+    "Estimates",
+    "deployed",
+    "predict",
+]
+FIELDS = (
+    "displacement", "velocity", "acceleration", "force", "force_stddev", "force_min", "force_max",
+    "dforce_dvelocity", "dforce_dcurrent",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -21,6 +53,7 @@ class Estimates:
     Attributes:
         kinematics: of the good samples, (n,).
         force: (n,) N; NaN where the model gave no finite number.
+        given: (n,) N, what is published: the force, where that is not finite the last finite one (0 before the first).
         stddev: (n,) N, the standard deviation of the fit's residual; NaN where the model was not fitted.
         status: (n,) uint8, the constants of damper_msgs/DamperForces.
         verdict: what became of each sample that came (``signals.admission``).
@@ -28,6 +61,7 @@ class Estimates:
 
     kinematics: Kinematics
     force: np.ndarray
+    given: np.ndarray
     stddev: np.ndarray
     status: np.ndarray
     verdict: np.ndarray
@@ -39,7 +73,7 @@ class Estimates:
             "displacement": self.kinematics.displacement,
             "velocity": self.kinematics.velocity,
             "acceleration": self.kinematics.acceleration,
-            "force": self.force,
+            "force": self.given,
             "force_stddev": self.stddev,
             "force_min": absent,
             "force_max": absent,
@@ -49,27 +83,81 @@ class Estimates:
         }
 
 
-class DamperEstimator:
-    """Filter, model and status of one damper."""
+@dataclass(frozen=True, eq=False)
+class Deployed:
+    """A model as it runs on a vehicle.
 
-    def __init__(self, model: DamperModel, cutoff: float, max_gap: float):
-        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s.
+    Attributes:
+        model: of the damper.
+        cutoff: Hz; 0 is unfiltered.
+        max_gap: s.
+        lead: s that the motion is predicted ahead to make up for the filter's delay; 0 is none.
+        stddev: N, of the fit's residual; NaN where the model was not fitted.
+        bounds: (8, 2), the region of the fit.
+    """
+
+    model: DamperModel
+    cutoff: float
+    max_gap: float
+    lead: float
+    stddev: float
+    bounds: np.ndarray
+
+
+def deployed(model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.0) -> Deployed:
+    """Checks that a model can be run on a vehicle; arguments as in `Deployed`.
+
+    Raises:
+        InputError: where the model holds effects of the measurement chain, which belong to the signal map, or what it
+            knows of its fit is malformed.
+    """
+    if model.channel_effects:
+        raise InputError(
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; "
+            "mend the signal map and take them out of the model"
+        )
+    stddev, region = model.fit.get("residual_stddev"), model.fit.get("region") or {}
+    faults = [] if stddev is None or _is_number(stddev) else [f"residual_stddev = {stddev!r} is not a number"]
+    if not isinstance(region, Mapping):
+        faults, region = [*faults, f"region must be a mapping, got {region!r}"], {}
+    faults += [f"region.{name} must be two numbers, got {r!r}" for name, r in region.items() if not _is_range(r)]
+    if faults:
+        raise InputError(f"model {model.name}: fit: {'; '.join(faults)}; identify the model again, or remove fit")
+    bounds = bounds_of({name: (float(r[0]), float(r[1])) for name, r in region.items()})
+    return Deployed(model, cutoff, max_gap, lead, np.nan if stddev is None else float(stddev), bounds)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _is_range(value: object) -> bool:
+    return isinstance(value, list | tuple) and len(value) == 2 and all(_is_number(item) for item in value)
+
+
+@compiled
+def predict(lead, block):
+    """Moves displacement and velocity of a block (8, n) ``lead`` s ahead, with the acceleration held."""
+    for i in range(block.shape[1]):
+        block[X, i] += lead * (block[V, i] + 0.5 * lead * block[A, i])
+        block[V, i] += lead * block[A, i]
+
+
+class DamperEstimator:
+    """Filter, model and status of one damper, over blocks of any size."""
+
+    def __init__(self, model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.0):
+        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s, ``lead`` in s (`Deployed`).
 
         Raises:
-            InputError: where the model holds effects of the measurement chain, which belong to the signal map.
+            InputError: as `deployed`.
         """
-        if model.channel_effects:
-            raise InputError(
-                f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; "
-                "mend the signal map and take them out of the model"
-            )
         self.model = model
+        self._deployed = deployed(model, cutoff, max_gap, lead)
         self._differentiator = Differentiator(cutoff, max_gap)
         self._stream = model.stream()
-        self._started = 0
-        self._stddev = float(model.fit.get("residual_stddev", np.nan))
-        region = model.fit.get("region") or {}
-        self._region = [(REGION_ROWS[name], low, high) for name, (low, high) in region.items() if name in REGION_ROWS]
+        self._marks, self._levels = np.zeros(MARKS, np.int64), np.zeros(LEVELS)
+        self._counts = np.zeros(COUNTS, np.int64)
 
     def block(
         self,
@@ -79,43 +167,23 @@ class DamperEstimator:
         temperature: np.ndarray | float = np.nan,
         pressure: np.ndarray | float = np.nan,
     ) -> Estimates:
-        """Estimates for the next samples in order of arrival; a block of one is the live case.
+        """Estimates for the next samples in order of arrival.
 
         Args:
             stamp: (n,) int64 ns.
             displacement: (n,) m.
             command, temperature, pressure: (n,) or one value each, NaN where there is none.
         """
+        own = self._deployed
+        displacement = np.ascontiguousarray(displacement, float)
         kinematics, verdict = self._differentiator.block(stamp, displacement, command, temperature, pressure)
+        if own.lead > 0.0:
+            predict(own.lead, kinematics.block)
         force = self._stream.force(kinematics.block)
-        finite = np.isfinite(force)
-        status = self._status(kinematics, finite)
-        return Estimates(
-            kinematics, np.where(finite, force, np.nan), np.full(force.size, self._stddev), status, verdict
-        )
-
-    def _status(self, kinematics: Kinematics, finite: np.ndarray) -> np.ndarray:
-        outside = np.zeros(len(kinematics), bool)
-        for row, low, high in self._region:
-            outside |= (kinematics.block[row] < low) | (kinematics.block[row] > high)
-        status = np.where(outside, EXTRAPOLATING, GOOD)
-        status[kinematics.stamp - self._start_stamps(kinematics) < round(WARM_UP * 1e9)] = WARMING_UP
-        status[~finite] = DEGRADED
-        return status.astype(np.uint8)
-
-    def _start_stamps(self, kinematics: Kinematics) -> np.ndarray:
-        """(n,) int64: stamp of the reset that each sample follows."""
-        starts = kinematics.stamp.copy()
-        last = self._started
-        for part in _stretches_from(kinematics.dt):
-            if kinematics.dt[part.start] <= 0.0:
-                last = int(kinematics.stamp[part.start])
-            starts[part] = last
-        self._started = last
-        return starts
-
-
-def _stretches_from(dt: np.ndarray) -> list[slice]:
-    """Parts of a block between resets; the first may continue the block before."""
-    edges = sorted({0, *np.flatnonzero(dt <= 0.0).tolist(), dt.size})
-    return [slice(a, b) for a, b in zip(edges, edges[1:], strict=False)]
+        status, given = np.empty(force.size, np.uint8), np.empty(force.size)
+        watch(
+            own.cutoff, np.ascontiguousarray(stamp), displacement, verdict, kinematics.block, force, own.bounds,
+            self._marks, self._levels, self._counts, status, given,
+        )  # fmt: skip
+        stddev = np.full(force.size, own.stddev)
+        return Estimates(kinematics, np.where(np.isfinite(force), force, np.nan), given, stddev, status, verdict)

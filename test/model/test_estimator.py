@@ -5,11 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, make_element
-from damper_estimator.model.estimator import EXTRAPOLATING, GOOD, WARMING_UP, DamperEstimator
+from damper_estimator.model.element import Element
+from damper_estimator.model.estimator import DEGRADED, EXTRAPOLATING, GOOD, WARMING_UP, DamperEstimator
 from damper_estimator.signals.admission import NON_FINITE
+from damper_estimator.signals.layout import TEMPERATURE, V
 
 MS = 1_000_000
 
@@ -62,7 +66,7 @@ def test_outside_the_region_of_the_fit_it_extrapolates():
         "m", "", (entry("linear_viscous"),), fit={"region": {"displacement": [-0.01, 0.01]}, "residual_stddev": 12.0}
     )
     stamp = np.arange(300) * 2 * MS
-    estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, np.where(stamp > 500 * MS, 0.05, 0.0))
+    estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, np.clip((stamp / 1e9 - 0.4) * 0.5, 0.0, 0.05))
     assert estimates.status[120] == GOOD and estimates.status[-1] == EXTRAPOLATING
     assert (estimates.stddev == 12.0).all()
 
@@ -74,12 +78,51 @@ def test_a_force_that_is_not_finite_is_never_good():
     assert np.isfinite(estimates.force[estimates.status == GOOD]).all()
 
 
-def test_absurd_displacement_is_dropped_and_leaves_no_trace():
+@compiled
+def lost_when_hot(parameters, settings, kinematics, state, force):
+    for i in range(force.size):
+        force[i] += np.nan if kinematics[TEMPERATURE, i] > 100.0 else kinematics[V, i]
+
+
+@pytest.mark.parametrize("heat", [(0, 150), (500, 600)])
+def test_what_is_published_is_finite_where_the_model_gives_no_force_and_degraded(heat):
+    """The last force is held, none before the first; the model and its state start anew afterwards."""
+    effect = Effect(kernel=lost_when_hot, kind="source", name="lost_when_hot")
+    model = DamperModel("m", "", (Element(effect, {}, {}), entry("linear_viscous")))
+    stamp = np.arange(500) * 2 * MS
+    temperature = np.where((stamp >= heat[0] * MS) & (stamp < heat[1] * MS), 200.0, 20.0)
+    estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, 0.01 * np.sin(stamp * 1e-8), temperature=temperature)
+    lost = np.isnan(estimates.force)
+    assert np.array_equal(lost, temperature > 100.0) and (estimates.status[lost] == DEGRADED).all()
+    first = int(np.argmax(lost))
+    assert (estimates.given[lost] == (estimates.force[first - 1] if first else 0.0)).all()
+    assert np.array_equal(estimates.given[~lost], estimates.force[~lost])
+    assert (estimates.status[stamp >= (heat[1] + 200) * MS] == GOOD).all()
+
+
+def test_without_the_command_that_it_was_fitted_with_it_extrapolates():
+    model = DamperModel("m", "", (entry("semi_active_squash"),), fit={"region": {"command": [0.0, 2.0]}})
+    stamp = np.arange(300) * 2 * MS
+    command = np.where(stamp < 400 * MS, 1.0, np.nan)
+    status = DamperEstimator(model, 60.0, 0.1).block(stamp, np.zeros(300), command).status
+    assert (status[100:200] == GOOD).all() and (status[200:] == EXTRAPOLATING).all()
+
+
+def test_absurd_displacement_is_dropped_and_leaves_only_a_mark():
     stamp = np.arange(300) * 2 * MS
     clean = DamperEstimator(MODEL, 60.0, 0.1).block(np.delete(stamp, 200), np.zeros(299))
     hit = DamperEstimator(MODEL, 60.0, 0.1).block(stamp, np.where(stamp == 400 * MS, 1e306, 0.0))
     assert hit.verdict[200] == NON_FINITE
-    assert same(clean.fields(), hit.fields())
+    assert same(clean.fields() | {"status": 0}, hit.fields() | {"status": 0})
+    assert (hit.status[200:298] == DEGRADED).all() and (clean.status[200:] == GOOD).all()
+
+
+@pytest.mark.parametrize(
+    "fit", [{"residual_stddev": "much"}, {"region": [1]}, {"region": {"velocity": [1.0]}}, {"region": {"velocity": 3}}]
+)
+def test_what_a_model_knows_of_its_fit_must_be_numbers(fit):
+    with pytest.raises(InputError, match=next(iter(fit))):
+        DamperEstimator(DamperModel("m", "", (entry("linear_viscous"),), fit=fit), 60.0, 0.1)
 
 
 def test_models_with_effects_of_the_measurement_chain_are_refused():

@@ -1,0 +1,103 @@
+"""Which effects are tried, and how: every effect that stands for a phenomenon, as it says of itself."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.effects.contract import Effect
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
+from damper_estimator.identification import Problem
+from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.selection import narrowed
+from damper_estimator.model import DamperModel, Element, Slot, make_element
+from damper_estimator.model.element import walk
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect to try.
+
+    Attributes:
+        element: the entry as it would be added, with start values.
+        limits: physical range of parameters by name.
+        starts: further start values by name.
+    """
+
+    element: Element
+    limits: Mapping[str, tuple[float, float]]
+    starts: Sequence[Mapping[str, float]]
+
+    @property
+    def effect(self) -> Effect:
+        """Its declaration."""
+        return self.element.effect
+
+    @property
+    def size(self) -> int:
+        """Number of its parameters."""
+        return sum(1 if p.size is None else len(self.element.parameters[p.name]) for p in self.effect.parameters)
+
+    def added_to(self, model: DamperModel) -> tuple[DamperModel, tuple[int, ...]]:
+        """The model with the effect, and the positions in its slots of the effect's parameters."""
+        changed = model.with_effect(self.element)
+        # A compliance gets its path when it is added; the values stay the same object.
+        entry = next(i for i, e in enumerate(walk(changed.effects)) if e.parameters is self.element.parameters)
+        return changed, tuple(i for i, slot in enumerate(changed.slots) if slot.entry == entry)
+
+    def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:
+        """The least-squares problem of the effect's parameters, all others kept."""
+        changed, free = self.added_to(model)
+        return Problem(changed, rows, free, slots=self._slots(changed, free))
+
+    def _slots(self, model: DamperModel, free: Sequence[int]) -> tuple[Slot, ...]:
+        label = model.slots[free[0]].address.rpartition(".")[0]
+        return narrowed(model, {f"{label}.{name}": limit for name, limit in self.limits.items()})
+
+    def start_points(self, problem: Problem) -> np.ndarray:
+        """(s, q) where to begin: the trial's own values, then its further starts."""
+        points = [problem.start]
+        for start in self.starts:
+            point = problem.start.copy()
+            for k, slot in enumerate(problem.searched):
+                point[k] = start.get(problem.slots[slot].parameter.name, point[k])
+            points.append(problem.clipped(point))
+        return np.array(points)
+
+
+def candidates(model: DamperModel, ranges: Ranges) -> tuple[list[Candidate], dict[str, str]]:
+    """Every effect that can be tried on such recordings, and by name why others cannot."""
+    found, untestable = [], {}
+    for effect in all_effects().values():
+        if not effect.phenomenon or effect.trial is None:
+            continue
+        if effect.kind == "series" and any(e.effect.kind == "series" for e in walk(model.effects)):
+            untestable[effect.name] = "there is a compliance already; two in a row are one"
+            continue
+        try:
+            found.append(_candidate(effect, model, effect.trial(ranges)))
+        except Untestable as reason:
+            untestable[effect.name] = str(reason)
+    return found, untestable
+
+
+def _candidate(effect: Effect, model: DamperModel, trial: Trial) -> Candidate:
+    """The candidate with its values and limits between the declared bounds."""
+    limits, values = {}, dict(trial.values)
+    for parameter in effect.parameters:
+        low, high = trial.limits.get(parameter.name, (parameter.lower, parameter.upper))
+        low, high = max(low, parameter.lower), min(high, parameter.upper)
+        if low >= high:
+            raise Untestable(f"no physical {parameter.name.replace('_', ' ')} lies in these ranges")
+        if parameter.name in trial.limits:
+            limits[parameter.name] = (low, high)
+        if parameter.size is None:
+            values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
+    return Candidate(_element(effect, model, values), limits, trial.starts)
+
+
+def _element(effect: Effect, model: DamperModel, values: Mapping[str, object]) -> Element:
+    if effect.kind != "series":
+        return make_element(effect, values)
+    return replace(make_element(effect, values, model.effects), path=())

@@ -1,0 +1,41 @@
+"""The kept model as one recorded force: what a candidate adds to it need not run it again.
+
+The force stands in one more row of the block, below those of ``signals.layout``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect
+from damper_estimator.identification.rows import Rows
+from damper_estimator.model import DamperModel, Element
+from damper_estimator.signals.layout import ROWS
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += the recorded force."""
+    for i in range(force.size):
+        force[i] += kinematics[ROWS, i]
+
+
+RECORDED = Effect(kernel=kernel, kind="source", name="recorded_force", description="A force as it was recorded.")
+
+
+def frozen_model(model: DamperModel) -> DamperModel:
+    """A model that gives the recorded force; the other's name stays."""
+    return replace(model, effects=(Element(RECORDED),), fixed=(), fit={})
+
+
+def frozen_rows(model: DamperModel, rows: Sequence[Rows]) -> tuple[Rows, ...]:
+    """The rows with the model's force below the block."""
+    frozen = []
+    for own in rows:
+        kinematics = own.measurement.kinematics
+        force = np.nan_to_num(model.force(kinematics.block))
+        block = np.ascontiguousarray(np.vstack([kinematics.block, force]))
+        frozen.append(replace(own, measurement=replace(own.measurement, kinematics=replace(kinematics, block=block))))
+    return tuple(frozen)

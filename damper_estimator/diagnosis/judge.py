@@ -1,0 +1,131 @@
+"""Judges attempts on unseen data: squared errors by blocks of a second, which the bootstrap draws.
+
+Residuals are autocorrelated, so single samples are no independent witnesses.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.diagnosis.attempt import Attempt, Null, first_order
+from damper_estimator.diagnosis.scene import unweighted
+
+REPLICATES = 500
+PENALTY = 0.01  # of the error without the effect, per parameter
+LOW, HIGH = 5.0, 95.0  # percentiles
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What is left after one way of adding an effect.
+
+    Attributes:
+        fit, unseen: (r,) rows.
+        blocks: (b,) sum of squares of the unseen rows in each block.
+    """
+
+    fit: np.ndarray
+    unseen: np.ndarray
+    blocks: np.ndarray
+
+    @property
+    def square(self) -> float:
+        """Sum of squares, unseen."""
+        return float(self.blocks.sum())
+
+
+@dataclass(frozen=True)
+class Tally:
+    """One attempt judged both ways.
+
+    Attributes:
+        kept, refitted: what is left with the model's parameters as they are, and refitted to first order.
+        kept_gains, refitted_gains: (replicates,) gain against the model without the effect, judged the same way.
+        error: share of the error without the effect that is left, geometric mean of the ways that count; with the
+            penalty on parameters this is what attempts are ranked by.
+    """
+
+    attempt: Attempt
+    kept: Errors
+    refitted: Errors
+    kept_gains: np.ndarray
+    refitted_gains: np.ndarray
+    error: float
+
+    @property
+    def score(self) -> float:
+        """Smaller is better."""
+        return self.error + PENALTY * self.attempt.size
+
+
+def errors(blocks: np.ndarray, fit: np.ndarray, unseen: np.ndarray) -> Errors:
+    """Errors with their sums over blocks (r,) int."""
+    return Errors(fit, unseen, np.bincount(blocks, unseen**2))
+
+
+def nothing(null: Null) -> tuple[Errors, Errors]:
+    """What is left without any effect: kept, and refitted to first order."""
+    blocks = null.scene.blocks
+    kept = first_order(null.residual_fit, null.found_fit, null.residual_unseen, null.found_unseen)
+    free_fit = np.hstack([null.found_fit, null.base_fit])
+    free_unseen = np.hstack([null.found_unseen, null.base_unseen])
+    refitted = first_order(null.residual_fit, free_fit, null.residual_unseen, free_unseen)
+    return errors(blocks, *kept), errors(blocks, *refitted)
+
+
+def with_effects(null: Null, attempts: Sequence[Attempt], base: bool) -> Errors:
+    """What is left with effects added; ``base`` refits the model's parameters as well, to first order.
+
+    A single effect with everything else kept is exact, all else is linear in the parameters.
+    """
+    fit = null.residual_fit + sum(a.change_fit for a in attempts)
+    unseen = null.residual_unseen + sum(a.change_unseen for a in attempts)
+    free_fit, free_unseen = [null.found_fit], [null.found_unseen]
+    if base:
+        free_fit.append(null.base_fit)
+        free_unseen.append(null.base_unseen)
+    if base or len(attempts) > 1 or null.found_fit.shape[1]:
+        free_fit += [a.own_fit for a in attempts]
+        free_unseen += [a.own_unseen for a in attempts]
+    return errors(null.scene.blocks, *first_order(fit, np.hstack(free_fit), unseen, np.hstack(free_unseen)))
+
+
+def draws(count: int) -> np.ndarray:
+    """(replicates, count) how often each block is drawn; the same for all that is compared."""
+    random = np.random.default_rng(0)
+    picks = random.integers(0, count, (REPLICATES, count))
+    return np.stack([np.bincount(row, minlength=count) for row in picks])
+
+
+def tallies(null: Null, attempts: Sequence[Attempt], mode: str) -> list[Tally]:
+    """All attempts judged, best first; ``mode`` is both, kept or refit."""
+    without_kept, without_refitted = nothing(null)
+    drawn = draws(without_kept.blocks.size)
+    judged = []
+    for attempt in attempts:
+        kept = with_effects(null, [attempt], base=False)
+        refitted = with_effects(null, [attempt], base=True)
+        left_kept = kept.square / max(without_kept.square, 1e-300)
+        left_refitted = refitted.square / max(without_refitted.square, 1e-300)
+        judged.append(
+            Tally(
+                attempt,
+                kept,
+                refitted,
+                gains(drawn, kept, without_kept),
+                gains(drawn, refitted, without_refitted),
+                left_refitted if mode == "refit" else left_kept,
+            )
+        )
+    return sorted(judged, key=lambda tally: tally.score)
+
+
+def gains(drawn: np.ndarray, errors: Errors, without: Errors) -> np.ndarray:
+    """(replicates,) 1 - error / error without."""
+    return 1.0 - (drawn @ errors.blocks) / np.maximum(drawn @ without.blocks, 1e-300)
+
+
+def rmse(null: Null, errors: Errors) -> float:
+    """Unseen error in N, unweighted."""
+    return unweighted(null.scene.unseen, errors.unseen)

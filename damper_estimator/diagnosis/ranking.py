@@ -1,0 +1,151 @@
+"""One round: which attempt explains most, how sure that is, and what else it could be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.diagnosis.attempt import Attempt, Null
+from damper_estimator.diagnosis.candidates import Candidate
+from damper_estimator.diagnosis.judge import (
+    HIGH,
+    LOW,
+    PENALTY,
+    Errors,
+    Tally,
+    draws,
+    gains,
+    nothing,
+    rmse,
+    tallies,
+    with_effects,
+)
+
+GAIN = 0.25  # of the squared error: what an effect must explain to be found
+LEAST_FORCE = 0.015  # of the force's rms: what it must be worth
+SECOND_OPINION = 0.85  # of the error may be left, geometric mean of kept and refitted
+GENERAL_MARGIN = 0.05  # of the error: what a general explanation must be better by than a specific one
+MOST_TIED = 3  # others
+_ADDS = 0.01  # of the error: what adds less adds nothing
+_CLOSE = 0.04  # of the error
+_BEHIND = 0.15  # of the error: an explanation that is worse by more is no tie
+
+
+@dataclass(frozen=True)
+class Round:
+    """All attempts on one model.
+
+    Attributes:
+        null: the model that effects were added to.
+        candidates: by effect's name.
+        tallies: best first, those whose force the freed zero of the gauge does not hide.
+        hidden: names of those that it hides.
+        kept, refitted: what is left without any effect.
+    """
+
+    null: Null
+    candidates: dict[str, Candidate]
+    tallies: tuple[Tally, ...]
+    hidden: tuple[str, ...]
+    kept: Errors
+    refitted: Errors
+    mode: str
+
+    @property
+    def best(self) -> Tally | None:
+        """The explanation that comes first: a general one only where it is clearly better than every specific one."""
+        if not self.tallies:
+            return None
+        first = self.tallies[0]
+        specific = [t for t in self.tallies if not self._general(t)]
+        if self._general(first) and specific and specific[0].score <= first.score + GENERAL_MARGIN:
+            return specific[0]
+        return first
+
+    def _general(self, tally: Tally) -> bool:
+        return self.candidates[tally.attempt.effect].effect.general
+
+    def gain(self, tally: Tally) -> tuple[float, float, float]:
+        """Gain on unseen data with the 5 and 95 % ends of its bootstrap, as this round judges."""
+        refit = self.mode == "refit"
+        replicates = tally.refitted_gains if refit else tally.kept_gains
+        without = self.refitted if refit else self.kept
+        left = (tally.refitted if refit else tally.kept).square
+        low, high = np.percentile(replicates, [LOW, HIGH])
+        return 1.0 - left / max(without.square, 1e-300), float(low), float(high)
+
+    def reason_against(self, tally: Tally, force_rms: float) -> str:
+        """Why the data do not support an effect by itself; "" where they do."""
+        gain, low, _ = self.gain(tally)
+        before, after = rmse(self.null, self.kept), rmse(self.null, tally.kept)
+        if self.mode == "refit":
+            before, after = rmse(self.null, self.refitted), rmse(self.null, tally.refitted)
+        if gain <= 0.02:
+            return "explains nothing on unseen data"
+        if gain < GAIN:
+            return f"explains {100.0 * gain:.0f} % of the squared error on unseen data; {100.0 * GAIN:.0f} % are wanted"
+        if low <= 0.0:
+            return f"not sure: the gain's 5 % bound is {100.0 * low:.0f} %"
+        worth = np.sqrt(max(before**2 - after**2, 0.0))
+        if worth < LEAST_FORCE * force_rms:
+            return f"worth {worth:.3g} N only, less than {100.0 * LEAST_FORCE:.3g} % of the force"
+        if self.mode == "both":
+            left = tally.kept.square / max(self.kept.square, 1e-300)
+            refitted = tally.refitted.square / max(self.refitted.square, 1e-300)
+            if np.sqrt(left * refitted) > SECOND_OPINION:
+                return "refitting the parameters that are there explains as much"
+        return ""
+
+    def tied(self, best: Tally) -> tuple[str, ...]:
+        """Other phenomena that these data cannot tell from the best: it adds nothing where one of them is in."""
+        names: list[str] = []
+        rivals = [t for t in self.tallies if t.attempt.phenomenon != best.attempt.phenomenon]
+        drawn = draws(self.kept.blocks.size)
+        for rival in rivals:
+            if rival.attempt.phenomenon in names or len(names) >= MOST_TIED:
+                continue
+            # A general explanation contains the specific ones: that they do not add to it says nothing.
+            if self._general(rival) and not self._general(best):
+                continue
+            if rival.error > best.error + _BEHIND * (1.0 - best.error) or 1.0 - rival.error < GAIN:
+                continue
+            if self._disputed(best, rival):
+                names.append(rival.attempt.phenomenon)
+                continue
+            both = with_effects(self.null, [best.attempt, rival.attempt], base=False)
+            alone = with_effects(self.null, [rival.attempt], base=False)
+            adds = gains(drawn, both, self.kept) - gains(drawn, alone, self.kept)
+            if np.percentile(adds, LOW) < _ADDS:
+                names.append(rival.attempt.phenomenon)
+        return tuple(names)
+
+    def _disputed(self, best: Tally, rival: Tally) -> bool:
+        """Whether the two are close with the model's parameters kept, and change places when they are refitted."""
+        close = rival.score <= best.score + _CLOSE
+        return self.mode == "both" and close and rival.refitted.square < best.refitted.square
+
+    def confidence(self, group: Sequence[str]) -> float:
+        """Share of the bootstrap's replicates in which one of these phenomena comes first."""
+        replicates = [t.refitted_gains if self.mode == "refit" else t.kept_gains for t in self.tallies]
+        scores = np.array(
+            [1.0 - own + PENALTY * t.attempt.size for own, t in zip(replicates, self.tallies, strict=True)]
+        )
+        scores += np.array([GENERAL_MARGIN * self._general(t) for t in self.tallies])[:, None]
+        first = np.argmin(scores, axis=0)
+        inside = np.array([t.attempt.phenomenon in group for t in self.tallies])
+        return float(inside[first].mean())
+
+
+def round_of(null: Null, candidates: Sequence[Candidate], attempts: Sequence[Attempt], mode: str) -> Round:
+    """Judges the attempts of one round."""
+    kept, refitted = nothing(null)
+    shown = [a for a in attempts if not a.hidden]
+    return Round(
+        null,
+        {c.effect.name: c for c in candidates},
+        tuple(tallies(null, shown, mode)),
+        tuple(a.effect for a in attempts if a.hidden),
+        kept,
+        refitted,
+        mode,
+    )

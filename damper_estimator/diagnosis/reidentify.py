@@ -1,0 +1,76 @@
+"""Re-identifies what is in a model already: is that enough, and which parameters moved?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.diagnosis.judge import LOW, Errors, draws, errors, gains, rmse
+from damper_estimator.diagnosis.ranking import GAIN, LEAST_FORCE, Round
+from damper_estimator.diagnosis.result import Moved
+from damper_estimator.diagnosis.scene import Scene, force_rows, targets
+from damper_estimator.diagnosis.settle import settled
+from damper_estimator.model import DamperModel
+from damper_estimator.model.element import walk
+
+_MOVED = 3.0  # standard errors
+_MOVED_SHARE = 0.05  # of the value
+_NOTABLE = 0.05  # of the error before
+_STILL_THERE = 0.25  # of the error: what effects take away after re-identification, where that was not enough
+
+
+@dataclass(frozen=True)
+class Reidentified:
+    """The model with its own parameters identified anew.
+
+    Attributes:
+        model: with the new values.
+        moved: parameters that moved by more than their uncertainty.
+        rmse_n: unseen, N.
+        gain: against the parameters as given, unseen.
+        enough: whether it explains the error and an effect on top adds little.
+        phenomena: for which the model has effects.
+    """
+
+    model: DamperModel
+    moved: tuple[Moved, ...]
+    rmse_n: float
+    gain: float
+    enough: bool
+    phenomena: frozenset[str]
+
+
+def reidentified(first: Round, stage: Scene) -> Reidentified:
+    """Identifies the model's parameters on the fit rows, from their values."""
+    model = first.null.model
+    phenomena = frozenset(element.effect.phenomenon for element in walk(model.effects) if element.effect.phenomenon)
+    promised = 1.0 - first.refitted.square / max(first.kept.square, 1e-300)
+    if promised < 0.5 * GAIN:
+        return Reidentified(model, (), rmse(first.null, first.refitted), promised, False, phenomena)
+    own = settled(model, [rows.measurement for rows in stage.fit], zero_free=True)
+    left = errors(stage.blocks, first.null.residual_fit, force_rows(own, stage.unseen) - targets(stage.unseen))
+    gain = 1.0 - left.square / max(first.kept.square, 1e-300)
+    low = float(np.percentile(gains(draws(left.blocks.size), left, first.kept), LOW))
+    worth = np.sqrt(max(rmse(first.null, first.kept) ** 2 - rmse(first.null, left) ** 2, 0.0))
+    force = float(np.sqrt(np.mean(targets(stage.unseen) ** 2)))
+    explains = gain >= GAIN and low > 0.0 and worth >= LEAST_FORCE * force
+    return Reidentified(
+        own, _moved(model, own), rmse(first.null, left), gain, explains and not _more(first, left), phenomena
+    )
+
+
+def _more(first: Round, left: Errors) -> bool:
+    """Whether an effect on top of re-identified parameters takes away a good part of what they leave, and of all."""
+    after = min(left.square, first.refitted.square)
+    best = min((t.refitted.square for t in first.tallies), default=np.inf)
+    return after - best > max(_STILL_THERE * after, _NOTABLE * first.kept.square)
+
+
+def _moved(before: DamperModel, after: DamperModel) -> tuple[Moved, ...]:
+    errors = after.fit.get("standard_errors", {})
+    moved = []
+    for old, new in zip(before.slots, after.slots, strict=True):
+        change, error = abs(new.value - old.value), errors.get(new.address, float("nan"))
+        certain = not error > change / _MOVED
+        if certain and change > _MOVED_SHARE * max(abs(old.value), 1e-12):
+            moved.append(Moved(old.address, old.parameter.unit, old.value, new.value, error))
+    return tuple(moved)

@@ -1,0 +1,256 @@
+"""What a diagnosis and an improvement say."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from damper_estimator.identification import FittedParameter
+from damper_estimator.model import DamperModel, Element
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.signal_map import DamperSignals
+from damper_estimator.validation import DataFinding
+
+VERDICTS = ("missing", "nothing_missing", "parameters_changed", "unexplained")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """One way of judging one candidate, on unseen data.
+
+    Attributes:
+        rmse_n: N in band, the gauge's zero and drift of each recording taken out.
+        gain: 1 - weighted squared error / that without the effect; may be negative.
+        low, high: 5 and 95 % of the block bootstrap of the gain.
+    """
+
+    rmse_n: float
+    gain: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One candidate of one round.
+
+    Attributes:
+        kept, refitted: with the model's parameters as they are, and refitted together to first order; None where it
+            was not judged so.
+        reason: why it is not accepted, "" where it is.
+        explains: per unseen recording (n,) N in band, what it would change of the force; empty for what explains
+            next to nothing.
+    """
+
+    effect: str
+    phenomenon: str
+    kept: Judgement | None
+    refitted: Judgement | None
+    parameters: tuple[FittedParameter, ...]
+    reason: str
+    explains: tuple[np.ndarray, ...] = ()
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "effect": self.effect,
+            "phenomenon": self.phenomenon,
+            "reason": self.reason,
+            "kept": None if self.kept is None else asdict(self.kept),
+            "refitted": None if self.refitted is None else asdict(self.refitted),
+        }
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that is missing, as far as these data can tell.
+
+    Attributes:
+        tied_with: other phenomena that these data cannot tell from it.
+        rmse_before_n, rmse_after_n: on unseen data.
+        share_of_explainable_error: (MSE before - MSE after) / (MSE before - floor^2).
+        confidence: share of the bootstrap's replicates in which the tied group comes first.
+        gain, low, high: as in ``Judgement``.
+        evidence, test_to_separate: in words.
+        remark: where kept and refitted parameters disagree, else "".
+        is_channel: a mistake of the measurement chain: it goes to the signal map.
+    """
+
+    effect: str
+    phenomenon: str
+    tied_with: tuple[str, ...]
+    rmse_before_n: float
+    rmse_after_n: float
+    share_of_explainable_error: float
+    confidence: float
+    gain: float
+    low: float
+    high: float
+    evidence: str
+    test_to_separate: str
+    remark: str
+    parameters: tuple[FittedParameter, ...]
+    is_channel: bool
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A parameter that re-identification moves."""
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Mean residual over a grid, what no candidate accounts for.
+
+    Attributes:
+        axes: what lies along x and y, with units.
+        x, y: (p + 1,), (q + 1,) edges, SI.
+        mean_n: (q, p) N, NaN where nothing was driven.
+        words: where it is largest.
+    """
+
+    axes: tuple[str, str]
+    x: np.ndarray
+    y: np.ndarray
+    mean_n: np.ndarray
+    words: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing from a model, as far as these recordings tell.
+
+    Attributes:
+        model: as given.
+        verdict: one of ``VERDICTS``.
+        sentence: the verdict in one sentence.
+        mode: both, kept or refit.
+        rmse_n, force_rms_n, noise_floor_n: of the model as given, on unseen data.
+        findings: accepted, best first.
+        elements: of each finding, the entry with its fitted values.
+        ranking: all candidates of the first round, best first.
+        untestable: effects that could not be tried, with the reason.
+        moved: parameters that re-identification moves, where that is enough.
+        rmse_refit_alone_n: unseen error after re-identifying what is there.
+        structure: of what is left, where nothing accounts for it.
+        improved: the model with the damper's findings put in and refitted to first order.
+        signals: the damper's entry of the signal map with mends of the measurement chain.
+        data: mistakes of the recordings that show without candidates.
+        fit, unseen: what was used for what.
+    """
+
+    model: DamperModel
+    verdict: str
+    sentence: str
+    mode: str
+    rmse_n: float
+    force_rms_n: float
+    noise_floor_n: float
+    findings: tuple[Finding, ...]
+    elements: tuple[Element, ...]
+    ranking: tuple[Judged, ...]
+    untestable: dict[str, str]
+    moved: tuple[Moved, ...]
+    rmse_refit_alone_n: float
+    structure: Structure | None
+    improved: DamperModel
+    signals: DamperSignals
+    data: tuple[DataFinding, ...]
+    fit: tuple[Measurement, ...]
+    unseen: tuple[Measurement, ...]
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "mode": self.mode,
+            "rmse_n": self.rmse_n,
+            "force_rms_n": self.force_rms_n,
+            "noise_floor_n": self.noise_floor_n,
+            "rmse_refit_alone_n": self.rmse_refit_alone_n,
+            "findings": [finding.record() for finding in self.findings],
+            "rejected": [
+                *(judged.record() for judged in self.ranking if judged.reason),
+                *({"effect": name, "reason": reason} for name, reason in self.untestable.items()),
+            ],
+            "parameters_moved": [asdict(moved) for moved in self.moved],
+            "data_findings": [asdict(finding) for finding in self.data],
+            "structure": None if self.structure is None else self.structure.words,
+        }
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of an improvement.
+
+    Attributes:
+        action: start, mend, refit, add or prune.
+        effect, phenomenon: None for start and refit.
+        model: after the step.
+        rmse_fit_n, rmse_unseen_n: N in band.
+        diagnosis: what was tried before this step; None where nothing was.
+        note: in words.
+    """
+
+    action: str
+    effect: str | None
+    phenomenon: str | None
+    model: DamperModel
+    rmse_fit_n: float
+    rmse_unseen_n: float
+    diagnosis: Diagnosis | None
+    note: str
+
+
+@dataclass(frozen=True)
+class Improvement:
+    """A model with all that was missing and justified.
+
+    Attributes:
+        steps: the first is the model as given.
+        verdict: of what is left after the last step.
+        sentence: what happened, in one sentence.
+        model, signals: the improved model, and the damper's entry of the signal map with mends.
+        rejected: candidates of the last round.
+        first: the diagnosis of the model as given.
+        final: the diagnosis that found nothing more.
+    """
+
+    steps: tuple[Step, ...]
+    verdict: str
+    sentence: str
+    noise_floor_n: float
+    model: DamperModel
+    signals: DamperSignals
+    rejected: tuple[Judged, ...]
+    fit: tuple[Measurement, ...]
+    unseen: tuple[Measurement, ...]
+    first: Diagnosis
+    final: Diagnosis
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        names = ("action", "effect", "phenomenon", "rmse_fit_n", "rmse_unseen_n", "note")
+        return {
+            "steps": [{name: getattr(step, name) for name in names} for step in self.steps],
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "noise_floor_n": self.noise_floor_n,
+            "rejected": [judged.record() for judged in self.rejected],
+        }
+
+
+def parameters_in_words(parameters: Sequence[FittedParameter]) -> str:
+    """``friction force 42 N, stiffness 1e+05 N/m``."""
+    return ", ".join(f"{p.name} = {p.value:.4g} {p.unit}".removesuffix(" 1") for p in parameters)

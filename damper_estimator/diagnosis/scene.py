@@ -1,0 +1,163 @@
+"""The data of a diagnosis: rows to fit to, rows to judge on, and how much each of them is to be trusted.
+
+    weight = s^2 / (s_F^2 + (dF/dv s_v)^2)
+
+s_F is the gauge's noise in band with a hundredth of the force for the model's own form, s_v the velocity's noise in
+band, dF/dv the slope of the model at each sample: where the curve is steep, noise of the displacement is noise of
+the force. The zero of the gauge and its straight drift belong to each recording and are left out of the comparison.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from damper_estimator.effects.trial import Ranges
+from damper_estimator.identification import rows_of, usable
+from damper_estimator.identification.rows import Rows
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND, TEMPERATURE, V
+from damper_estimator.validation.noise import white_density
+
+UNSEEN_SHARE = 0.4  # of each recording, where no other is given to judge on
+BLOCK = 1.0  # s, what the bootstrap draws; residuals forget within it
+_FORM = 0.01  # of the force's rms: what no model's form gets right
+_SLOPE_STEP = 0.01  # m/s
+_STEEPEST = 6.0  # weights fall no lower than 1 / (1 + 6^2)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Rows of all recordings of one damper.
+
+    Attributes:
+        fit, unseen: what parameters are found on, and what explanations are judged on.
+        blocks: (r,) int, the block of each unseen row.
+        ranges: what the recordings drive.
+    """
+
+    fit: tuple[Rows, ...]
+    unseen: tuple[Rows, ...]
+    blocks: np.ndarray
+    ranges: Ranges
+
+    @cached_property
+    def with_zero(self) -> "Scene":
+        """The same rows with the gauge's zero and drift in the comparison."""
+        return replace(
+            self,
+            fit=tuple(rows_of(own.measurement, own.weight) for own in self.fit),
+            unseen=tuple(rows_of(own.measurement, own.weight) for own in self.unseen),
+        )
+
+
+def scene(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> Scene:
+    """The scene of a model and its recordings; without ``unseen`` the last 40 % of each is kept back.
+
+    Raises:
+        InputError: where a recording cannot be judged with this model.
+    """
+    pairs = [(m, m) for m in fit] if not unseen else []
+    fit_parts = [early(a) for a, _ in pairs] or list(fit)
+    unseen_parts = [late(b) for _, b in pairs] or list(unseen)
+    fit_rows = _rows(model, fit_parts)
+    unseen_rows = _rows(model, unseen_parts)
+    return Scene(fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([own.measurement for own in fit_rows]))
+
+
+def early(measurement: Measurement) -> Measurement:
+    """The part of a recording that parameters are found on."""
+    return measurement.part(0, _cut(measurement))
+
+
+def late(measurement: Measurement) -> Measurement:
+    """The part of a recording that is kept back."""
+    return measurement.part(_cut(measurement), len(measurement.kinematics))
+
+
+def _cut(measurement: Measurement) -> int:
+    return round((1.0 - UNSEEN_SHARE) * len(measurement.kinematics))
+
+
+def force_rows(model: DamperModel, rows: Sequence[Rows]) -> np.ndarray:
+    """(r,) rows of a model's force over all recordings."""
+    return np.concatenate([own.of(model.force(own.measurement.kinematics.block)) for own in rows])
+
+
+def targets(rows: Sequence[Rows]) -> np.ndarray:
+    """(r,) rows of the measured force."""
+    return np.concatenate([own.target for own in rows])
+
+
+def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
+    """RMS in N of errors (r,) in rows, their weights taken off again."""
+    weight = np.concatenate([own.weight[own.picks] for own in rows])
+    return float(np.sqrt(np.mean(errors**2 / weight)))
+
+
+def _rows(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[Rows, ...]:
+    rows = []
+    for measurement in measurements:
+        for part in usable(model, measurement):
+            whole = part == slice(0, len(measurement.kinematics))
+            own = measurement if whole else measurement.part(part.start, part.stop)
+            rows.append(rows_of(own, weights(model, own), zero_free=True))
+    return tuple(own for own in rows if own.picks.size > 2)
+
+
+def weights(model: DamperModel, measurement: Measurement) -> np.ndarray:
+    """(n,) weights of the squared error, 1 on average over the judged samples."""
+    kinematics, band = measurement.kinematics, measurement.band or 0.25 * measurement.kinematics.rate
+    judged = measurement.judged
+    own_rate = kinematics.rate
+    gauge_rate = own_rate * measurement.gauge.size / max(measurement.counts.samples, 1)
+    gauge = np.nan_to_num(white_density(measurement.gauge, gauge_rate, band)) * band
+    displacement = np.nan_to_num(white_density(measurement.raw_displacement, own_rate, band))
+    velocity = (2.0 * np.pi) ** 2 * displacement * band**3 / 3.0
+    force = float(np.var(measurement.force[judged])) if judged.any() else 1.0
+    high, low = kinematics.block.copy(), kinematics.block.copy()
+    high[V] += _SLOPE_STEP
+    low[V] -= _SLOPE_STEP
+    slope = np.nan_to_num((model.force(high) - model.force(low)) / (2.0 * _SLOPE_STEP))
+    floor = gauge + _FORM**2 * force
+    noise = floor + np.minimum(slope**2 * velocity, _STEEPEST**2 * floor)
+    weight = 1.0 / np.maximum(noise, 1e-12)
+    return weight / (weight[judged].mean() if judged.any() else weight.mean())
+
+
+def _blocks(rows: Sequence[Rows]) -> np.ndarray:
+    numbers, first = [], 0
+    for own in rows:
+        time = own.measurement.kinematics.time[own.picks]
+        number = ((time - time[0]) / BLOCK).astype(int)
+        numbers.append(first + number)
+        first += int(number[-1]) + 1
+    return np.concatenate(numbers)
+
+
+def ranges_of(measurements: Sequence[Measurement]) -> Ranges:
+    """What recordings drive."""
+
+    def gathered(column) -> np.ndarray:
+        return np.concatenate([np.asarray(column(m))[m.judged] for m in measurements])
+
+    def ends(row: int) -> tuple[float, float] | None:
+        values = gathered(lambda m: m.kinematics.block[row])
+        values = values[np.isfinite(values)]
+        return (float(values.min()), float(values.max())) if values.size else None
+
+    x = gathered(lambda m: m.kinematics.displacement)
+    force = gathered(lambda m: m.force)
+    low, high = np.quantile(x, [0.001, 0.999])
+    return Ranges(
+        compression=float(low),
+        extension=float(high),
+        speed=float(np.quantile(np.abs(gathered(lambda m: m.kinematics.velocity)), 0.995)),
+        acceleration=float(np.quantile(np.abs(gathered(lambda m: m.kinematics.acceleration)), 0.995)),
+        force=float(force.std()),
+        seconds=min(float(np.sum(m.kinematics.dt[m.judged])) for m in measurements),
+        command=ends(COMMAND),
+        temperature=ends(TEMPERATURE),
+    )

@@ -1,0 +1,107 @@
+"""Identifies a model from where it stands.
+
+Without a compliance this is a fit like any other. Behind one, every parameter of the path would have to be searched
+with a run of the implicit solver each; there the derivatives of the path alone are near enough to find the way, and
+each step is checked on the model itself.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from damper_estimator.diagnosis.attempt import near_derivatives, slot_size
+from damper_estimator.diagnosis.scene import force_rows, targets, weights
+from damper_estimator.identification import fit as identify
+from damper_estimator.identification import free_slots, pooled_error, rows_of
+from damper_estimator.identification.record import fit_record
+from damper_estimator.identification.rows import Rows
+from damper_estimator.model import DamperModel
+from damper_estimator.model.element import labels
+from damper_estimator.signals import Measurement
+
+_STEPS = 5
+_SHORTEST = 0.1  # of a step
+_LEAST = 1e-3  # of the squared error: a smaller gain ends it
+_HELD = 1.0  # of a parameter's size: further it is not sent in one step
+_BLOCKS = 40
+
+
+def settled(
+    model: DamperModel,
+    measurements: Sequence[Measurement],
+    free: Sequence[str] = (),
+    fix: Sequence[str] = (),
+    zero_free: bool = False,
+) -> DamperModel:
+    """The model with its free parameters identified from their values, and its record of the fit.
+
+    Args:
+        free, fix: as in ``identification.fit``.
+        zero_free: whether the gauge's zero and drift are left out of the comparison.
+
+    Raises:
+        InputError: as ``identification.fit``.
+    """
+    weight = [weights(model, m) for m in measurements]
+    if not any(element.effect.kind == "series" for _, element in labels(model.effects)):
+        return identify(model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free).model
+    rows = [rows_of(m, w, zero_free=zero_free) for m, w in zip(measurements, weight, strict=True)]
+    slots = list(free_slots(model, free, fix))
+    return _recorded(*_descended(model, rows, slots), slots, measurements)
+
+
+def _descended(
+    model: DamperModel, rows: Sequence[Rows], slots: Sequence[int]
+) -> tuple[DamperModel, np.ndarray, np.ndarray]:
+    """The model after some steps, its rows' residual (r,), and the derivatives (r, k) there."""
+    target = targets(rows)
+    force = force_rows(model, rows)
+    columns = near_derivatives(model, rows, slots, force)
+    for _ in range(_STEPS):
+        residual = force - target
+        prior = float(np.mean(residual**2)) / _HELD**2
+        normal = columns.T @ columns + prior * np.eye(len(slots))
+        step = np.linalg.lstsq(normal, -(columns.T @ residual), rcond=1e-12)[0]
+        share, best = 1.0, (float(residual @ residual), model, force)
+        while share >= _SHORTEST and best[1] is model:
+            trial = _moved(model, slots, share * step)
+            own = force_rows(trial, rows)
+            cost = float((own - target) @ (own - target))
+            if np.isfinite(cost) and cost < best[0]:
+                best = (cost, trial, own)
+            share *= 0.4
+        gained = float(residual @ residual) - best[0]
+        model, force = best[1], best[2]
+        if gained < _LEAST * float(residual @ residual):
+            break
+        columns = near_derivatives(model, rows, slots, force)
+    return model, force - target, columns
+
+
+def _moved(model: DamperModel, slots: Sequence[int], step: np.ndarray) -> DamperModel:
+    vector = np.array([slot.value for slot in model.slots])
+    for i, change in zip(slots, step, strict=True):
+        slot = model.slots[i]
+        vector[i] = np.clip(vector[i] + change * slot_size(slot), slot.parameter.lower, slot.parameter.upper)
+    return model.with_vector(vector)
+
+
+def standard_errors(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """(k,) in units of the columns' parameters, from the scatter of scores between blocks: residuals have memory."""
+    scores = np.array([part.sum(axis=0) for part in np.array_split(columns * residual[:, None], _BLOCKS)])
+    inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-10)
+    return np.sqrt(np.maximum(np.diag(inverse @ (scores.T @ scores) @ inverse), 0.0))
+
+
+def _recorded(
+    model: DamperModel,
+    residual: np.ndarray,
+    columns: np.ndarray,
+    slots: Sequence[int],
+    measurements: Sequence[Measurement],
+) -> DamperModel:
+    errors = standard_errors(columns, residual) * np.array([slot_size(model.slots[i]) for i in slots])
+    named = {model.slots[i].address: float(error) for i, error in zip(slots, errors, strict=True)}
+    rmse, _, _ = pooled_error(model, measurements)
+    return replace(model, fit=fit_record(measurements, rmse, named))

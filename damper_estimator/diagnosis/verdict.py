@@ -1,0 +1,74 @@
+"""The verdict: something is missing, what is there changed, nothing is missing, or something that nobody knows."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from damper_estimator.diagnosis.judge import rmse
+from damper_estimator.diagnosis.reidentify import Reidentified
+from damper_estimator.diagnosis.result import Structure
+from damper_estimator.diagnosis.search import Accepted, Search
+from damper_estimator.diagnosis.structure import structure
+from damper_estimator.model import DamperModel
+
+_STRUCTURED = 0.3  # of the squared error, what a picture of it must predict to be shown
+_NOTABLE = 0.03  # of the force's rms: smaller errors are left alone
+_ABOVE_FLOOR = 2.0
+_MOST = 0.6  # of what there is to explain, by re-identification
+_BETTER = 0.75  # of the squared error that re-identification leaves
+_ENOUGH = 0.75  # of what re-identification explains, by one effect instead
+
+
+def verdict_on(
+    found: Search, again: Reidentified | None, force_n: float, floor_n: float
+) -> tuple[str, Structure | None]:
+    """The verdict, with a picture where it is ``unexplained``.
+
+    Args:
+        again: None where the model's parameters are trusted.
+        force_n, floor_n: rms of the measured force, and the noise floor, N.
+    """
+    first, last = found.rounds[0], found.rounds[-1]
+    floor = floor_n if np.isfinite(floor_n) else 0.0
+    if again is not None and _enough(found, again, floor) and not _more_telling(found.accepted, again):
+        return "parameters_changed", None
+    if found.accepted:
+        return "missing", None
+    left = rmse(first.null, last.kept)
+    if (
+        left > _NOTABLE * force_n
+        and left > _ABOVE_FLOOR * floor
+        and left > _ABOVE_FLOOR * _residual_before(first.null.model)
+    ):
+        picture, gain, low = structure(first.null, first.kept)
+        if gain >= _STRUCTURED and low > 0.0:
+            return "unexplained", picture
+    return "nothing_missing", None
+
+
+def _enough(found: Search, again: Reidentified, floor: float) -> bool:
+    """Whether re-identification takes away most of what there is to explain."""
+    first = found.rounds[0]
+    before = rmse(first.null, first.kept)
+    explainable = max(before**2 - floor**2, 1e-12)
+    return again.enough and before**2 - again.rmse_n**2 >= _MOST * explainable
+
+
+def _residual_before(model: DamperModel) -> float:
+    """What the model's own identification left, N; 0 where it is not known."""
+    return float(model.fit.get("residual_stddev", 0.0) or 0.0)
+
+
+def _more_telling(accepted: Sequence[Accepted], again: Reidentified) -> bool:
+    """Whether one new effect says more than moving what is there, or, one of the damper, as much with far fewer."""
+    if not accepted:
+        return False
+    first = accepted[0]
+    if first.after_n**2 < _BETTER * again.rmse_n**2:
+        return True
+    effect = first.element.effect
+    if effect.kind == "channel" or effect.phenomenon in again.phenomena:
+        return False
+    explained = 1.0 - first.after_n**2 / first.before_n**2
+    simpler = 2 * first.tally.attempt.size <= len(again.moved)
+    return simpler and explained >= _ENOUGH * again.gain

@@ -1,0 +1,78 @@
+"""Candidates: every phenomenon has one, and each is physical whatever a recording drives."""
+
+import ast
+from pathlib import Path
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from damper_estimator import diagnosis
+from damper_estimator.diagnosis.candidates import candidates
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.effects.trial import Ranges
+from damper_estimator.model import DamperModel, make_element
+
+MODEL = DamperModel("plain", "", (make_element(all_effects()["viscous_curve"], {}),))
+
+
+def numbers(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high, allow_nan=False)
+
+
+RANGES = st.builds(
+    Ranges,
+    compression=numbers(-0.3, -1e-3),
+    extension=numbers(1e-3, 0.3),
+    speed=numbers(1e-3, 6.0),
+    acceleration=numbers(0.01, 500.0),
+    force=numbers(1.0, 2e4),
+    seconds=numbers(2.0, 3600.0),
+    command=st.none() | st.tuples(numbers(0.0, 1.0), numbers(1.0, 20.0)),
+    temperature=st.none() | st.tuples(numbers(-20.0, 40.0), numbers(41.0, 150.0)),
+)
+
+
+def test_every_phenomenon_has_a_candidate_where_its_channel_was_recorded():
+    ranges = Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0, (0.0, 2.0), (20.0, 60.0))
+    found, _ = candidates(MODEL, ranges)
+    assert {c.effect.phenomenon for c in found} == {e.phenomenon for e in all_effects().values() if e.phenomenon}
+
+
+@settings(max_examples=60, deadline=None)
+@given(RANGES)
+def test_candidates_are_between_their_bounds_whatever_was_driven(ranges):
+    found, untestable = candidates(MODEL, ranges)
+    assert found and not {c.effect.name for c in found} & set(untestable)
+    for candidate in found:
+        model, free = candidate.added_to(MODEL)
+        assert free
+        for i in free:
+            slot = model.slots[i]
+            low, high = candidate.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
+            assert slot.parameter.lower <= low < high <= slot.parameter.upper
+            assert low <= slot.value <= high
+
+
+def test_what_was_not_recorded_is_named():
+    _, untestable = candidates(MODEL, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
+    assert "temperature" in untestable["temperature_gain"]
+    assert "command" in untestable["command_yield"]
+
+
+def test_a_second_compliance_is_not_tried():
+    series = next(e for e in all_effects().values() if e.kind == "series")
+    soft = DamperModel("soft", "", (make_element(series, {}, MODEL.effects),))
+    found, untestable = candidates(soft, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
+    assert not [c for c in found if c.effect.kind == "series"]
+    assert "compliance" in untestable[series.name]
+
+
+def test_the_room_names_no_effect_and_no_phenomenon():
+    names = set(all_effects()) | {e.phenomenon for e in all_effects().values() if e.phenomenon}
+    names -= {"path", "current"}  # ordinary words
+    for source in Path(diagnosis.__path__[0]).glob("*.py"):
+        tree = ast.parse(source.read_text(encoding="utf-8"))
+        words = {
+            node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        }
+        assert not words & names, source

@@ -1,0 +1,145 @@
+"""What a diagnosis says of recordings in which the truth is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from faults import changed, halves, late
+
+from damper_estimator.diagnosis import diagnose
+from damper_estimator.model import DamperModel
+
+KEYS = {"verdict", "rmse_n", "noise_floor_n", "findings", "rejected"}
+FINDING_KEYS = {
+    "effect", "phenomenon", "tied_with", "rmse_before_n", "rmse_after_n", "share_of_explainable_error", "confidence",
+    "evidence", "test_to_separate", "parameters",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def found_soft(user_model, soft):
+    """The diagnosis of the shipped story."""
+    return diagnose(user_model, [soft[0]], [soft[1]], workers=2)
+
+
+def test_the_shipped_story_is_told_right(found_soft):
+    first = found_soft.findings[0]
+    assert found_soft.verdict == "missing"
+    assert "oil_compressibility" in (first.phenomenon, *first.tied_with)
+    assert first.rmse_after_n < 0.6 * first.rmse_before_n
+    assert 0.9 <= first.confidence <= 1.0 and first.low > 0.25
+    assert first.evidence and first.test_to_separate
+    assert len(first.tied_with) <= 3
+
+
+def test_the_record_has_the_documented_keys(found_soft):
+    record = found_soft.record()
+    assert KEYS <= set(record)
+    assert FINDING_KEYS <= set(record["findings"][0])
+    assert all(set(entry) >= {"effect", "reason"} and entry["reason"] for entry in record["rejected"])
+
+
+def test_every_candidate_is_ranked_or_named_untestable(found_soft):
+    judged = {j.effect for j in found_soft.ranking}
+    assert not judged & set(found_soft.untestable)
+    gains = [j.kept.gain for j in found_soft.ranking if j.kept and j.phenomenon != found_soft.findings[0].phenomenon]
+    assert max(gains) <= found_soft.findings[0].gain + 0.03
+    assert all(j.kept.low <= j.kept.high for j in found_soft.ranking if j.kept)
+
+
+def test_nothing_is_found_where_nothing_is_missing(user_model, base):
+    fit, unseen = halves(base)
+    own = diagnose(user_model, [fit], [unseen])
+    assert own.verdict == "nothing_missing" and own.findings == ()
+
+
+def test_the_last_part_is_kept_back_where_nothing_else_is_given(user_model, base):
+    own = diagnose(user_model, [base])
+    assert own.fit[0].kinematics.stamp[-1] < own.unseen[0].kinematics.stamp[0]
+    assert len(own.unseen[0].kinematics) == pytest.approx(0.4 * len(base.kinematics), abs=1)
+
+
+@pytest.mark.parametrize("seconds", [-0.004, -0.001, 0.001, 0.003])
+def test_a_late_force_is_the_channels_and_told_in_milliseconds(user_model, base, seconds):
+    fit, unseen = halves(late(base, seconds))
+    own = diagnose(user_model, [fit], [unseen])
+    first = own.findings[0]
+    assert first.phenomenon == "channel_skew" and first.tied_with == () and first.is_channel
+    assert own.signals.force.skew == pytest.approx(seconds, abs=3e-4)
+    assert own.improved.channel_effects == []
+
+
+def test_a_changed_parameter_is_no_missing_effect(user_model, base):
+    stiffer = {s.address: 1.3 * s.value for s in user_model.slots if s.address.startswith("viscous_curve.force")}
+    truth = user_model.with_values(stiffer)
+    before = user_model.force(base.kinematics.block)
+    fit, unseen = halves(changed(base, lambda k: truth.force(k.block) - before))
+    own = diagnose(user_model, [fit], [unseen])
+    assert own.verdict == "parameters_changed"
+    assert {m.name for m in own.moved} <= {s.address for s in user_model.slots}
+    assert sum(m.name.startswith("viscous_curve") for m in own.moved) >= 3
+    assert own.rmse_refit_alone_n < 0.5 * own.rmse_n
+
+
+def test_a_user_who_trusts_his_parameters_is_told_the_phenomenon(user_model, base):
+    friction = next(s for s in user_model.slots if s.address == "dahl.force")
+    truth = user_model.with_values({"dahl.force": friction.value + 60.0})
+    before = user_model.force(base.kinematics.block)
+    fit, unseen = halves(changed(base, lambda k: truth.force(k.block) - before))
+    own = diagnose(user_model, [fit], [unseen], mode="kept")
+    assert own.verdict == "missing" and own.findings[0].phenomenon == "friction"
+
+
+def test_structure_that_no_effect_has_is_shown_and_not_named(user_model, base):
+    """A ripple over the stroke, as of a scored tube."""
+    fit, unseen = halves(changed(base, lambda k: 70.0 * np.sin(2.0 * np.pi * k.displacement / 0.012)))
+    own = diagnose(user_model, [fit], [unseen])
+    assert own.verdict == "unexplained" and own.findings == ()
+    assert "displacement (m)" in own.structure.axes and np.isfinite(own.structure.mean_n).any()
+
+
+def test_more_noise_is_no_effect(user_model, base):
+    noise = np.random.default_rng(0).normal(0.0, 40.0, len(base.kinematics))
+    fit, unseen = halves(changed(base, lambda k: noise))
+    assert diagnose(user_model, [fit], [unseen]).findings == ()
+
+
+def test_the_gauges_zero_is_a_mistake_of_the_chain(user_model, base):
+    fit, unseen = halves(changed(base, lambda k: np.full(len(k), 60.0)))
+    own = diagnose(user_model, [fit], [unseen])
+    assert [f.phenomenon for f in own.findings] == ["force_offset"]
+    assert own.signals.force.offset == pytest.approx(-60.0, abs=8.0)
+
+
+def test_zeros_that_differ_between_recordings_hide_nothing(user_model, soft):
+    """Every recording was tared by itself: its zero belongs to it."""
+    shifted = replace(soft[1], force=soft[1].force + 25.0)
+    own = diagnose(user_model, [soft[0]], [shifted])
+    first = own.findings[0]
+    assert "oil_compressibility" in (first.phenomenon, *first.tied_with)
+
+
+def test_the_number_of_workers_changes_nothing(user_model, soft):
+    one, two = (diagnose(user_model, [soft[0].part(0, 3000)], [soft[1].part(0, 3000)], workers=n) for n in (1, 2))
+    assert one.record() == two.record()
+
+
+def test_progress_rises_and_can_cancel(user_model, base):
+    class Enough(Exception):
+        pass
+
+    heard: list[float] = []
+
+    def listen(text: str, share: float) -> None:
+        heard.append(share)
+        if len(heard) > 5:
+            raise Enough
+
+    with pytest.raises(Enough):
+        diagnose(user_model, [base], progress=listen, workers=2)
+    assert heard == sorted(heard) and 0.0 <= heard[0] and heard[-1] <= 1.0
+
+
+def test_an_unknown_mode_is_refused(user_model: DamperModel, base):
+    with pytest.raises(ValueError, match="mode"):
+        diagnose(user_model, [base], mode="free")

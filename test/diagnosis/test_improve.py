@@ -1,0 +1,113 @@
+"""What an improvement does to models and signal maps in which the truth is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from faults import changed, halves, late
+
+from damper_estimator.diagnosis import improve
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.identification import pooled_error
+from damper_estimator.model import make_element
+
+KEYS = {"action", "effect", "phenomenon", "rmse_fit_n", "rmse_unseen_n"}
+
+
+@pytest.fixture(scope="module")
+def story(user_model, soft):
+    return improve(user_model, [soft[0]], [soft[1]], workers=2)
+
+
+def test_the_error_falls_towards_the_floor_on_data_that_no_fit_saw(story, user_model, soft):
+    errors = [step.rmse_unseen_n for step in story.steps]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 0.5 * errors[0]
+    assert errors[0] == pytest.approx(pooled_error(user_model, [soft[1]])[0])
+    assert errors[-1] == pytest.approx(pooled_error(story.model, [soft[1]])[0])
+
+
+def test_the_record_begins_with_the_model_as_given(story, user_model):
+    steps = story.record()["steps"]
+    assert all(KEYS <= set(step) for step in steps)
+    assert steps[0]["effect"] is None and steps[0]["phenomenon"] is None
+    assert story.steps[0].model is user_model
+    assert {"verdict", "noise_floor_n"} <= set(story.record())
+
+
+def test_every_step_keeps_its_model_and_what_was_tried(story):
+    for step in story.steps[1:]:
+        assert step.action in ("mend", "refit", "add", "prune")
+        if step.action == "add":
+            assert step.effect in step.model.uses()
+            assert step.diagnosis.ranking
+    assert story.model.fit["bags"] and story.model.fit["residual_stddev"] > 0.0
+
+
+def test_a_mistake_of_the_chain_goes_to_the_map_and_never_into_the_model(user_model, base):
+    fit, unseen = halves(late(base, 0.003))
+    own = improve(user_model, [fit], [unseen])
+    assert [step.action for step in own.steps] == ["start", "mend"]
+    assert own.model.effects == user_model.effects
+    assert own.signals.force.skew == pytest.approx(0.003, abs=3e-4)
+    assert own.steps[-1].rmse_unseen_n < 0.5 * own.steps[0].rmse_unseen_n
+
+
+def test_nothing_is_added_where_nothing_is_missing(user_model, base):
+    own = improve(user_model, list(halves(base))[:1], list(halves(base))[1:])
+    assert len(own.steps) == 1 and own.model is user_model
+    assert own.verdict == "nothing_missing"
+
+
+def test_changed_parameters_are_identified_anew_and_nothing_is_added(user_model, base):
+    stiffer = {s.address: 1.3 * s.value for s in user_model.slots if s.address.startswith("viscous_curve.force")}
+    before = user_model.force(base.kinematics.block)
+    truth = user_model.with_values(stiffer)
+    fit, unseen = halves(changed(base, lambda k: truth.force(k.block) - before))
+    own = improve(user_model, [fit], [unseen])
+    assert [step.action for step in own.steps] == ["start", "refit"]
+    assert own.model.uses() == user_model.uses()
+
+
+def test_two_effects_are_found_one_after_the_other(user_model, base):
+    """A stop and moving mass, each of another shape than its effect's."""
+
+    def hidden(k):
+        beyond = np.maximum(np.abs(k.displacement) - 0.018, 0.0)
+        stop = 900.0 * np.expm1(beyond / 0.006) * np.sign(k.displacement)
+        return stop + 1.3 * np.gradient(k.velocity, k.time)
+
+    fit, unseen = halves(changed(base, hidden))
+    own = improve(user_model, [fit], [unseen], workers=2)
+    assert {"end_stop", "inertia"} <= {step.phenomenon for step in own.steps}
+
+
+def test_trusted_parameters_stay(user_model, base):
+    def heavier(k):
+        return 2.0 * np.gradient(k.velocity, k.time)
+
+    fit, unseen = halves(changed(base, heavier))
+    own = improve(user_model, [fit], [unseen], mode="kept")
+    kept = {slot.address: slot.value for slot in user_model.slots}
+    after = {slot.address: slot.value for slot in own.model.slots}
+    assert "inertia" in own.model.uses()
+    assert {address: after[address] for address in kept} == kept
+
+
+def test_what_a_later_effect_made_needless_is_taken_out(user_model, soft):
+    """Friction that is not there, put in by hand as if an earlier step had added it."""
+    from damper_estimator.diagnosis.improve import _prune, _State
+
+    needless = user_model.with_effect(make_element(find_effect("coulomb"), {"force": 0.5}))
+    state = _State(needless, [soft[0]], [soft[1]], kept=False, added=["coulomb", "inertia"])
+    state.steps.append(state.note("start", None, needless, None, ""))
+    _prune(state, lambda text, share: None)
+    assert state.steps[-1].action == "prune" and state.steps[-1].effect == "coulomb"
+    assert "coulomb" not in state.model.uses()
+
+
+def test_a_recording_without_force_is_refused_in_one_line(user_model, base):
+    from damper_estimator.errors import InputError
+
+    with pytest.raises(InputError, match="no measured force"):
+        improve(user_model, [replace(base, force=None)], [base])

@@ -1,0 +1,93 @@
+"""One sample at a time, several dampers in one call: the same bits as blocks, one damper after the other."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from damper_estimator.model import load_model
+from damper_estimator.model.estimator import FIELDS, DamperEstimator, deployed
+from damper_estimator.model.live_line import ABSENT, LiveLine
+from damper_estimator.signals.admission import DUPLICATE
+
+MS = 1_000_000
+NAMES = ("carrera_akutain", "bouc_wen", "lozoya_santos_complete", "mr_damper_on_mount")
+MODELS = [load_model(name) for name in NAMES]
+
+
+def faulty(size, seed):
+    """Stamps (n,), displacement (n, 4), presence (n, 4) and command (n,) with every fault of an input."""
+    random = np.random.default_rng(seed)
+    step = random.choice([1, 2, 3, 0, -5, 150, -400], size, p=[0.5, 0.2, 0.2, 0.04, 0.04, 0.01, 0.01]) * MS
+    stamp = 1_700_000_000 * 10**9 + np.cumsum(step)
+    displacement = 0.02 * np.sin(np.arange(size) * 0.05)[:, None] * [1.0, 0.5, -1.0, 2.0]
+    displacement += random.choice([0.0, 0.05], (size, 4), p=[0.99, 0.01])
+    displacement[random.random((size, 4)) < 0.02] = np.nan
+    command = random.choice([np.nan, 0.0, 1.0], 6).repeat(-(-size // 6))[:size]
+    return stamp, displacement, random.random((size, 4)) < 0.97, command
+
+
+@given(st.integers(0, 500), st.sampled_from([0.0, 30.0, 60.0]), st.sampled_from([0.0, 0.004]))
+@settings(max_examples=25, deadline=None)
+def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead):
+    stamp, displacement, present, command = faulty(300, seed)
+    line = LiveLine()
+    for name, model in zip(NAMES, MODELS, strict=True):
+        line.add(name, deployed(model, cutoff, 0.1, lead))
+    verdicts, status, numbers = [], [], []
+    for i in range(stamp.size):
+        line.held[0] = command[i]
+        count = line.step(stamp[i], displacement[i], present[i])
+        verdicts.append(line.verdicts.copy())
+        status.append(line.status.copy())
+        numbers.append(line.estimates.copy())
+        assert count == np.count_nonzero((line.verdicts >= 0) & (line.verdicts < DUPLICATE))
+    verdicts, status, numbers = np.array(verdicts), np.array(status), np.array(numbers)
+    for d, model in enumerate(MODELS):
+        there = present[:, d]
+        whole = DamperEstimator(model, cutoff, 0.1, lead).block(stamp[there], displacement[there, d], command[there])
+        assert (verdicts[~there, d] == ABSENT).all() and np.array_equal(verdicts[there, d], whole.verdict)
+        good = there & (verdicts[:, d] < DUPLICATE)
+        assert np.array_equal(status[good, d], whole.status)
+        for row, field in enumerate(FIELDS):
+            assert np.array_equal(numbers[good, row, d], whole.fields()[field], equal_nan=True), field
+        assert np.isfinite(numbers[good, FIELDS.index("force"), d]).all()
+
+
+def test_a_damper_that_is_added_leaves_the_others_as_they_were():
+    stamp, displacement, _, _ = faulty(200, 1)
+    everyone, alone, grown = (LiveLine() for _ in range(3))
+    for name, model in zip(NAMES[:2], MODELS, strict=False):
+        everyone.add(name, deployed(model, 60.0, 0.1))
+    alone.add(NAMES[0], deployed(MODELS[0], 60.0, 0.1))
+    grown.add(NAMES[0], deployed(MODELS[0], 60.0, 0.1))
+    for i in range(200):
+        if i == 100:
+            grown.add(NAMES[1], deployed(MODELS[1], 60.0, 0.1))
+            everyone = LiveLine()
+            everyone.add(NAMES[1], deployed(MODELS[1], 60.0, 0.1))
+        for line in (alone, grown):
+            line.step(stamp[i], displacement[i, : len(line.names)], np.ones(len(line.names), bool))
+        assert np.array_equal(grown.estimates[:, 0], alone.estimates[:, 0], equal_nan=True)
+        if i >= 100:
+            everyone.step(stamp[i], displacement[i, 1:2], np.ones(1, bool))
+            assert np.array_equal(grown.estimates[:, 1], everyone.estimates[:, 0], equal_nan=True)
+
+
+def test_two_lines_share_a_model_but_no_state():
+    one, other = LiveLine(), LiveLine()
+    for line in (one, other):
+        line.add("a", deployed(MODELS[1], 60.0, 0.1))
+        line.add("b", deployed(MODELS[1], 60.0, 0.1))
+    for i in range(50):
+        one.step(i * MS, np.full(2, 0.001 * i), np.ones(2, bool))
+    assert len(MODELS[1].program.kernels) == len(kernels_of(MODELS[1]))
+    other.step(50 * MS, np.full(2, 0.05), np.ones(2, bool))
+    fresh = DamperEstimator(MODELS[1], 60.0, 0.1).block(np.array([50 * MS]), np.array([0.05]))
+    assert other.estimates[FIELDS.index("force")].tolist() == [fresh.given[0]] * 2
+
+
+def kernels_of(model):
+    """The kernels of a model compiled anew."""
+    from damper_estimator.model.program import compile_program
+
+    return compile_program(model.effects).kernels
