@@ -1,9 +1,11 @@
 """How well a model agrees with the measurement, and where it fails.
 
-Measured and modelled force pass the same filters; judged from 0.2 s after each reset on. Several recordings are
-pooled and also told one by one; several models (-m repeated) stand side by side. Errors are also told by the
-excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given by
---group.
+Measured and modelled force pass the same filters; judged from 0.2 s after each reset on, where the gauge did not clip.
+The gauge's zero and drift are told by themselves and left out of the regions of operation in which the error is.
+Mistakes of the measurement chain that the recordings show are named with their mends: data before physics. Several
+recordings are pooled and also told one by one; several models (-m repeated) stand side by side. Errors are also told
+by the excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given
+by --group.
 """
 
 import argparse
@@ -22,6 +24,7 @@ from damper_estimator.cli.common import (
     progress,
     write_json,
 )
+from damper_estimator.cli.data_findings import print_findings
 from damper_estimator.cli.groups import parse_groups
 from damper_estimator.cli.steps import step_line, step_records
 from damper_estimator.errors import InputError
@@ -166,6 +169,7 @@ def _print(name: str, comparisons: Sequence[Comparison]) -> None:
     for c in comparisons:
         for warning in c.warnings:
             print(f"  note: {warning}")
+    print_findings(comparisons[0].findings)
     for c in comparisons:
         _print_regions(c, len(comparisons) > 1)
     for c in comparisons:
@@ -182,11 +186,17 @@ def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
 
 def _print_regions(comparison: Comparison, named: bool) -> None:
     of = f" of {comparison.model.name}" if named else ""
-    floor = comparison.noise_floor_n
-    if floor == floor:
-        print(f"  noise floor{of}: {floor:.3g} N")
+    floor, parts = comparison.noise_floor_n, comparison.split
+    told = f"; noise floor {floor:.3g} N" if floor == floor else ""
+    print(
+        f"  the error{of}: zero {parts.offset_n:+.3g} N, drift {parts.drift_n:.3g} N, gain {100 * parts.gain:+.2g} % "
+        f"({parts.gain_n:.3g} N), scatter {parts.scatter_n:.3g} N rms{told}"
+    )
+    for sentence in parts.sentences:
+        print(f"    {sentence}")
     if not comparison.regions:
-        print(f"  the error{of} is spread evenly over the operation")
+        rest = "the rest" if parts.sentences else "the error"
+        print(f"  {rest}{of} is spread evenly over the operation")
         return
     print(f"  where the error{of} is:")
     for region in comparison.regions[:_REGIONS]:

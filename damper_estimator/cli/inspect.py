@@ -1,4 +1,8 @@
-"""What is in a recording, how good it is, a proposed signal map, and whether it can identify a damper."""
+"""What is in a recording, how good it is, a proposed signal map, and whether it can identify a damper.
+
+Mistakes of the measurement chain that the recording shows by itself (a gauge that clips or drifts, gaps, wrong signs,
+clocks that run apart, ...) are named, with what mends them.
+"""
 
 import argparse
 from collections.abc import Mapping
@@ -7,12 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.cli.common import add_bags, add_json, add_signals, write_json
+from damper_estimator.cli.data_findings import print_findings
 from damper_estimator.cli.map_proposal import propose
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import Bag, open_bag
 from damper_estimator.signals import DEFAULT_MAX_GAP, SignalMap, load_signal_map, measure, save_signal_map
 from damper_estimator.signals.channels import read_channels, signals_for
 from damper_estimator.signals.rest import find_rests
+from damper_estimator.validation import DataFinding, data_findings
 from damper_estimator.validation.channel_quality import channel_quality
 from damper_estimator.validation.suitability import excitation, verdict
 
@@ -85,7 +91,8 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> dict[str, object]:
         for role, own in data.items()
         if role in ("displacement", "force")
     }
-    moved = excitation(measure(bag, signal_map, name, force_wanted=False))
+    measurement = measure(bag, signal_map, name, force_wanted=False)
+    moved, findings = excitation(measurement), data_findings(None, [measurement])
     ordered = [array for role in quality for array in _ordered(data[role].stamp, data[role].value)]
     rests = find_rests(*ordered)
     slow = {
@@ -98,6 +105,7 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> dict[str, object]:
         "excitation": moved.record(),
         "ranges": slow,
         "rests": [{"from": rest.start, "to": rest.end} for rest in rests],
+        "findings": [finding.record() for finding in findings],
         "verdict": verdict(moved, quality["displacement"], quality.get("force"), bool(rests)).record(),
     }
 
@@ -144,6 +152,7 @@ def _print_damper(name: str, record: Mapping[str, dict]) -> None:
                 f"{factor * q['noise']:.2g} {unit}; {told}"
             )
     _print_excitation(record["excitation"])
+    print_findings([DataFinding(**own) for own in record["findings"]])
     for kind in ("faults", "remarks"):
         for text in judged[kind]:
             print(f"  {kind[:-1]}: {text}")

@@ -2,5 +2,17 @@
 
 from damper_estimator.report.comparison_page import Section, comparison_page, damper_section
 from damper_estimator.report.decimation import min_max_rows
+from damper_estimator.report.diagnosis_page import DiagnosisSection, diagnosis_page, diagnosis_section
+from damper_estimator.report.improvement_page import improvement_page, improvement_section
 
-__all__ = ["Section", "comparison_page", "damper_section", "min_max_rows"]
+__all__ = [
+    "DiagnosisSection",
+    "Section",
+    "comparison_page",
+    "damper_section",
+    "diagnosis_page",
+    "diagnosis_section",
+    "improvement_page",
+    "improvement_section",
+    "min_max_rows",
+]

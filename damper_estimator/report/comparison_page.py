@@ -4,10 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from damper_estimator.report.excitation_figures import partial_coherence_figure, relative_rms_figure
-from damper_estimator.report.figures import coherence_figure, error_map, passage
+from damper_estimator.report.figures import coherence_figure, cycle_map, error_map, passage
 from damper_estimator.report.page import render
 from damper_estimator.report.wording import (
     MEASURES,
+    error_parts,
+    finding_rows,
     headline,
     measure_text,
     number,
@@ -51,7 +53,7 @@ def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Sect
         "recordings": [
             passage(models, index, most) | {"name": recording_name(first.recordings[index])} for index in recordings
         ],
-        "maps": [error_map(c) for c in models],
+        "maps": [{"motion": error_map(c), "cycles": cycle_map(c)} for c in models],
         "coherence": coherence_figure(models),
         "relative_rms": relative_rms_figure(models),
         "partial_coherence": partial_coherence_figure(partial_coherence([t.measurement for t in first.traces])),
@@ -59,6 +61,7 @@ def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Sect
     text = {
         "damper": first.damper,
         "headline": headline(models),
+        "findings": finding_rows(first),
         "warnings": list(dict.fromkeys(w for c in models for w in c.warnings)),
         "models": [_model_text(c) for c in models],
         "recordings": [recording_name(path) for path in first.recordings],
@@ -77,6 +80,8 @@ def _model_text(comparison: Comparison) -> dict[str, object]:
     return {
         "name": comparison.model.name,
         "source": comparison.model.source,
+        "parts": error_parts(comparison),
+        "sentences": comparison.split.sentences,
         "samples": comparison.measures.samples,
         "measures": [
             {"name": label, "text": measure_text(key, record[key]), "unit": unit, "meaning": meaning}

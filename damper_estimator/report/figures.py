@@ -10,6 +10,7 @@ from damper_estimator.validation import Comparison
 
 MAP_COLUMNS, MAP_ROWS = 30, 18
 _LEAST_IN_CELL = 5
+_LEAST_DECADES = 0.3  # of frequency and of amplitude, for a map over them
 
 
 def packed(values: np.ndarray, kind: str = "f4") -> dict[str, str]:
@@ -52,15 +53,42 @@ def passage(comparisons: Sequence[Comparison], index: int, most: int) -> dict[st
 
 
 def error_map(comparison: Comparison) -> dict[str, object]:
-    """RMS residual over velocity and displacement, as a heat map; empty where hardly anything was measured."""
+    """RMS error, less the gauge's zero and drift, over velocity and displacement, as a heat map."""
     pool = comparison.pool
     speed = float(np.quantile(np.abs(pool.velocity), 0.998)) or 1.0
     low, high = (1e3 * float(np.quantile(pool.displacement, q)) for q in (0.001, 0.999))
     edges = [np.linspace(-speed, speed, MAP_COLUMNS + 1), np.linspace(low, max(high, low + 1e-3), MAP_ROWS + 1)]
-    place = (pool.velocity, 1e3 * pool.displacement)
-    count = np.histogram2d(*place, bins=edges)[0]
-    square = np.histogram2d(*place, bins=edges, weights=pool.residual**2)[0]
-    rms = np.sqrt(square / np.maximum(count, 1.0))
+    told = "%{x:.3g} m/s, %{y:.3g} mm: %{z:.3g} N"
+    titles = ("velocity in m/s", "displacement in mm")
+    return _map(pool.velocity, 1e3 * pool.displacement, pool.structure, edges, titles, told)
+
+
+def cycle_map(comparison: Comparison) -> dict[str, object] | None:
+    """The same over frequency and amplitude of the half cycles, both by logarithms; None where one hardly varies."""
+    pool = comparison.pool
+    known = np.isfinite(pool.frequency) & (pool.frequency > 0.0) & (pool.amplitude > 0.0)
+    if np.count_nonzero(known) < 100:
+        return None
+    places = [np.log10(own[known]) for own in (pool.frequency, 1e3 * pool.amplitude)]
+    ends = [np.quantile(own, [0.005, 0.995]) for own in places]
+    if min(high - low for low, high in ends) < _LEAST_DECADES:
+        return None
+    edges = [np.linspace(*end, count + 1) for end, count in zip(ends, (MAP_COLUMNS, MAP_ROWS), strict=True)]
+    titles = ("frequency of the half cycle in Hz", "amplitude in mm")
+    told = "%{x:.3g} Hz, %{y:.3g} mm: %{z:.3g} N"
+    drawn = _map(*places, pool.structure[known], edges, titles, told)
+    for axis in "xy":
+        drawn["data"][0][axis] = [float(f"{10.0**value:.4g}") for value in drawn["data"][0][axis]]
+        drawn["layout"][f"{axis}axis"]["type"] = "log"
+    return drawn
+
+
+def _map(
+    x: np.ndarray, y: np.ndarray, error: np.ndarray, edges: Sequence[np.ndarray], titles: tuple[str, str], told: str
+) -> dict[str, object]:
+    """A heat map of the rms of an error (n,) over two quantities (n,); empty where hardly anything was measured."""
+    count = np.histogram2d(x, y, bins=edges)[0]
+    rms = np.sqrt(np.histogram2d(x, y, bins=edges, weights=error**2)[0] / np.maximum(count, 1.0))
     middles = [(e[1:] + e[:-1]) / 2.0 for e in edges]
     return {
         "data": [
@@ -74,10 +102,10 @@ def error_map(comparison: Comparison) -> dict[str, object]:
                 ],
                 "colorscale": "Cividis",
                 "colorbar": {"title": {"text": "rms error in N", "side": "right"}, "thickness": 12},
-                "hovertemplate": "%{x:.3g} m/s, %{y:.3g} mm: %{z:.3g} N<extra></extra>",
+                "hovertemplate": f"{told}<extra></extra>",
             }
         ],
-        "layout": {"xaxis": {"title": {"text": "velocity in m/s"}}, "yaxis": {"title": {"text": "displacement in mm"}}},
+        "layout": {"xaxis": {"title": {"text": titles[0]}}, "yaxis": {"title": {"text": titles[1]}}},
     }
 
 

@@ -84,6 +84,7 @@
       const select = element.querySelector(".recording");
       if (select) select.addEventListener("change", () => this.show(Number(select.value), null));
       for (const button of element.querySelectorAll(".zoom")) button.addEventListener("click", () => this.zoomTo(button.dataset.seconds));
+      for (const button of element.querySelectorAll(".over")) button.addEventListener("click", () => this.mapOver(button));
       for (const button of element.querySelectorAll(".region")) button.addEventListener("click", () => this.goTo(button));
     }
 
@@ -170,9 +171,20 @@
     }
 
     drawMap(figure) {
-      const { data, layout: own } = this.data.maps[Number(figure.dataset.model)];
+      const map = this.data.maps[Number(figure.dataset.model)][figure.dataset.over];
+      if (!map) { Plotly.purge(figure); figure.textContent = "Frequency and amplitude hardly vary in these recordings."; return; }
+      if (!figure.querySelector(".plot-container")) figure.textContent = "";
+      const { data, layout: own } = map;
       data[0].colorbar.outlinewidth = 0;
-      Plotly.react(figure, data, layout({ xaxis: axis(own.xaxis.title.text), yaxis: axis(own.yaxis.title.text) }), CONFIG);
+      Plotly.react(figure, data, layout({ xaxis: axis(own.xaxis.title.text, { type: own.xaxis.type }),
+        yaxis: axis(own.yaxis.title.text, { type: own.yaxis.type }) }), CONFIG);
+    }
+
+    mapOver(button) {
+      const card = button.closest(".card"), figure = card.querySelector(".map");
+      for (const other of card.querySelectorAll(".over")) other.setAttribute("aria-pressed", String(other === button));
+      figure.dataset.over = button.dataset.over;
+      this.drawMap(figure);
     }
 
     drawCurves(figure) {

@@ -17,6 +17,8 @@ MEASURES = (
     ("bias_n", "bias", "N", "mean error"),
 )
 
+_GRAVE = ("sign", "dead_channel", "saturation", "held", "clock_drift")
+
 
 def number(value: float, digits: int = 3) -> str:
     """Three digits, or a dash where it is not known."""
@@ -41,11 +43,37 @@ def headline(comparisons: list[Comparison]) -> str:
     text = (
         f"{head}{number(m.rmse_n)} N rms off, {number(100.0 * m.nrmse)} % of a force of {number(m.force_rms_n)} N rms"
     )
+    grave = [finding.sentence for finding in best.findings if finding.kind in _GRAVE]
+    if grave:
+        text = f"The measurement comes first: {grave[0]}. {text}"
     if np.isfinite(best.noise_floor_n) and m.rmse_n <= 1.3 * best.noise_floor_n:
         return f"{text}: that is the noise of the measurement."
-    if best.regions:
-        return f"{text}. Its worst region is {best.regions[0].where}: {best.regions[0].what}."
+    told = [f"{sentence[0].upper()}{sentence[1:].split(':')[0]}" for sentence in best.split.sentences[:1]]
+    told += [f"Its worst region is {region.where}: {region.what}" for region in best.regions[:1]]
+    if told:
+        return f"{text}. {'. '.join(told)}."
     return f"{text}; the error is spread evenly over the operation."
+
+
+def error_parts(comparison: Comparison) -> list[dict[str, object]]:
+    """What the error is made of, N rms each, with the share of the sum of their squares in %."""
+    own = comparison.split
+    parts = [("zero", float(np.sqrt(np.mean(np.square(own.offsets))))), ("drift", own.drift_n)]
+    parts += [("gain", own.gain_n), ("scatter", own.scatter_n)]
+    total = sum(value**2 for _, value in parts) or 1.0
+    return [{"name": name, "text": number(value), "width": 100.0 * value**2 / total} for name, value in parts]
+
+
+def finding_rows(comparison: Comparison) -> list[dict[str, str]]:
+    """What the recordings show to be wrong, once for all that show it."""
+    same: dict[tuple[str, str], list[str]] = {}
+    for finding in comparison.findings:
+        same.setdefault((finding.sentence, finding.mend), []).append(recording_name(finding.recording))
+    several = len(comparison.traces) > 1
+    return [
+        {"sentence": sentence, "mend": mend, "where": ", ".join(names) if several and names[0] else ""}
+        for (sentence, mend), names in same.items()
+    ]
 
 
 def quality_rows(comparison: Comparison) -> list[dict[str, str]]:

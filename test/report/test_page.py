@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -103,6 +104,27 @@ def test_words_and_numbers_are_there_without_script():
     body = re.sub(r"<script.*?</script>", "", page, flags=re.S)
     for word in ("rms error", "ESR", "linear_viscous", "saturated", "front_left"):
         assert word in body
+
+
+def test_mistakes_of_the_data_come_before_the_numbers():
+    clipped = measurement(20_000)
+    limit = 0.7 * clipped.force.max()
+    m = replace(clipped, gauge=np.minimum(clipped.gauge, limit), force=clipped.force + 20.0)
+    page = comparison_page([damper_section([compare(VISCOUS, m)])], "t").replace(_plotly(), "")
+    body = re.sub(r"<script.*?</script>", "", page, flags=re.S)
+    assert body.index("Data before physics") < body.index("rms error")
+    assert f"the gauge clips at {limit:.4g} N" in body and "The measurement comes first" in body
+    assert "mend: they and what the filters make of them are left out" in body
+
+
+def test_what_the_error_is_made_of_is_shown():
+    m = measurement(20_000)
+    c = compare(VISCOUS, replace(m, force=VISCOUS.force(m.kinematics.block) + 20.0))
+    page = comparison_page([damper_section([c])], "t").replace(_plotly(), "")
+    widths = {name: float(w) for name, w in re.findall(r'<span class="(\w+)" style="width:([\d.]+)%"></span>', page)}
+    shown = {name: widths[name] for name in ("zero", "drift", "gain", "scatter")}
+    assert sum(shown.values()) == pytest.approx(100.0, abs=0.1) and max(shown, key=shown.get) == "zero"
+    assert "The measured force is 20 N high throughout" in page
 
 
 @given(st.integers(2, 400), st.integers(1, 3), st.integers(8, 60), st.integers(0, 1000))

@@ -39,7 +39,15 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   seen.push("zoom " + range() + " " + (x[0] >= 2.9 && x[x.length - 1] <= 4.1));
   Plotly.relayout(time, { "xaxis.autorange": true }); await wait();
   seen.push("back " + range());
+  const map = one.querySelector(".map"), [motion, cycles] = one.querySelectorAll(".over");
+  cycles.click(); await wait();
+  seen.push("over " + map.textContent + " " + cycles.getAttribute("aria-pressed"));
+  motion.click(); await wait();
+  seen.push("map " + map.data[0].type + " " + motion.getAttribute("aria-pressed"));
   document.querySelectorAll(".tab")[1].click(); await wait();
+  const other = document.getElementById("damper1");
+  other.querySelectorAll(".over")[1].click(); await wait();
+  seen.push("over " + other.querySelector(".map").layout.xaxis.type);
   seen.push("hidden " + one.hidden + " " + document.getElementById("damper1").querySelector(".time").data.length);
   const before = document.documentElement.className;
   document.getElementById("theme").click(); await wait();
@@ -51,8 +59,11 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
 
 
 def comparison(name):
+    """A sine on the left; on the right it becomes faster and smaller."""
     stamp = np.arange(20_000, dtype=np.int64) * 1_000_000
-    x = 0.01 * np.sin(2 * np.pi * 1.7 * stamp * 1e-9)
+    time = stamp * 1e-9
+    rate = 0.0 if name == "left" else 0.3
+    x = 0.01 * np.sin(2 * np.pi * (1.7 + 0.5 * rate * time) * time) / (1.0 + rate * time)
     kinematics, verdict = Differentiator(60.0, 0.1).block(stamp, x)
     force = 1000.0 * kinematics.velocity + 300.0 * (kinematics.velocity > 0.05)
     model = DamperModel("viscous", "", (make_element(find_effect("linear_viscous")),))
@@ -88,6 +99,9 @@ def test_the_page_can_be_walked_through(tmp_path):
         "region 2.0 lines",
         "zoom 3.0,4.0 true",
         "back 0.0,20.0",
+        "over Frequency and amplitude hardly vary in these recordings. true",
+        "map heatmap true",
+        "over log",
         "hidden true 3",
         "theme true",
     ]

@@ -1,0 +1,119 @@
+"""What ``diagnose`` and ``improve`` tell people on standard output."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from textwrap import fill
+
+from damper_estimator.cli.data_findings import print_findings
+from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
+from damper_estimator.report.before_after import first_diagnosis
+from damper_estimator.report.diagnosis_wording import mend_rows, moved_rows, parameter_rows, step_name
+from damper_estimator.report.wording import number
+
+_WIDTH = 110
+
+
+def print_diagnosis(damper: str, found: Diagnosis) -> None:
+    """One damper: the verdict, mistakes of the recordings, the findings with their evidence, what changed."""
+    print(f"{damper}: {found.sentence}")
+    print_findings(found.data)
+    print(*_findings(found), sep="\n", flush=True)
+
+
+def _findings(found: Diagnosis) -> list[str]:
+    share = f", {100.0 * found.rmse_n / found.force_rms_n:.2g} % of the force" if found.force_rms_n else ""
+    lines = [f"  unseen error {number(found.rmse_n)} N{share}; noise floor {number(found.noise_floor_n)} N"]
+    if found.findings:
+        lines += _table(found.findings)
+    for finding in found.findings:
+        lines += _details(finding)
+    if found.moved:
+        rows = moved_rows(found)
+        width = max(len(row["name"]) for row in rows)
+        lines.append("  parameters that re-identification moves:")
+        lines += [
+            _plain(
+                f"    {row['name']:<{width}}  {row['before']} -> {row['after']} {row['error']} {row['unit']}"
+            ).rstrip()
+            for row in rows
+        ]
+    if not found.findings and not found.moved:
+        best = next((own for own in found.ranking if own.reason and (own.kept or own.refitted)), None)
+        if best is not None:
+            lines.append(f"  the best of what was tried: {best.phenomenon} ({best.effect}): {best.reason}")
+    return lines
+
+
+def _table(findings: Sequence[Finding]) -> list[str]:
+    width = max(len("found"), *(len(own.phenomenon) for own in findings))
+    wide = max(len("effect"), *(len(own.effect) for own in findings))
+    lines = [f"  {'found':<{width}}  {'effect':<{wide}}  {'explains, 5 to 95 %':<21}  {'unseen error':<18}  confidence"]
+    for own in findings:
+        gain = f"{100 * own.gain:.0f} % ({100 * own.low:.0f} to {100 * own.high:.0f} %)"
+        errors = f"{number(own.rmse_before_n)} -> {number(own.rmse_after_n)} N"
+        lines.append(
+            f"  {own.phenomenon:<{width}}  {own.effect:<{wide}}  {gain:<21}  {errors:<18}  {100 * own.confidence:.0f} %"
+        )
+    return lines
+
+
+def _details(finding: Finding) -> list[str]:
+    told = {
+        "tied with": ", ".join(finding.tied_with),
+        "evidence": finding.evidence,
+        "test to separate": finding.test_to_separate,
+        "remark": finding.remark,
+        "values": ", ".join(_value(row) for row in parameter_rows(finding.parameters)),
+    }
+    lines = [f"  {finding.phenomenon}:"]
+    return lines + [_wrapped(f"{name}: {text}", "    ") for name, text in told.items() if text]
+
+
+def _value(row: Mapping[str, object]) -> str:
+    error = "at its bound" if row["at_bound"] else row["error"]
+    return _plain(" ".join(f"{part}" for part in (row["name"], row["value"], error, row["unit"]) if part))
+
+
+def _plain(text: str) -> str:
+    """Without the thin spaces between thousands, so that numbers can be copied."""
+    return text.replace("\u2009", "")
+
+
+def _wrapped(text: str, indent: str) -> str:
+    return fill(text, _WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ", break_long_words=False)
+
+
+def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: Sequence[Path], model: str) -> list[str]:
+    """The commands that put the first finding in, and the one that does it all."""
+    effects = [own.findings[0] for own in found.values() if own.verdict == "missing" and own.findings]
+    if not effects:
+        return []
+    given = " ".join([*map(str, bags), *(f"--validate {bag}" for bag in validate)])
+    lines = [f"damper-estimator improve {given} -m {model} -o improved.yaml"]
+    if any(own.is_channel for own in effects):
+        lines = [f"{lines[0]} --signals-out map.yaml"]
+    elif len(found) == 1:
+        lines.insert(
+            0, f"damper-estimator add {effects[0].effect} -m {model} -o more.yaml   (then fit and compare), or"
+        )
+    return ["next:", *(f"  {text}" for text in lines), ""]
+
+
+def print_improvement(damper: str, found: Improvement, written: Sequence[Path], signals_out: Path | None) -> None:
+    """One damper: what happened, mistakes of the recordings, the error over the steps, mends and files."""
+    print(f"{damper}: {found.sentence}")
+    print_findings(first_diagnosis(found).data)
+    names = [f"{step_name(step)}{f' ({step.effect})' if step.effect else ''}" for step in found.steps]
+    width = max(map(len, (*names, "noise floor")))
+    lines = [f"  {'step':<{width}}  {'unseen':>9}  {'fitted':>9}"]
+    for name, step in zip(names, found.steps, strict=True):
+        row = f"  {name:<{width}}  {number(step.rmse_unseen_n):>7} N  {number(step.rmse_fit_n):>7} N"
+        lines.append(f"{row}  {step.note if step.action != 'start' else ''}".rstrip())
+    lines.append(f"  {'noise floor':<{width}}  {number(found.noise_floor_n):>7} N")
+    mends = mend_rows(found)
+    if mends:
+        lines.append("  mends of the measurement chain, for the signal map, not for the model:")
+        lines += [f"    {m['name']}: {m['before']} -> {m['after']} {m['unit']}".rstrip() for m in mends]
+        if signals_out is None:
+            lines.append("    they are not written anywhere yet: --signals-out MAP.yaml writes them")
+    print(*lines, *(f"  wrote {path}" for path in written), sep="\n")

@@ -1,0 +1,165 @@
+"""What the pages of a diagnosis and an improvement say in words and tables."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, Judged, Step
+from damper_estimator.diagnosis.mend import in_yaml
+from damper_estimator.report.before_after import first_diagnosis
+from damper_estimator.report.wording import number, recording_name
+
+_UNITS = {"1": "", "m/s^2": "m/s²", "deg C": "°C"}
+
+
+class Parameter(Protocol):
+    """An identified number, as identification gives it."""
+
+    name: str
+    value: float
+    standard_error: float
+    unit: str
+    at_bound: bool
+
+
+def plain_name(phenomenon: str) -> str:
+    """``oil_compressibility`` as people write it."""
+    return phenomenon.replace("_", " ")
+
+
+def listed(names: Sequence[str], last: str = "or") -> str:
+    """``a, b or c``."""
+    plain = [plain_name(name) for name in names]
+    return "".join(plain) if len(plain) < 2 else f"{', '.join(plain[:-1])} {last} {plain[-1]}"
+
+
+def step_name(step: Step) -> str:
+    """What a step did, in a few words."""
+    name = plain_name(step.phenomenon or "")
+    return {
+        "start": "model as given",
+        "mend": f"mend {name}",
+        "refit": "refit",
+        "add": f"add {name}",
+        "prune": f"take out {step.effect}",
+    }.get(step.action, f"{step.action} {name}".strip())
+
+
+def with_error(value: float, error: float) -> tuple[str, str]:
+    """A value to the digits that its standard error leaves, and the error with a sign; "" where none is known."""
+    if not np.isfinite(error) or error <= 0.0:
+        return _grouped(float(f"{value:.4g}")), ""
+    digits = 1 - int(np.floor(np.log10(error)))
+    return _grouped(round(value, digits), digits), f"± {_grouped(round(error, digits), digits)}"
+
+
+def _grouped(value: float, digits: int | None = None) -> str:
+    """Thousands apart by a thin space; tiny and huge numbers as powers of ten."""
+    if value and not 1e-4 <= abs(value) < 1e8:
+        return f"{value:.3g}"
+    places = max(digits, 0) if digits is not None else max(3 - int(np.floor(np.log10(abs(value) or 1.0))), 0)
+    return f"{value:,.{places}f}".replace(",", "\u2009")
+
+
+def parameter_rows(parameters: Sequence[Parameter]) -> list[dict[str, object]]:
+    """Value, standard error and unit of each parameter, with what stopped at a bound marked."""
+    return [
+        {
+            "name": own.name,
+            "value": with_error(own.value, own.standard_error)[0],
+            "error": "" if own.at_bound else with_error(own.value, own.standard_error)[1],
+            "unit": _UNITS.get(own.unit, own.unit),
+            "at_bound": own.at_bound,
+        }
+        for own in parameters
+    ]
+
+
+def finding_text(finding: Finding) -> dict[str, object]:
+    """One finding's words and numbers."""
+    return {
+        "name": plain_name(finding.phenomenon),
+        "accounted": plain_name(finding.phenomenon),
+        "effect": finding.effect,
+        "tied": listed(finding.tied_with),
+        "confidence": f"{100.0 * finding.confidence:.0f} %",
+        "share": f"{100.0 * finding.share_of_explainable_error:.0f} %",
+        "errors": f"{number(finding.rmse_before_n)} → {number(finding.rmse_after_n)} N",
+        "evidence": finding.evidence,
+        "test": finding.test_to_separate,
+        "remark": finding.remark,
+        "parameters": parameter_rows(finding.parameters),
+        "is_channel": finding.is_channel,
+    }
+
+
+def rejected_rows(ranking: Sequence[Judged], untestable: dict[str, str] | None = None) -> list[dict[str, str]]:
+    """Every candidate that was not taken, with the reason, and those that could not be tried."""
+    rows = [
+        {"phenomenon": plain_name(judged.phenomenon), "effect": judged.effect, "reason": judged.reason}
+        for judged in ranking
+        if judged.reason
+    ]
+    return rows + [
+        {"phenomenon": "", "effect": name, "reason": f"not tried: {reason}"}
+        for name, reason in (untestable or {}).items()
+    ]
+
+
+def moved_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    """Parameters that re-identification moves."""
+    return [
+        {
+            "name": own.name,
+            "before": with_error(own.before, own.standard_error)[0],
+            "after": with_error(own.after, own.standard_error)[0],
+            "error": with_error(own.after, own.standard_error)[1],
+            "unit": _UNITS.get(own.unit, own.unit),
+        }
+        for own in diagnosis.moved
+    ]
+
+
+def data_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    """Mistakes of the recordings, with what mends them; those that several recordings share are told once."""
+    same: dict[tuple[str, str], list[str]] = {}
+    for own in diagnosis.data:
+        same.setdefault((own.sentence, own.mend), []).append(recording_name(own.recording))
+    return [
+        {"sentence": sentence, "mend": mend, "recording": ", ".join(filter(None, dict.fromkeys(names)))}
+        for (sentence, mend), names in same.items()
+    ]
+
+
+def mend_rows(found: Diagnosis | Improvement) -> list[dict[str, str]]:
+    """What the signal map's entry of the force gets."""
+    old = first_diagnosis(found).fit[0].signals
+    units = {"scale": "", "offset": "N", "skew": "s", "spring_rate": "N/m", "preload": "N"}
+    before = {"scale": old.force.scale, "offset": old.force.offset, "skew": old.force.skew}
+    before |= {"spring_rate": old.spring_rate, "preload": old.preload}
+    return [
+        {"name": f"force.{name}", "before": number(before[name], 5), "after": number(value, 5), "unit": units[name]}
+        for name, value in in_yaml(found.signals, old).items()
+        if np.isfinite(value)
+    ]
+
+
+def model_rows(model: object) -> list[dict[str, object]]:
+    """All parameters of a model with the standard errors that its last identification left."""
+    errors = dict(model.fit.get("standard_errors") or {})
+    rows = []
+    for slot in model.slots:
+        low, high = slot.parameter.lower, slot.parameter.upper
+        at_bound = not slot.fixed and min(slot.value - low, high - slot.value) <= 1e-6 * (high - low)
+        value, error = with_error(slot.value, float(errors.get(slot.address, "nan")))
+        rows.append(
+            {
+                "name": slot.address,
+                "value": value,
+                "error": "fixed" if slot.fixed else error,
+                "unit": _UNITS.get(slot.parameter.unit, slot.parameter.unit),
+                "at_bound": at_bound,
+            }
+        )
+    return rows

@@ -1,0 +1,223 @@
+"""Figures of the verdict: the error before and after, the ranking of explanations, parameters that moved, the steps."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from damper_estimator.diagnosis import Finding, Improvement, Judged, Judgement, Moved
+from damper_estimator.report.diagnosis_wording import plain_name, step_name
+from damper_estimator.report.plots import AFTER, BEFORE, FOUND, GREY, INK, SOFT, Figure, axis, note, short
+from damper_estimator.report.wording import number
+
+_LOWEST, _HIGHEST = -15.0, 104.0  # %, what of a gain is worth the space
+_APART = 0.17  # of a row, between the two ways of judging
+
+
+def error_bars(levels: Sequence[tuple[str, float]], floor_n: float, force_n: float) -> Figure:
+    """Unseen error as bars, the first of them before, with the noise floor as a line.
+
+    Args:
+        levels: (name, N) from top to bottom.
+        floor_n, force_n: N; the error is also told as a share of the force.
+    """
+    names, values = [name for name, _ in levels], np.array([value for _, value in levels])
+    most = float(np.nanmax([*values, floor_n]))
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "y": names,
+        "x": short(values),
+        "text": [f"<b>{number(v)} N</b>  {number(100.0 * v / force_n, 2)} %" for v in values],
+        "textposition": "outside",
+        "cliponaxis": False,
+        "marker": {"color": [BEFORE, *[AFTER] * (len(levels) - 1)]},
+        "hovertemplate": "%{y}: %{x:.4g} N<extra></extra>",
+    }
+    layout = {
+        "xaxis": axis("rms error on unseen data in N", range=[0.0, 1.32 * most], nticks=6),
+        "yaxis": axis(autorange="reversed", ticks="", showgrid=False),
+        "bargap": 0.35,
+        "showlegend": False,
+    }
+    return {"data": [bars], "layout": layout | _floor(floor_n, most), "height": 110 + 42 * len(levels), "plain": True}
+
+
+def _floor(floor_n: float, most: float) -> Figure:
+    """A dashed line at the noise floor and its name."""
+    if not np.isfinite(floor_n):
+        return {}
+    dashed = {"type": "line", "x0": floor_n, "x1": floor_n, "y0": 0, "y1": 1, "yref": "paper"}
+    right = floor_n < 0.75 * most
+    name = note(
+        f"noise floor {number(floor_n)} N", floor_n, 1.0, xref="x", xanchor="left" if right else "right",
+        yanchor="bottom", font={"color": SOFT, "size": 12},
+    )  # fmt: skip
+    return {"shapes": [dashed | {"line": {"color": INK, "width": 1.5, "dash": "dash"}}], "annotations": [name]}
+
+
+def ranked(ranking: Sequence[Judged], findings: Sequence[Finding]) -> list[Judged]:
+    """The best candidate of each phenomenon; found ones with those that are tied first, then by rank."""
+    best: dict[str, Judged] = {}
+    for judged in ranking:
+        if judged.kept is not None or judged.refitted is not None:
+            best.setdefault(judged.phenomenon, judged)
+    for finding in findings:
+        own = [judged for judged in ranking if judged.effect == finding.effect and (judged.kept or judged.refitted)]
+        best |= {finding.phenomenon: judged for judged in own}
+    first = [name for finding in findings for name in (finding.phenomenon, *finding.tied_with)]
+    order = [name for name in dict.fromkeys([*first, *best]) if name in best]
+    return [best[name] for name in order]
+
+
+def ranking_figure(ranking: Sequence[Judged], findings: Sequence[Finding], note_of: Mapping[str, str]) -> Figure:
+    """Gain on unseen data by phenomenon, with 5 and 95 % whiskers: kept full circles, refitted open diamonds.
+
+    Args:
+        note_of: further lines of the hover by effect.
+    """
+    rows = ranked(ranking, findings)
+    found = {finding.phenomenon for finding in findings}
+    tied = {name for finding in findings for name in finding.tied_with}
+
+    def colour(judged: Judged) -> str:
+        return FOUND if judged.phenomenon in found else INK if judged.phenomenon in tied else GREY
+
+    data = [
+        _gains(way, name, symbol, shift, rows, colour, note_of)
+        for way, name, symbol, shift in (
+            ("kept", "parameters kept", "circle", -_APART),
+            ("refitted", "refitted together", "diamond-open", _APART),
+        )
+        if any(getattr(judged, way) is not None for judged in rows)
+    ]
+    names = [_emphasised(judged, found, tied) for judged in rows]
+    layout = {
+        "xaxis": axis("squared error that it explains on unseen data in %", range=[_LOWEST, _HIGHEST], nticks=8),
+        "yaxis": axis(tickvals=list(range(len(rows))), ticktext=names, range=[len(rows) - 0.4, -0.6], zeroline=False),
+        "showlegend": True,
+        "margin": {"l": 50, "r": 46, "t": 24, "b": 40},
+        **_brackets(rows, findings),
+    }
+    return {"data": data, "layout": layout, "height": 110 + 21 * len(rows), "plain": True}
+
+
+def _emphasised(judged: Judged, found: set[str], tied: set[str]) -> str:
+    name = plain_name(judged.phenomenon)
+    return f"<b>{name}</b>" if judged.phenomenon in found else name if judged.phenomenon in tied else f"<i>{name}</i>"
+
+
+def _gains(way: str, name: str, symbol: str, shift: float, rows, colour, note_of: Mapping[str, str]) -> Figure:
+    """One way of judging: a mark and its whisker per row that was judged so."""
+    judged = [(i + shift, own, getattr(own, way)) for i, own in enumerate(rows) if getattr(own, way) is not None]
+    gain = np.array([100.0 * way.gain for _, _, way in judged])
+    paint = [colour(own) for _, own, _ in judged]
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": short(np.clip(gain, _LOWEST + 1.0, _HIGHEST), 3),
+        "y": [y for y, _, _ in judged],
+        "error_x": {
+            "type": "data",
+            "symmetric": False,
+            "array": short([100.0 * max(way.high - way.gain, 0.0) for *_, way in judged], 3),
+            "arrayminus": short([100.0 * max(way.gain - way.low, 0.0) for *_, way in judged], 3),
+            "color": SOFT,
+            "thickness": 1.3,
+            "width": 3,
+        },
+        "marker": {"symbol": symbol, "size": 9, "color": paint, "line": {"width": 2, "color": paint}},
+        "text": [_hover(own, way, note_of.get(own.effect, "")) for _, own, way in judged],
+        "hovertemplate": "%{text}<extra></extra>",
+    }
+
+
+def _hover(judged: Judged, way: Judgement, more: str) -> str:
+    lines = [
+        f"<b>{plain_name(judged.phenomenon)}</b> by {judged.effect}",
+        f"explains {100.0 * way.gain:.0f} % ({100.0 * way.low:.0f} to {100.0 * way.high:.0f} %), "
+        f"{number(way.rmse_n)} N left",
+        judged.reason or "found",
+        more,
+    ]
+    return "<br>".join(text for text in lines if text)
+
+
+def _brackets(rows: Sequence[Judged], findings: Sequence[Finding]) -> Figure:
+    """A bracket at the right of each group that these data cannot tell apart."""
+    place = {judged.phenomenon: i for i, judged in enumerate(rows)}
+    shapes, words = [], []
+    for finding in findings:
+        group = [place[name] for name in (finding.phenomenon, *finding.tied_with) if name in place]
+        if len(group) < 2:
+            continue
+        top, bottom = min(group) - 0.35, max(group) + 0.35
+        corners = f"M 1.005 {top} L 1.02 {top} L 1.02 {bottom} L 1.005 {bottom}"
+        shapes.append({"type": "path", "path": corners, "xref": "paper", "line": {"color": INK, "width": 1.5}})
+        words.append(
+            note("tied", 1.03, (top + bottom) / 2.0, yref="y", xanchor="left", font={"color": INK}, textangle=90)
+        )
+    return {"shapes": shapes, "annotations": words}
+
+
+def moved_figure(moved: Sequence[Moved]) -> Figure:
+    """Change of each parameter that moved, relative to what it was, with its standard error."""
+    size = [abs(own.before) or abs(own.after) or 1.0 for own in moved]
+    change = [100.0 * (own.after - own.before) / s for own, s in zip(moved, size, strict=True)]
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "y": [own.name for own in moved],
+        "x": short(change, 3),
+        "marker": {"color": AFTER},
+        "error_x": {
+            "type": "data",
+            "array": short([100.0 * own.standard_error / s for own, s in zip(moved, size, strict=True)], 3),
+            "color": INK,
+            "thickness": 1.3,
+        },
+        "hovertemplate": "%{y}: %{x:+.3g} %<extra></extra>",
+    }
+    layout = {
+        "xaxis": axis("change of the parameter in % of what it was (whisker: standard error)"),
+        "yaxis": axis(autorange="reversed"),
+        "showlegend": False,
+    }
+    return {"data": [bars], "layout": layout, "height": 90 + 26 * len(moved), "plain": True}
+
+
+def waterfall_figure(found: Improvement) -> Figure:
+    """Unseen error over the steps: what each took away, down to what is left and the noise floor."""
+    steps, floor = found.steps, found.noise_floor_n
+    errors = np.array([step.rmse_unseen_n for step in steps])
+    names = [step_name(step) for step in steps] + ["<b>improved model</b>"]
+    low = np.concatenate([[0.0], np.minimum(errors[:-1], errors[1:]), [0.0]])
+    high = np.concatenate([errors[:1], np.maximum(errors[:-1], errors[1:]), errors[-1:]])
+    change = np.concatenate([[0.0], np.diff(errors)])
+    paint = [BEFORE, *[FOUND if c <= 0.0 else BEFORE for c in change[1:]], AFTER]
+    words = [f"<b>{number(errors[0])} N</b>", *[_changed(c) for c in change[1:]], f"<b>{number(errors[-1])} N</b>"]
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "y": names,
+        "base": short(low),
+        "x": short(high - low),
+        "marker": {"color": paint},
+        "text": words,
+        "textposition": "outside",
+        "cliponaxis": False,
+        "customdata": short([*errors, errors[-1]]),
+        "hovertemplate": "%{y}: %{customdata:.4g} N on unseen data<extra></extra>",
+    }
+    most = float(np.nanmax(errors))
+    layout = {
+        "xaxis": axis("rms error on unseen data in N", range=[0.0, 1.18 * most]),
+        "yaxis": axis(autorange="reversed", showgrid=False),
+        "bargap": 0.3,
+        **_floor(floor, most),
+    }
+    return {"data": [bars], "layout": layout, "height": 120 + 34 * len(names), "plain": True}
+
+
+def _changed(change: float) -> str:
+    return "no change" if not change else f"{'−' if change < 0.0 else '+'}{number(abs(change))} N"

@@ -1,0 +1,72 @@
+"""The pages of a diagnosis and an improvement in a real browser: every figure is drawn, in light and dark, for each
+damper, and those that are folded away when they are opened.
+"""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from damper_estimator.report import diagnosis_page, diagnosis_section, improvement_page, improvement_section
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--virtual-time-budget=20000",
+    "--window-size=1280,720", "--dump-dom",
+)  # fmt: skip
+# Walks through the page and leaves what it saw as the page's only content.
+WALK = """<script>
+const seen = []; const wait = () => new Promise((go) => setTimeout(go, 300));
+window.addEventListener("error", (event) => seen.push("error " + event.message));
+(async () => {
+  await wait();
+  const shown = (own) => !own.closest("main[hidden], details:not([open])");
+  const plots = () => [...document.querySelectorAll(".plot")].filter(shown);
+  const drawn = (own) => own.querySelector(".main-svg") && own.offsetWidth > 200;
+  const undrawn = () => plots().filter((own) => !drawn(own)).map((own) => own.dataset.name).join(" ");
+  seen.push("undrawn [" + undrawn() + "]", "wide " + (document.documentElement.scrollWidth > innerWidth));
+  const passage = document.querySelector("#damper0 [data-name=passage]");
+  const points = passage._fullData[0].x.length, colour = passage.data[1].line.color;
+  seen.push("points " + (points > 100), "colour " + /^#/.test(colour));
+  document.getElementById("theme").click(); await wait();
+  seen.push("theme " + (passage.data[1].line.color !== colour));
+  const before = plots().length;
+  for (const own of document.querySelectorAll("#damper0 details")) own.open = true;
+  await wait();
+  seen.push("unfolded " + (plots().length - before) + " [" + undrawn() + "]");
+  document.querySelectorAll(".tab")[1].click(); await wait();
+  seen.push("hidden " + document.getElementById("damper0").hidden + " [" + undrawn() + "]");
+  const told = document.createElement("pre"); told.id = "told"; told.textContent = seen.join(";");
+  document.body.replaceChildren(told);
+})();
+</script></body>"""
+
+
+def walked(page, folder):
+    (folder / "page.html").write_text(page.replace("</body>", WALK))
+    command = [BROWSER, *FLAGS, f"--user-data-dir={folder / 'profile'}", f"file://{folder / 'page.html'}"]
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
+    told = re.search(r'<pre id="told">(.*?)</pre>', dom)
+    assert told, "the walk did not end"
+    return told.group(1).split(";")
+
+
+def expected(unfolded):
+    return [
+        "undrawn []", "wide false", "points true", "colour true", "theme true", f"unfolded {unfolded} []",
+        "hidden true []",
+    ]  # fmt: skip
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+def test_a_diagnosis_can_be_walked_through(found, tmp_path):
+    page = diagnosis_page([diagnosis_section(name, found) for name in ("left", "right")], "title")
+    assert walked(page, tmp_path) == expected(0)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+def test_an_improvement_can_be_walked_through(improved, tmp_path):
+    page = improvement_page([improvement_section(name, improved) for name in ("left", "right")], "title")
+    assert walked(page, tmp_path) == expected(2)
