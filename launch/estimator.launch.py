@@ -1,4 +1,4 @@
-"""Starts the damper force estimator.
+"""Starts the damper force estimator, a managed node that by itself configures and activates.
 
 ros2 launch damper_estimator estimator.launch.py model:=/path/to/front_left.yaml namespace:=car_7
 """
@@ -22,6 +22,7 @@ ARGUMENTS = {
     "namespace": ("", "namespace of the node and its relative topics, one per vehicle"),
     "displacement": ("suspension/displacement", "topic that is remapped to the default displacement topic"),
     "use_sim_time": ("false", "take the time of /diagnostics from /clock (estimates carry the input's stamp anyway)"),
+    "autostart": ("true", "configure and activate at once; false leaves both to a lifecycle manager"),
     "log_level": ("info", "debug, info, warn or error"),
 }
 
@@ -30,7 +31,8 @@ def estimator(context) -> list[Node]:
     """The node, with those arguments on top of the parameter file that were given."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     overrides = {name: ParameterValue(given[name], value_type=str) for name in ("model", "signals") if given[name]}
-    overrides["use_sim_time"] = given["use_sim_time"].lower() == "true"
+    for name in ("use_sim_time", "autostart"):
+        overrides[name] = given[name].lower() == "true"
     return [
         Node(
             package="damper_estimator",

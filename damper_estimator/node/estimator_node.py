@@ -1,169 +1,272 @@
-"""The node ``damper_estimator``: displacement in, damper forces out, health once a second."""
+"""The node ``damper_estimator``: a managed node with displacement in, damper forces out, health once a second."""
 
 import time
 import traceback
 from collections.abc import Callable
 
-import numpy as np
 from damper_msgs.msg import DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import SetParametersResult
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.node import Node
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
-from damper_estimator.node import health
-from damper_estimator.node.conversion import TYPES, forces_message, live_path, number_at, places_by_name, stamp_ns
-from damper_estimator.node.live_damper import SLOW, LiveDamper
-from damper_estimator.node.roster import MOST_DAMPERS, make_roster
-from damper_estimator.node.settings import read_settings
-from damper_estimator.recordings import FieldPath
-from damper_estimator.signals import default_signals, delay_seconds
+from damper_estimator.errors import InputError
+from damper_estimator.node.estimation import Estimation
+from damper_estimator.node.inputs import Inputs
+from damper_estimator.node.process import collect_garbage, tame_garbage_collector
+from damper_estimator.node.recorder import Recorder
+from damper_estimator.node.report import Reporter
+from damper_estimator.node.roster import make_roster
+from damper_estimator.node.settings import CONFIGURING, DECLARATIONS, declare, read_settings
 
 HEALTH_PERIOD = 1.0  # s, REP-107
+COMPARE_PERIOD = 0.05  # s
+LONGEST_WATCH = 0.05  # s between two looks for inputs that have stopped
 OUTPUT_DEPTH = 100
+# These are changed without starting filters and models anew.
+LIGHT = {"stale_after", "drift_window", "drift_factor"}
+DONE, REFUSED, FAILED = (
+    TransitionCallbackReturn.SUCCESS,
+    TransitionCallbackReturn.FAILURE,
+    TransitionCallbackReturn.ERROR,
+)
 
 
-class EstimatorNode(Node):
+class EstimatorNode(LifecycleNode):
     """Runs filter and model of every damper at the rate of the input; final.
 
-    Publishes one ``DamperForces`` per displacement message, with its header, for those dampers whose sample was
-    good; a message that gives no estimate gives no output, and is counted.
+    Publishes one ``DamperForces`` per displacement message, with its header, for those dampers whose sample was good.
+    *Configured* is: everything loaded, checked and subscribed; *active* is: publishing.
+
+    Attributes:
+        refusal: why the last transition to configured was refused, in one line.
     """
 
     def __init__(self) -> None:
-        """Raises InputError where parameters, signal map or a model are unusable."""
+        """Raises InputError where a parameter has the wrong type or is out of its range."""
         super().__init__("damper_estimator")
-        self.settings = read_settings(self)
+        declare(self)
+        self.refusal = ""
+        self.is_active = False
+        self.estimation: Estimation | None = None
+        self.recorder: Recorder | None = None
+        self.inputs = Inputs(self)
+        self._candidate: Estimation | None = None
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._configured: list = []  # timers and publishers that go with the configuration
+        self._watched = 0.0
+        self._reporter = Reporter(self)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", OUTPUT_DEPTH)
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self.add_post_set_parameters_callback(self._take_parameters)
+        # A simulated clock may stand still; health is told all the same.
+        self.create_timer(HEALTH_PERIOD, self._guarded(self._tell_health), clock=self._steady)
+
+    def start(self) -> None:
+        """Configures and activates.
+
+        Raises:
+            InputError: one line, where parameters, signal map or a model are unusable.
+        """
+        for transition in (self.trigger_configure, self.trigger_activate):
+            if transition() != DONE:
+                raise InputError(self.refusal or "the node could not be started; the log has the reason")
+
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Loads, checks and compiles everything; refuses with a line in the log."""
         self.get_logger().info(
             "loading the models; the first start of a version compiles them, which takes some seconds"
         )
-        self._roster = make_roster(self.settings)
-        self._dampers: dict[str, LiveDamper] = {}
-        self._inputs: dict[str, list[tuple[LiveDamper, FieldPath]]] = {}
-        self._tallies: dict[str, health.InputTally] = {}
-        self._published = 0
-        self._before: dict[tuple[str, str], health.Glance] = {}
-        self._quality = QoSProfile(
-            depth=self.settings.qos_depth,
-            reliability=ReliabilityPolicy[self.settings.qos_reliability.upper()],
-        )
-        self._forces = self.create_publisher(DamperForces, "~/force", OUTPUT_DEPTH)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", OUTPUT_DEPTH)
-        if self._roster.is_open:
-            self._listen(default_signals("").displacement.topic)
-        for name in self._roster.names:
-            self._take(name)
-        # A simulated clock may stand still; health is told all the same.
-        self.create_timer(HEALTH_PERIOD, self._tell_health, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        return self._transition(self._configure)
 
-    def _take(self, name: str) -> None:
-        """Begins to estimate a damper: its subscriptions, and a place in its displacement topic."""
-        damper = self._roster.damper(name)
-        path = live_path("displacement", damper.signals.displacement)
-        for role in SLOW:
-            channel = getattr(damper.signals, role)
-            self._subscribe(TYPES[role], channel.topic, self._holder(damper, role, live_path(role, channel)))
-        topic = damper.signals.displacement.topic
-        self._listen(topic)
-        self._dampers[name] = damper
-        self._inputs[topic].append((damper, path))
-        self.get_logger().info(f"{name}: model {damper.model.name}, displacement from {self._tallies[topic].topic}")
-        fitted = damper.model.fit.get("cutoff")
-        if fitted is not None and fitted != self._roster.signal_map.cutoff:
-            self.get_logger().warning(
-                f"{name}: model {damper.model.name} was identified at a cutoff of {fitted:g} Hz, "
-                f"{self._roster.signal_map.cutoff:g} Hz is in use"
+    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Begins to publish."""
+
+        def activate() -> None:
+            tame_garbage_collector()
+            self._watched = time.monotonic()
+            if self.recorder is not None:
+                self.recorder.start()
+            self.is_active = True
+
+        return self._transition(activate)
+
+    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Stops to publish; what is loaded stays."""
+        self.is_active = False
+        return self._transition(self._stop_recording)
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Forgets what is loaded."""
+        return self._transition(self._forget)
+
+    def on_shutdown(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Ends recording and publishing, from any state."""
+        return self._transition(self._forget)
+
+    def on_error(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """After a failure of our own: back to the beginning."""
+        return self._transition(self._forget)
+
+    def _LifecycleNodeMixin__change_state(self, transition_id: int) -> TransitionCallbackReturn:  # noqa: N802
+        """A transition that the present state does not have is refused; rclpy lets it end the process."""
+        try:
+            return super()._LifecycleNodeMixin__change_state(transition_id)
+        except RCLError as error:
+            if not self.context.ok():
+                raise
+            self.get_logger().error(f"transition {transition_id} is not possible now ({error})".partition(", at ")[0])
+            return REFUSED
+
+    def _transition(self, act: Callable[[], None]) -> TransitionCallbackReturn:
+        try:
+            act()
+        except InputError as error:
+            self.refusal = str(error)
+            self.get_logger().error(f"refused: {error}")
+            return REFUSED
+        except Exception:
+            if not self.context.ok():
+                raise
+            self.get_logger().error(traceback.format_exc())
+            return FAILED
+        self.refusal = ""
+        return DONE
+
+    def _configure(self) -> None:
+        settings = read_settings(self)
+        estimation = Estimation(settings, make_roster(settings))
+        self.inputs.check(estimation)
+        recorder = Recorder(settings.record, settings.record_size, settings.record_files) if settings.record else None
+        quality = QoSProfile(depth=settings.qos_depth, reliability=ReliabilityPolicy[settings.qos_reliability.upper()])
+        events = PublisherEventCallbacks(incompatible_qos=self._reporter.note_incompatible_output)
+        self.forces = self.create_publisher(DamperForces, "~/force", OUTPUT_DEPTH, event_callbacks=events)
+        self.residuals = self.create_publisher(JointState, "~/residual", OUTPUT_DEPTH)
+        self._configured = [
+            self.create_timer(COMPARE_PERIOD, self._guarded(self._compare), clock=self._steady),
+            self.forces,
+            self.residuals,
+        ]
+        self.recorder = recorder
+        self.inputs.open(quality)
+        self._use(estimation)
+
+    def _use(self, estimation: Estimation) -> None:
+        """From the next message on."""
+        self.inputs.is_simulated = self.get_clock().ros_time_is_active
+        self.estimation = estimation
+        self._watch_every(min(0.5 * estimation.settings.stale_after, LONGEST_WATCH))
+        self.inputs.subscribe(estimation)
+        self._reporter.introduce(estimation)
+
+    def _watch_every(self, period: float) -> None:
+        for timer in self._configured[3:]:
+            self.destroy_timer(timer)
+        self._watch_period = period
+        self._configured[3:] = [self.create_timer(period, self._guarded(self._watch), clock=self._steady)]
+
+    def _stop_recording(self) -> None:
+        if self.recorder is not None:
+            self.recorder.stop()
+
+    def _forget(self) -> None:
+        self.is_active = False
+        self._stop_recording()
+        self.inputs.close()
+        for entity in self._configured:
+            (self.destroy_publisher if entity in (self.forces, self.residuals) else self.destroy_timer)(entity)
+        self._configured, self.estimation, self.recorder = [], None, None
+
+    def end(self) -> None:
+        """Closes the recording, also where ROS is gone already."""
+        self.is_active = False
+        self._stop_recording()
+
+    def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        """Loads what the parameters ask for; nothing changes yet."""
+        self._candidate = None
+        own = [parameter for parameter in parameters if parameter.name in DECLARATIONS]
+        try:
+            self._candidate = self._prepared({p.name: p.value for p in own}) if own else None
+        except InputError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        except Exception as error:
+            self.get_logger().error(traceback.format_exc())
+            return SetParametersResult(
+                successful=False, reason=f"internal error ({error!r}); the log has the traceback"
             )
+        return SetParametersResult(successful=True)
 
-    def _listen(self, topic: str) -> None:
-        if topic in self._inputs:
+    def _prepared(self, changed: dict[str, object]) -> Estimation | None:
+        deleted = [name for name, value in changed.items() if value is None and name != "dampers"]
+        if deleted:
+            raise InputError(f"parameter {', '.join(deleted)} cannot be deleted")
+        if self.estimation is None:
+            return None
+        fixed = [name for name in changed if DECLARATIONS[name].changes == CONFIGURING]
+        if fixed:
+            raise InputError(
+                f"parameter {', '.join(fixed)} is read when the node is configured; deactivate and clean up first"
+            )
+        settings = read_settings(self, changed)
+        if changed.keys() <= LIGHT:
+            return self.estimation.changed(settings)
+        estimation = Estimation(settings, make_roster(settings))
+        self.inputs.check(estimation)
+        return estimation
+
+    def _take_parameters(self, _: list[Parameter]) -> None:
+        if self._candidate is not None:
+            self._use(self._candidate)
+            self._candidate = None
+
+    def _watch(self) -> None:
+        """Looks for inputs that have stopped. After a stall of our own the messages that wait come first."""
+        stalled = time.monotonic() - self._watched > 4.0 * self._watch_period
+        self._watched = time.monotonic()
+        if not self.is_active or stalled:
             return
-        tally = health.InputTally(self.resolve_topic_name(topic))
-        self._inputs[topic] = []
-        self._tallies[topic] = tally
+        for message in self.estimation.stale(self.inputs.now()):
+            self.publish_forces(message)
 
-        def on_incompatible(event: object) -> None:
-            tally.incompatible = event.total_count
+    def publish_forces(self, message: bytes) -> None:
+        """Publishes and records serialised forces."""
+        self.forces.publish(message)
+        self._reporter.published += 1
+        if self.recorder is not None:
+            self.recorder.keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
 
-        def on_lost(event: object) -> None:
-            tally.lost = event.total_count
-
-        events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, message_lost=on_lost)
-        self._subscribe(JointState, topic, lambda message: self._estimate(topic, message), tally, events)
-
-    def _subscribe(
-        self,
-        kind: type,
-        topic: str,
-        act: Callable,
-        tally: health.InputTally | None = None,
-        events: SubscriptionEventCallbacks | None = None,
-    ) -> None:
-        """Subscribes so that whatever a message provokes is logged and counted, and the node goes on."""
-
-        def receive(message: object) -> None:
-            try:
-                act(message)
-            except Exception:
-                if tally:
-                    tally.failures += 1
-                self.get_logger().error(
-                    f"message on {topic}: {traceback.format_exc()}", throttle_duration_sec=HEALTH_PERIOD
-                )
-
-        self.create_subscription(kind, topic, receive, self._quality, event_callbacks=events)
-
-    def _holder(self, damper: LiveDamper, role: str, path: FieldPath) -> Callable:
-        return lambda message: damper.hold(role, number_at(message, path, {}))
-
-    def _estimate(self, topic: str, message: JointState) -> None:
-        """Estimates for the dampers in one displacement message."""
-        tally = self._tallies[topic]
-        tally.messages += 1
-        tally.last = time.monotonic()
-        tally.names = message.name
-        if self._roster.is_open:
-            self._take_new(message.name)
-        places = places_by_name(message.name)
-        stamp = stamp_ns(message.header.stamp)
-        names, parts = [], []
-        for damper, path in self._inputs[topic]:
-            raw = number_at(message, path, places)
-            if raw is None:
-                damper.missing += 1
-                continue
-            estimates = damper.estimate(stamp, raw)
-            if estimates.force.size:
-                names.append(damper.name)
-                parts.append(estimates.fields())
-        if names:
-            fields = {field: np.concatenate([part[field] for part in parts]) for field in parts[0]}
-            self._published += 1
-            self._forces.publish(forces_message(message.header, names, fields))
-
-    def _take_new(self, names: list[str]) -> None:
-        for name in names:
-            if name and name not in self._dampers and len(self._dampers) < MOST_DAMPERS:
-                self._take(name)
+    def _compare(self) -> None:
+        if not self.is_active:
+            return
+        messages = self.estimation.compare()
+        if self.residuals.get_subscription_count() or self.recorder is not None:
+            for message in messages:
+                self.residuals.publish(message)
+                if self.recorder is not None:
+                    self.recorder.keep(self.residuals.topic_name, "sensor_msgs/msg/JointState", message)
 
     def _tell_health(self) -> None:
-        prefix = self.get_fully_qualified_name().lstrip("/")
-        cutoff = self._roster.signal_map.cutoff
-        delay = delay_seconds(cutoff)
-        now, nothing = time.monotonic(), health.glance(health.InputTally(""))
-        message = DiagnosticArray()
+        self.inputs.is_simulated = self.get_clock().ros_time_is_active
+        message = DiagnosticArray(status=self._reporter.statuses())
         message.header.stamp = self.get_clock().now().to_msg()
-        for topic, tally in self._tallies.items():
-            before = self._before.get((topic, ""), nothing)
-            message.status.append(health.input_status(prefix, tally, before, now, set(self._dampers)))
-            self._before[topic, ""] = health.glance(tally)
-            for damper, _ in self._inputs[topic]:
-                before = self._before.get((topic, damper.name), nothing)
-                message.status.append(health.damper_status(prefix, damper, before, cutoff, delay))
-                self._before[topic, damper.name] = health.glance(tally, damper)
-        subscribers = self._forces.get_subscription_count()
-        message.status.append(health.output_status(prefix, self._forces.topic_name, self._published, subscribers))
         self._diagnostics.publish(message)
+        collect_garbage()
+
+    def _guarded(self, act: Callable[[], None]) -> Callable[[], None]:
+        """A timer's callback that logs a failure of our own and goes on."""
+
+        def run() -> None:
+            try:
+                act()
+            except Exception:
+                if self.context.ok():
+                    self.get_logger().error(traceback.format_exc(), throttle_duration_sec=HEALTH_PERIOD)
+
+        return run

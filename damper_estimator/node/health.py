@@ -1,12 +1,25 @@
 """What the node says of itself once a second (REP-107): counts since the start, judged by the last second."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from damper_estimator.node.live_damper import LiveDamper
-from damper_estimator.signals import Counts
+from damper_estimator.model.status import (
+    BY_STATUS,
+    COUNTS,
+    DEGRADED,
+    EXTRAPOLATING,
+    GOOD,
+    JUMPS,
+    LATE,
+    NOT_FINITE,
+    WARMING_UP,
+    velocity_noise,
+)
+from damper_estimator.node.drift import Drift
+from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
 
 SUBSCRIBERS = "subscribers"
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -14,130 +27,176 @@ OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.E
 
 @dataclass
 class InputTally:
-    """What arrived on one displacement topic; counts only ever grow.
+    """What arrived on one topic; counts only ever grow.
 
     Attributes:
         topic: resolved name.
         messages: received.
+        malformed: messages that do not fit their type.
         failures: messages that the node could not process because of a bug of its own.
         lost: messages that the middleware reports as lost.
         incompatible: publishers whose quality of service does not match ours.
+        other_types: publishers of another type than ours.
         last: steady time of the last message, s; None before the first.
-        names: of the last message.
+        names: of the last message whose structure was new.
+        age: s, largest age of a stamp on arrival in the last period; NaN where none.
     """
 
     topic: str
     messages: int = 0
+    malformed: int = 0
     failures: int = 0
     lost: int = 0
     incompatible: int = 0
+    other_types: int = 0
     last: float | None = None
     names: Sequence[str] = ()
+    age: float = float("nan")
 
 
-@dataclass(frozen=True)
-class Glance:
-    """Counts at one moment, to see what the last period added."""
-
-    messages: int
-    failures: int
-    counts: Counts
-    missing: int
-    not_finite: int
-
-
-def glance(tally: InputTally, damper: LiveDamper | None = None) -> Glance:
-    """The counts of an input, and of a damper on it, as they are now."""
-    return Glance(
-        tally.messages,
-        tally.failures,
-        damper.counts if damper else Counts(),
-        damper.missing if damper else 0,
-        damper.not_finite if damper else 0,
-    )
-
-
-def input_status(prefix: str, tally: InputTally, before: Glance, now: float, known: set[str]) -> DiagnosticStatus:
+def input_status(prefix: str, now: InputTally, before: InputTally, time: float, known: set[str]) -> DiagnosticStatus:
     """Health of one displacement topic.
 
     Args:
         prefix: the node's name.
-        tally, before: counts now and a period ago.
-        now: steady time, s.
+        now, before: counts now and a period ago.
+        time: steady time, s.
         known: names of the dampers that are estimated.
     """
-    ignored = sorted(set(tally.names) - known)
     values = {
-        "topic": tally.topic,
-        "messages": tally.messages,
-        "lost by the middleware": tally.lost,
-        "incompatible publishers": tally.incompatible,
-        "failures": tally.failures,
-        "names not estimated": ", ".join(ignored),
+        "topic": now.topic,
+        "messages": now.messages,
+        "lost by the middleware": now.lost,
+        "incompatible publishers": now.incompatible,
+        "malformed": now.malformed,
+        "failures": now.failures,
+        "names not estimated": ", ".join(sorted(set(now.names) - known)),
+        "age of the stamps on arrival [ms]": f"{1e3 * now.age:.1f}",
     }
-    return _status(f"{prefix}: input {tally.topic}", *_judge_input(tally, before, now), values)
+    return status(f"{prefix}: input {now.topic}", *_judge_input(now, before, time), values)
 
 
-def _judge_input(tally: InputTally, before: Glance, now: float) -> tuple[bytes, str]:
-    if tally.incompatible and tally.last is None:
+def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[bytes, str]:
+    if now.incompatible and now.messages == before.messages:
         return (
             ERROR,
             "a publisher is there, but its quality of service does not match; set qos_reliability to best_effort",
         )
-    if tally.last is None:
+    if now.other_types and now.last is None:
+        return ERROR, "a publisher is there, but it publishes another type of message"
+    if now.last is None:
         return WARN, "no message yet; check the topic, the namespace and ROS_DOMAIN_ID"
-    if tally.messages == before.messages:
-        return ERROR, f"no message for {now - tally.last:.1f} s"
-    if tally.failures > before.failures:
+    if now.messages == before.messages:
+        return ERROR, f"no message for {time - now.last:.1f} s"
+    if now.failures > before.failures:
         return ERROR, "messages could not be processed; the log has the traceback"
+    if now.malformed > before.malformed:
+        return WARN, f"{now.malformed - before.malformed} messages do not fit their type"
+    if now.lost > before.lost:
+        return WARN, f"{now.lost - before.lost} messages were lost on the way"
     return OK, "receiving"
 
 
-def output_status(prefix: str, topic: str, published: int, subscribers: int) -> DiagnosticStatus:
-    """Health of the force topic; that nobody listens is no fault."""
-    values = {"topic": topic, "published": published, SUBSCRIBERS: subscribers}
-    return _status(f"{prefix}: output", OK, "publishing" if subscribers else "nobody listens", values)
+def silent_slow_channels(tallies: Mapping[str, InputTally], time: float, patience: float) -> dict[str, float]:
+    """Slow channels that once spoke and have been silent for longer than ``patience`` s: how long, by topic."""
+    return {
+        tally.topic: time - tally.last
+        for tally in tallies.values()
+        if tally.last is not None and time - tally.last > patience
+    }
 
 
-def damper_status(prefix: str, damper: LiveDamper, before: Glance, cutoff: float, delay: float) -> DiagnosticStatus:
-    """Health of one damper; ``cutoff`` in Hz and ``delay`` in s are those of the filter in use."""
-    counts = damper.counts
-    fitted = damper.model.fit.get("cutoff")
+@dataclass(frozen=True, eq=False)
+class DamperNow:
+    """What the node knows of one damper at one moment; ``counts`` and ``levels`` as in ``model.status``."""
+
+    name: str
+    model: str
+    fitted_cutoff: float | None
+    counts: np.ndarray
+    missing: int
+    levels: np.ndarray
+    is_stale: bool
+    drift: Drift | None
+    silent: Mapping[str, float]
+
+
+def nothing_yet(now: DamperNow) -> DamperNow:
+    """The same damper before its first sample."""
+    return replace(now, counts=np.zeros(COUNTS, np.int64), missing=0)
+
+
+def damper_status(prefix: str, now: DamperNow, before: DamperNow, cutoff: float, delay: float) -> DiagnosticStatus:
+    """Health of one damper; ``cutoff`` in Hz of the filter, ``delay`` in s of the estimates."""
+    counts = now.counts
     values = {
-        "model": damper.model.name,
-        "samples": counts.samples,
-        "estimates": counts.samples - counts.dropped,
-        "dropped: equal stamp": counts.duplicates,
-        "dropped: older stamp": counts.inversions,
-        "dropped: not finite": counts.non_finite,
-        "resets: gap": counts.gaps,
-        "resets: clock stepped back": counts.steps_back,
-        "not in the message": damper.missing,
-        "force not finite": damper.not_finite,
+        "model": now.model,
+        "samples": counts[: NON_FINITE + 1].sum(),
+        "estimates": counts[:DUPLICATE].sum(),
+        "dropped: equal stamp": counts[DUPLICATE],
+        "dropped: older stamp": counts[INVERSION],
+        "dropped: not finite": counts[NON_FINITE],
+        "resets: gap": counts[GAP],
+        "resets: clock stepped back": counts[STEP_BACK],
+        "late: several steps at once": counts[LATE],
+        "jumps": counts[JUMPS],
+        "not in the message": now.missing,
+        "force not finite": counts[NOT_FINITE],
+        "estimates: good": counts[BY_STATUS + GOOD],
+        "estimates: warming up": counts[BY_STATUS + WARMING_UP],
+        "estimates: extrapolating": counts[BY_STATUS + EXTRAPOLATING],
+        "estimates: degraded": counts[BY_STATUS + DEGRADED],
+        "noise of the velocity [m/s]": f"{velocity_noise(cutoff, now.levels):.3g}",
         "filter cutoff [Hz]": f"{cutoff:g}",
         "filter delay [ms]": f"{1e3 * delay:.2f}",
-        "model identified at cutoff [Hz]": "" if fitted is None else f"{fitted:g}",
+        "model identified at cutoff [Hz]": "" if now.fitted_cutoff is None else f"{now.fitted_cutoff:g}",
     }
-    return _status(f"{prefix}: {damper.name}", *_judge_damper(damper, counts, before), values)
+    if now.drift is not None:
+        values |= {
+            "error against the gauge [N rms]": f"{now.drift.rms_n:.4g}",
+            "error against the gauge [%]": f"{100 * now.drift.error:.1f}",
+            "error at the beginning [%]": f"{100 * now.drift.reference:.1f}",
+        }
+    return status(f"{prefix}: {now.name}", *_judge_damper(now, before), values)
 
 
-def _judge_damper(damper: LiveDamper, counts: Counts, before: Glance) -> tuple[bytes, str]:
-    if damper.not_finite > before.not_finite:
+def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
+    new = now.counts - before.counts
+    samples, missing = int(new[: NON_FINITE + 1].sum()), now.missing - before.missing
+    if new[NOT_FINITE]:
         return ERROR, "the model gives no finite force"
-    if counts.samples == before.counts.samples:
-        missing = damper.missing > before.missing
-        return (ERROR, "the messages do not hold this damper") if missing else (WARN, "no samples")
-    dropped = counts.dropped - before.counts.dropped
-    if dropped:
-        return WARN, f"{dropped} of {counts.samples - before.counts.samples} samples were dropped"
-    resets = counts.gaps + counts.steps_back - before.counts.gaps - before.counts.steps_back
-    if resets:
-        return WARN, f"gaps or clock steps: {resets} resets"
-    if damper.missing > before.missing:
-        return WARN, f"{damper.missing - before.missing} messages did not hold this damper"
-    return OK, "estimating"
+    if not samples and missing:
+        return ERROR, "the messages do not hold this damper"
+    if now.is_stale:
+        return ERROR, "the input has stopped; estimates are stale"
+    if not samples:
+        return WARN, "no samples"
+    dropped, resets = int(new[DUPLICATE : NON_FINITE + 1].sum()), int(new[GAP] + new[STEP_BACK])
+    told = [f"{dropped} of {samples} samples were dropped"] if dropped else []
+    told += [f"gaps or clock steps: {resets} resets"] if resets else []
+    told += [f"{missing} messages did not hold this damper"] if missing else []
+    told += [f"{new[JUMPS]} jumps of the displacement"] if new[JUMPS] else []
+    told += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
+    told += [f"{topic} silent for {time:.0f} s, its last value is held" for topic, time in now.silent.items()]
+    if now.drift is not None and now.drift.is_alarm:
+        told.insert(0, now.drift.sentence())
+    told += ["the displacement is noisy"] if not told and new[BY_STATUS + DEGRADED] else []
+    if told:
+        return WARN, "; ".join(told)
+    outside = int(new[BY_STATUS + EXTRAPOLATING])
+    return OK, f"estimating; {outside} of {samples} samples outside the region of the fit" if outside else "estimating"
 
 
-def _status(name: str, level: bytes, message: str, values: dict[str, object]) -> DiagnosticStatus:
+def output_status(prefix: str, values: Mapping[str, object], incompatible: int) -> DiagnosticStatus:
+    """Health of the force topic; that nobody listens is no fault. ``values`` has ``SUBSCRIBERS``."""
+    if incompatible:
+        return status(
+            f"{prefix}: output", WARN, "a subscriber asks for a quality of service that is not offered", values
+        )
+    return status(f"{prefix}: output", OK, "publishing" if values[SUBSCRIBERS] else "nobody listens", values)
+
+
+def status(name: str, level: bytes, message: str, values: Mapping[str, object]) -> DiagnosticStatus:
+    """One status with its values as text."""
     pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
     return DiagnosticStatus(level=level, name=name, message=message, hardware_id="", values=pairs)

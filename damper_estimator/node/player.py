@@ -1,9 +1,9 @@
 """Plays recorded messages to a running node over DDS, as fast as it answers, and keeps what it answers."""
 
+import struct
 import subprocess
 import time
 from collections.abc import Callable, Iterable
-from importlib import import_module
 
 from damper_msgs.msg import DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
@@ -13,6 +13,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from damper_estimator.errors import InputError
 from damper_estimator.node.health import SUBSCRIBERS
+from damper_estimator.node.inputs import message_type
 
 WINDOW = 20  # displacement messages that may be unanswered
 PATIENCE = 0.5  # s, after which an unanswered message counts as one that gives no estimate
@@ -21,13 +22,15 @@ DISCOVERY = (
     120.0  # s; the kernels of a model that never ran here are compiled first, which a busy machine takes its time for
 )
 DEPTH = 1000
+_STAMP = slice(4, 12)
 
 
 class Player:
     """A node that publishes serialised messages and listens to the estimator; final. rclpy must be initialised.
 
     Attributes:
-        forces: every ``DamperForces`` that came.
+        forces: every ``DamperForces`` that came and answers a message.
+        stale: those that say that the input has stopped.
         health: every ``DiagnosticArray`` that came.
     """
 
@@ -37,14 +40,32 @@ class Player:
         """
         self._process = process
         self.forces: list[DamperForces] = []
+        self.stale: list[DamperForces] = []
+        self._seen = 0
         self.health: list[DiagnosticArray] = []
         self._node = Node("player", start_parameter_services=False)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
         self._publishers: dict[str, object] = {}
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-        self._node.create_subscription(DamperForces, f"{estimator}/force", self.forces.append, quality)
+        self._hear = self._keep
+        self._node.create_subscription(DamperForces, f"{estimator}/force", lambda m: self._hear(m), quality)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, quality)
+
+    def listen_instead(self, hear: Callable[[DamperForces], None]) -> None:
+        """Gives the forces to ``hear`` and keeps none, for runs without end."""
+        self._hear = hear
+
+    def publish(self, topic: str, data: bytes) -> None:
+        """One serialised message."""
+        self._publishers[topic].publish(data)
+
+    def spin(self, seconds: float) -> None:
+        """Listens for one message, at most so long."""
+        self._executor.spin_once(timeout_sec=seconds)
+
+    def _keep(self, message: DamperForces) -> None:
+        (self.stale if DamperForces.STALE in message.status else self.forces).append(message)
 
     def connect(self, topics: dict[str, str]) -> None:
         """Makes a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and
@@ -67,31 +88,31 @@ class Player:
         Args:
             answered: topics whose messages are answered by forces; never more than ``WINDOW`` of them are unanswered.
         """
-        sent = given_up = 0
-        start = len(self.forces)
-
-        def unanswered() -> int:
-            return sent - given_up - (len(self.forces) - start)
-
+        pending: list[bytes] = []  # stamps of displacement messages that are not answered
+        self._seen = len(self.forces)
         for topic, data in messages:
             is_answered = topic in answered
-            given_up += self._settle(unanswered, WINDOW - 1 if is_answered else 0)
+            self._settle(pending, WINDOW - 1 if is_answered else 0)
             self._publishers[topic].publish(data)
-            sent += is_answered
-            if not is_answered:
+            if is_answered:
+                pending.append(data[_STAMP])
+            else:
                 time.sleep(PAUSE)
-        self._settle(unanswered, 0)
+        self._settle(pending, 0)
 
-    def _settle(self, unanswered: Callable[[], int], allowed: int) -> int:
-        """Listens until at most ``allowed`` are unanswered; how many to give up when nothing comes for ``PATIENCE``."""
-        count, since = len(self.forces), time.monotonic()
-        while unanswered() > allowed:
-            if time.monotonic() - since > PATIENCE:
-                return unanswered()
+    def _settle(self, pending: list[bytes], allowed: int) -> None:
+        """Listens until at most ``allowed`` are unanswered; gives them up when nothing comes for ``PATIENCE``."""
+        since = time.monotonic()
+        while len(pending) > allowed:
             self._executor.spin_once(timeout_sec=PATIENCE / 10)
-            if len(self.forces) != count:
-                count, since = len(self.forces), time.monotonic()
-        return 0
+            for message in self.forces[self._seen :]:
+                stamp = struct.pack("<iI", message.header.stamp.sec, message.header.stamp.nanosec)
+                if stamp in pending:
+                    pending.remove(stamp)
+                since = time.monotonic()
+            self._seen = len(self.forces)
+            if time.monotonic() - since > PATIENCE:
+                pending.clear()
 
     def wait(self, condition: Callable[[], bool], what: str, patience: float = DISCOVERY) -> None:
         """Listens until a condition holds.
@@ -117,9 +138,3 @@ class Player:
 
 def _has_subscribers(health: DiagnosticArray) -> bool:
     return any(pair.key == SUBSCRIBERS and pair.value != "0" for status in health.status for pair in status.values)
-
-
-def message_type(kind: str) -> type:
-    """The Python class of ``package/msg/Name``."""
-    package, folder, name = kind.split("/")
-    return getattr(import_module(f"{package}.{folder}"), name)

@@ -1,67 +1,48 @@
 """Which dampers the node estimates, and with what: decided before the first message, completely or not at all."""
 
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from damper_estimator.errors import InputError
-from damper_estimator.model import DamperModel, load_model
-from damper_estimator.node.live_damper import LiveDamper, warm_up
+from damper_estimator.model import load_model
+from damper_estimator.model.estimator import Deployed, deployed
+from damper_estimator.model.live_line import LiveLine
+from damper_estimator.node.displacement import Estimator
 from damper_estimator.node.settings import Settings
-from damper_estimator.signals import SignalMap, default_signals, load_signal_map
+from damper_estimator.signals import SignalMap, default_signals, delay_seconds, load_signal_map
 
 MOST_DAMPERS = 64  # of those that nobody named: a publisher of ever new names must not fill the memory
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Roster:
     """What the settings say about dampers.
 
     Attributes:
-        names: known beforehand; empty where every name that arrives is taken.
         signal_map: with the cutoff that is in use.
-        model: file, folder or name.
-        max_gap: s.
+        known: the dampers that are known beforehand, in order.
+        template: of every damper that arrives by name, where none is known beforehand; else None.
     """
 
-    names: tuple[str, ...]
     signal_map: SignalMap
-    model: str
-    max_gap: float
+    known: tuple[Estimator, ...]
+    template: Deployed | None
+
+    def newcomer(self, name: str) -> Estimator:
+        """A damper that nobody named beforehand; only where there is a template."""
+        return Estimator(name, default_signals(name), self.template)
 
     @property
-    def is_open(self) -> bool:
-        """Whether dampers are taken as their names arrive."""
-        return not self.names
-
-    def damper(self, name: str) -> LiveDamper:
-        """A damper ready to estimate.
-
-        Raises:
-            InputError: where its model is unusable.
-        """
-        signals = self.signal_map.dampers.get(name) or default_signals(name)
-        model = _loaded(self.model, None if self.is_open else name)
-        return LiveDamper(name, signals, model, self.signal_map.cutoff, self.max_gap)
-
-    def check(self) -> None:
-        """Loads and compiles every model that will be needed.
-
-        Raises:
-            InputError: where one is unusable.
-        """
-        for name in self.names or ("",):
-            model = self.damper(name).model
-            warm_up(model, self.signal_map.cutoff, self.max_gap)
-
-
-@cache
-def _loaded(model: str, damper: str | None) -> DamperModel:
-    return load_model(model, damper)
+    def delay(self) -> float:
+        """Delay of the estimates behind the damper, s: that of the filter, less what prediction makes up for."""
+        lead = self.template.lead if self.template else self.known[0].deployed.lead
+        return delay_seconds(self.signal_map.cutoff) - lead
 
 
 def make_roster(settings: Settings) -> Roster:
-    """The roster that the settings describe, checked.
+    """The roster that the settings describe; every model is loaded, checked and compiled.
 
     Raises:
         InputError: one line; an unusable signal map or model, or a damper that the map does not have.
@@ -79,6 +60,22 @@ def make_roster(settings: Settings) -> Roster:
     if not folder and Path(settings.model).is_dir():
         raise InputError(f"{settings.model}: holds no model; give a folder with one DAMPER.yaml each")
     names = settings.dampers or tuple(signal_map.dampers) or tuple(folder)
-    roster = Roster(names, signal_map, settings.model, settings.max_gap)
-    roster.check()
-    return roster
+
+    def prepared(damper: str | None) -> Deployed:
+        lead = settings.compensation * delay_seconds(signal_map.cutoff)
+        own = deployed(load_model(settings.model, damper), signal_map.cutoff, settings.max_gap, lead)
+        _warm_up(own)
+        return own
+
+    if not names:
+        return Roster(signal_map, (), prepared(None))
+    known = (Estimator(name, signal_map.dampers.get(name) or default_signals(name), prepared(name)) for name in names)
+    return Roster(signal_map, tuple(known), None)
+
+
+def _warm_up(own: Deployed) -> None:
+    """Has the kernels of a model compiled now, so that the first message does not wait for it."""
+    line = LiveLine()
+    line.add("", own)
+    for millisecond in range(2):
+        line.step(millisecond * 1_000_000, np.zeros(1), np.ones(1, bool))

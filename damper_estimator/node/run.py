@@ -1,5 +1,7 @@
 """The node's process: ROS up, node made, messages delivered until a signal comes."""
 
+import signal
+import traceback
 from collections.abc import Sequence
 
 import rclpy
@@ -9,6 +11,8 @@ from rclpy.executors import ExternalShutdownException
 from damper_estimator.errors import InputError
 from damper_estimator.node.estimator_node import EstimatorNode
 from damper_estimator.node.executors import make_executor
+from damper_estimator.node.process import set_realtime_priority
+from damper_estimator.node.settings import check_words
 
 WAKE_UP = 0.1  # s, longest time until a signal is seen
 
@@ -19,6 +23,8 @@ def run(words: Sequence[str]) -> None:
     Raises:
         InputError: where arguments, parameters, signal map or model are unusable.
     """
+    # rclpy takes the signals; Python's own KeyboardInterrupt would come in the middle of a callback.
+    signal.signal(signal.SIGINT, lambda *_: None)
     try:
         rclpy.init(args=list(words))
     except RCLError as error:
@@ -30,7 +36,7 @@ def run(words: Sequence[str]) -> None:
         _serve()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except RCLError:
+    except Exception:
         # A signal that comes while the node is being made takes ROS away under it.
         if rclpy.ok():
             raise
@@ -40,12 +46,30 @@ def run(words: Sequence[str]) -> None:
 
 def _serve() -> None:
     node = EstimatorNode()
-    executor = make_executor(node.settings.executor, node.get_logger())
+    check_words(node)
+    executor = make_executor(node.get_parameter("executor").value, node.get_logger())
     executor.add_node(node)
     try:
-        # EventsExecutor.spin() delivers nothing in some builds; spin_once() does in all.
-        while rclpy.ok():
-            executor.spin_once(timeout_sec=WAKE_UP)
+        if node.get_parameter("autostart").value:
+            node.start()
+        complaint = set_realtime_priority(node.get_parameter("realtime_priority").value)
+        if complaint:
+            node.get_logger().warning(complaint)
+        _deliver(executor, node)
     finally:
+        node.end()
         executor.shutdown()
         node.destroy_node()
+
+
+def _deliver(executor: object, node: EstimatorNode) -> None:
+    # EventsExecutor.spin() delivers nothing in some builds; spin_once() does in all.
+    while rclpy.ok():
+        try:
+            executor.spin_once(timeout_sec=WAKE_UP)
+        except (KeyboardInterrupt, ExternalShutdownException):
+            raise
+        except Exception:
+            # A request that rclpy itself stumbles over must not end the estimates.
+            if rclpy.ok():
+                node.get_logger().error(traceback.format_exc(), throttle_duration_sec=1.0)

@@ -1,6 +1,8 @@
 """The node's parameters: declared with range and meaning, checked together, then frozen."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isfinite
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
@@ -9,85 +11,146 @@ from rclpy.parameter import Parameter
 
 from damper_estimator.errors import InputError
 
-EXECUTORS = ("events", "single")
-RELIABILITIES = ("best_effort", "reliable")
 FROM_SIGNAL_MAP = -1.0
+# When a change takes effect: while the node runs; at the next transition to configured; only at the start.
+RUNNING, CONFIGURING, STARTING = "any time", "when the node is configured", "when the process starts"
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """One parameter; ``low`` and ``high`` bound a number, ``allowed`` lists the words of a text."""
+
+    default: object
+    description: str
+    changes: str = RUNNING
+    low: float | int | None = None
+    high: float | int | None = None
+    allowed: tuple[str, ...] = ()
+
+
+DECLARATIONS: dict[str, Declaration] = {
+    "dampers": Declaration(Parameter.Type.STRING_ARRAY, "names of the dampers; not set: all"),
+    "model": Declaration("", "model file, folder with one DAMPER.yaml each, or a model's name"),
+    "signals": Declaration("", "signal map; '' is the default topics"),
+    "cutoff": Declaration(FROM_SIGNAL_MAP, "Hz; 0 is unfiltered, -1 as in the signal map", low=-1.0, high=1e5),
+    "max_gap": Declaration(0.1, "s, longest continuous step between stamps", low=1e-6, high=3600.0),
+    "compensation": Declaration(0.0, "share of the filter's delay that is predicted away", low=0.0, high=1.0),
+    "stale_after": Declaration(0.1, "s without a good sample until STALE is published", low=0.005, high=3600.0),
+    "drift_window": Declaration(60.0, "s over which the error against the gauge is averaged", low=1.0, high=3600.0),
+    "drift_factor": Declaration(2.0, "growth of that error that raises the alarm", low=1.1, high=100.0),
+    "record": Declaration("", "folder for recordings of inputs and estimates; '' is none", CONFIGURING),
+    "record_size": Declaration(256, "MB per file of a recording", CONFIGURING, 1, 1_000_000),
+    "record_files": Declaration(
+        0, "files of a recording that are kept, oldest go first; 0 is all", CONFIGURING, 0, 10**6
+    ),
+    "qos_reliability": Declaration(
+        "best_effort", "what is asked of publishers", CONFIGURING, allowed=("best_effort", "reliable")
+    ),
+    "qos_depth": Declaration(100, "messages that wait while the node is busy", CONFIGURING, 1, 1_000_000),
+    "realtime_priority": Declaration(0, "SCHED_FIFO priority of the process; 0 is none", STARTING, 0, 99),
+    "executor": Declaration("events", "what delivers the messages", STARTING, allowed=("events", "single")),
+    "autostart": Declaration(True, "configure and activate without being told to", STARTING),
+}
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What was set.
-
-    Attributes:
-        dampers: names; empty for all.
-        model: file, folder or name.
-        signals: path of the signal map; empty for the default topics.
-        cutoff: Hz; 0 unfiltered, negative as in the signal map.
-        max_gap: s.
-        executor, qos_reliability: one of ``EXECUTORS``, ``RELIABILITIES``.
-        qos_depth: messages.
-    """
+    """What was set; fields as in ``DECLARATIONS``, ``dampers`` empty for all."""
 
     dampers: tuple[str, ...]
     model: str
     signals: str
     cutoff: float
     max_gap: float
-    executor: str
+    compensation: float
+    stale_after: float
+    drift_window: float
+    drift_factor: float
+    record: str
+    record_size: int
+    record_files: int
     qos_reliability: str
     qos_depth: int
+    realtime_priority: int
+    executor: str
+    autostart: bool
 
 
-def read_settings(node: Node) -> Settings:
-    """Declares the parameters on the node and reads them.
+def declare(node: Node) -> None:
+    """Declares the parameters on the node.
+
+    Raises:
+        InputError: one line, where a given value has another type or is out of range.
+    """
+    for name, declaration in DECLARATIONS.items():
+        descriptor = ParameterDescriptor(
+            description=f"{declaration.description} (changes take effect: {declaration.changes})",
+            additional_constraints=f"one of {', '.join(declaration.allowed)}" if declaration.allowed else "",
+            read_only=declaration.changes == STARTING,
+        )
+        if isinstance(declaration.low, float):
+            low, high = declaration.low, declaration.high
+            descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+        elif declaration.low is not None:
+            low, high = declaration.low, declaration.high
+            descriptor.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
+        try:
+            node.declare_parameter(name, declaration.default, descriptor)
+        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+            raise InputError(f"parameter {name}: must be {_wanted(declaration)} ({error})") from error
+
+
+def _wanted(declaration: Declaration) -> str:
+    if declaration.default is Parameter.Type.STRING_ARRAY:
+        return "a list of names"
+    if isinstance(declaration.default, bool):
+        return "true or false"
+    if declaration.low is None:
+        return "text"
+    point = ", written with a point (60.0)" if isinstance(declaration.low, float) else ""
+    return f"between {declaration.low:g} and {declaration.high:g}{point}"
+
+
+def read_settings(node: Node, changed: Mapping[str, object] | None = None) -> Settings:
+    """The settings as the node's parameters have them, with ``changed`` ones on top.
 
     Raises:
         InputError: one line with every wrong value and what is allowed.
     """
-    declared = {
-        "dampers": _declare(node, "dampers", Parameter.Type.STRING_ARRAY, "names of the dampers; not set: all"),
-        "model": _declare(node, "model", "", "model file, folder with one DAMPER.yaml each, or a model's name"),
-        "signals": _declare(node, "signals", "", "signal map; '' is the default topics"),
-        "cutoff": _declare(node, "cutoff", FROM_SIGNAL_MAP, "Hz; 0 is unfiltered, -1 as in the signal map", -1.0, 1e5),
-        "max_gap": _declare(node, "max_gap", 0.1, "s, longest continuous step between stamps", 1e-6, 3600.0),
-        "executor": _declare(node, "executor", "events", f"one of {', '.join(EXECUTORS)}"),
-        "qos_reliability": _declare(node, "qos_reliability", "best_effort", f"one of {', '.join(RELIABILITIES)}"),
-        "qos_depth": _declare(node, "qos_depth", 100, "messages that wait while the node is busy", 1, 1_000_000),
-    }
+    values = {f.name: node.get_parameter_or(f.name, Parameter(f.name)).value for f in fields(Settings)}
+    values |= {name: value for name, value in (changed or {}).items() if name in values}
     # A parameter file cannot hold an empty list; [''] is what people write instead.
-    declared["dampers"] = tuple(filter(None, declared["dampers"] or ()))
-    settings = Settings(**declared)
-    _check(settings)
-    return settings
-
-
-def _declare(
-    node: Node, name: str, default: object, description: str, low: object = None, high: object = None
-) -> object:
-    descriptor = ParameterDescriptor(description=description, read_only=True)
-    if isinstance(low, float):
-        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
-    elif low is not None:
-        descriptor.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
-    try:
-        return node.declare_parameter(name, default, descriptor).value
-    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-        hint = f"between {low:g} and {high:g}" if low is not None else "text"
-        if name == "dampers":
-            hint = "a list of names"
-        elif isinstance(low, float):
-            hint += ", written with a point (60.0)"
-        raise InputError(f"parameter {name}: must be {hint} ({error})") from error
-
-
-def _check(settings: Settings) -> None:
-    faults = []
-    if not settings.model:
-        faults.append(
-            "parameter model is not set; give a model file, a folder, or a name that damper-estimator models lists"
-        )
-    for name, allowed in (("executor", EXECUTORS), ("qos_reliability", RELIABILITIES)):
-        if (value := getattr(settings, name)) not in allowed:
-            faults.append(f"parameter {name} is {value!r}; allowed are {', '.join(allowed)}")
+    values["dampers"] = tuple(filter(None, values["dampers"] or ()))
+    faults = (
+        []
+        if values["model"]
+        else ["parameter model is not set; give a model file, a folder, or a name that damper-estimator models lists"]
+    )
+    faults += _wrong_words(values)
+    faults += [
+        f"parameter {name} is {values[name]!r}; it must be {_wanted(declaration)}"
+        for name, declaration in DECLARATIONS.items()
+        if isinstance(declaration.low, float) and not isfinite(values[name])
+    ]
     if faults:
         raise InputError("; ".join(faults))
+    return Settings(**values)
+
+
+def check_words(node: Node) -> None:
+    """Checks the parameters that choose among words.
+
+    Raises:
+        InputError: one line with every wrong word and what is allowed.
+    """
+    faults = _wrong_words({name: node.get_parameter_or(name, Parameter(name)).value for name in DECLARATIONS})
+    if faults:
+        raise InputError("; ".join(faults))
+
+
+def _wrong_words(values: Mapping[str, object]) -> list[str]:
+    return [
+        f"parameter {name} is {values[name]!r}; allowed are {', '.join(declaration.allowed)}"
+        for name, declaration in DECLARATIONS.items()
+        if declaration.allowed and values[name] not in declaration.allowed
+    ]

@@ -21,7 +21,7 @@ from damper_estimator.recordings.encode import (
     temperatures,
 )
 from damper_estimator.recordings.field_path import FieldPath, parse_path
-from damper_estimator.recordings.writer import BagWriter, Stream
+from damper_estimator.recordings.writer import BagWriter, LiveBagWriter, Stream
 
 __all__ = [
     "Bag",
@@ -31,6 +31,7 @@ __all__ = [
     "ColumnMaps",
     "Columns",
     "FieldPath",
+    "LiveBagWriter",
     "Part",
     "Schema",
     "Stream",

@@ -1,9 +1,10 @@
 """The mcap storage: one pass over the record headers finds what is where, chunks are loaded when their time comes.
 
 The mcap library parses records, decompresses and checks chunks. The messages inside a chunk are cut here: the library
-makes an object of each, which costs ten times as much.
+makes an object of each, which costs ten times as much. A file that was not completed is read as far as it is whole.
 """
 
+import logging
 import os
 import struct
 from collections import Counter
@@ -26,6 +27,7 @@ from damper_estimator.recordings.faults import explained
 from damper_estimator.recordings.raw import Connection, RawMessages, Span, gathered
 
 MAGIC = b"\x89MCAP0\r\n"
+_LOG = logging.getLogger(__name__)  # without further ado it writes to standard error
 _HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("log", "<i8"), ("published", "<i8")])
 _CHUNK_TIMES = struct.Struct("<QQQ")
@@ -46,7 +48,7 @@ class McapFile:
     """One ``.mcap`` file; final. Close it after use.
 
     Raises:
-        InputError: where the file is cut off, damaged or no mcap file.
+        InputError: where the file is damaged, cut off before its first messages, or no mcap file.
     """
 
     def __init__(self, path: Path, name: str | None = None) -> None:
@@ -97,17 +99,35 @@ class McapFile:
                 tail = file.read(len(MAGIC))
         if head != MAGIC:
             raise InputError(f"{self._name}: no mcap file; give an .mcap file or a rosbag2 folder")
-        if tail != MAGIC:
-            raise InputError(f"{self._name}: cut off, the end of the file is missing; {self._remedy}")
-        position, end = len(MAGIC), size - len(MAGIC)
+        is_cut = tail != MAGIC
+        position, end = len(MAGIC), size if is_cut else size - len(MAGIC)
         while position < end:
             with explained(self._name, self._remedy):
                 file.seek(position)
-                opcode, length = _HEAD.unpack(file.read(_HEAD.size))
+                head = file.read(_HEAD.size)
+                if is_cut and not _is_whole(head, position, end):
+                    break
+                opcode, length = _HEAD.unpack(head)
                 if position + _HEAD.size + length > end:
                     raise ValueError(f"record at byte {position} reaches beyond the end")
                 self._note(opcode, length, position)
             position += _HEAD.size + length
+        if is_cut:
+            self._salvage(size - position)
+
+    def _salvage(self, lost: int) -> None:
+        """A file whose recorder was killed, or the disk full: what is whole is used, and what is lost is told."""
+        if not self._places:
+            raise InputError(f"{self._name}: cut off before the first messages were complete; {self._remedy}")
+        self._counts = None
+        self._count_messages()
+        _LOG.warning(
+            "%s: cut off (its recorder was ended, or the disk was full): %d messages are whole and used, "
+            "the last %d bytes are lost",
+            self._name,
+            self._counts.total(),
+            lost,
+        )
 
     def _note(self, opcode: int, length: int, position: int) -> None:
         """Remembers one record outside of chunks."""
@@ -176,6 +196,14 @@ class McapFile:
         )  # fmt: skip
         metadata = tuple(sorted(channel.metadata.items()))
         return Connection(channel.topic, schema, channel.message_encoding, self._counts[channel.id], metadata)
+
+
+def _is_whole(head: bytes, position: int, end: int) -> bool:
+    """Whether the record that begins there is all in the file."""
+    if len(head) < _HEAD.size:
+        return False
+    opcode, length = _HEAD.unpack(head)
+    return opcode != 0 and position + _HEAD.size + length <= end
 
 
 def _records(data: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,9 +1,10 @@
 """Recordings to write: mcap files as rosbag2, Foxglove and PlotJuggler open them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
@@ -60,16 +61,11 @@ class BagWriter:
         if not self.path.parent.is_dir():
             raise InputError(f"{self.path}: cannot be written (there is no folder {self.path.parent}); make it first")
         self._stack = ExitStack()
-        self._schemas: dict[Schema, int] = {}
-        self._channels: dict[tuple[str, Schema], int] = {}
-        self._sequence: dict[int, int] = {}
 
     def __enter__(self) -> "BagWriter":
         with ExitStack() as stack:
             partial = stack.enter_context(written_beside(self.path))
-            self._file = stack.enter_context(open(partial, "wb"))
-            self._writer = Writer(self._file, compression=CompressionType.ZSTD)
-            self._writer.start(profile="ros2", library=f"damper_estimator {__version__}")
+            self._sink = _Sink(stack.enter_context(open(partial, "wb")))
             self._stack = stack.pop_all()
         return self
 
@@ -78,7 +74,7 @@ class BagWriter:
             self._stack.__exit__(*error)
             return
         with self._stack:
-            self._writer.finish()
+            self._sink.finish()
 
     def write_columns(self, topic: str, type_name: str, log: np.ndarray, fields: Mapping[str, object]) -> None:
         """Writes n messages of one shape; ``log`` (n,) int64 ns, ``fields`` as in `encode`."""
@@ -86,25 +82,25 @@ class BagWriter:
 
     def write_messages(self, topic: str, type_name: str, log: np.ndarray, messages: Sequence[bytes]) -> None:
         """Writes serialised messages of a built-in type at their log times (n,) int64 ns."""
-        channel = self._channel(topic, builtin_schema(type_name))
+        channel = self._sink.channel(topic, builtin_schema(type_name))
         for time, data in zip(np.asarray(log).tolist(), messages, strict=True):
-            self._add(channel, time, data)
+            self._sink.add(channel, time, data)
 
     def write_streams(self, streams: Iterable[Stream]) -> None:
         """Writes several topics together, message by message by log time (equal times: as the streams come)."""
         streams = list(streams)
-        channels = [self._channel(stream.topic, builtin_schema(stream.type)) for stream in streams]
+        channels = [self._sink.channel(stream.topic, builtin_schema(stream.type)) for stream in streams]
         logs = [np.asarray(stream.log, np.int64) for stream in streams]
         source = np.repeat(np.arange(len(streams)), [len(log) for log in logs])
         times = np.concatenate([*logs, np.empty(0, np.int64)])
         remaining = [iter(stream.messages) for stream in streams]
         order = np.argsort(times, kind="stable")
         for number, time in zip(source[order].tolist(), times[order].tolist(), strict=True):
-            self._add(channels[number], time, next(remaining[number]))
+            self._sink.add(channels[number], time, next(remaining[number]))
 
     def write_raw(self, topic: str, type_name: str, log_ns: int, data: bytes, schema: Schema | None = None) -> None:
         """Writes one serialised message; ``schema`` for types that are not built in."""
-        self._add(self._channel(topic, schema or builtin_schema(type_name)), log_ns, data)
+        self._sink.add(self._sink.channel(topic, schema or builtin_schema(type_name)), log_ns, data)
 
     def write_batch(self, batch: Batch) -> None:
         """Copies all messages of a batch as they are, with the definitions of their recording."""
@@ -113,16 +109,71 @@ class BagWriter:
             channel = channels.get(id(connection))
             if channel is None:
                 schema = _with_text(connection.schema)
-                channel = channels[id(connection)] = self._channel(
+                channel = channels[id(connection)] = self._sink.channel(
                     connection.topic, schema, connection.encoding, dict(connection.metadata)
                 )
-            self._add(channel, log_ns, data)
+            self._sink.add(channel, log_ns, data)
 
-    def _add(self, channel: int, log_ns: int, data: bytes) -> None:
+
+class LiveBagWriter:
+    """Writes one ``.mcap`` file that can be read however the process ends; final.
+
+    The file stands in its place from the beginning. What was there at the last `flush` survives a process that is
+    killed: `open_bag` reads all whole chunks of a file that was not closed.
+
+    Raises:
+        OSError: where the file cannot be made, or there is no room; also from every method.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Never overwrites: the file must not exist."""
+        self.path = path
+        self._file = open(path, "xb")
+        self._sink = _Sink(self._file)
+
+    def write_raw(self, topic: str, type_name: str, log_ns: int, data: bytes) -> None:
+        """Takes one serialised message of a built-in type."""
+        self._sink.add(self._sink.channel(topic, builtin_schema(type_name)), log_ns, data)
+
+    def flush(self) -> int:
+        """Ends the chunk and hands it to the operating system; the size of the file in bytes."""
+        self._sink.flush()
+        return self._file.tell()
+
+    def close(self) -> None:
+        """Completes the file."""
+        try:
+            self._sink.finish()
+        finally:
+            self._file.close()
+
+    def abandon(self) -> None:
+        """Closes the file as it is, where there is no room to complete it."""
+        with suppress(OSError):
+            self._file.close()
+
+
+class _Sink:
+    """Messages into one open file, with their definitions; final."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._schemas: dict[Schema, int] = {}
+        self._channels: dict[tuple[str, Schema], int] = {}
+        self._sequence: dict[int, int] = {}
+        self._writer = Writer(file, compression=CompressionType.ZSTD)
+        self._writer.start(profile="ros2", library=f"damper_estimator {__version__}")
+
+    def flush(self) -> None:
+        self._writer.flush()
+
+    def finish(self) -> None:
+        self._writer.finish()
+
+    def add(self, channel: int, log_ns: int, data: bytes) -> None:
         sequence = self._sequence[channel] = self._sequence[channel] + 1
         self._writer.add_message(channel, log_ns, data, log_ns, sequence)
 
-    def _channel(
+    def channel(
         self, topic: str, schema: Schema, encoding: str = "cdr", metadata: Mapping[str, str] | None = None
     ) -> int:
         key = (topic, schema)

@@ -17,7 +17,7 @@ STOPPED_WITHIN = 60.0  # s, far more than a node needs on a busy machine
 def ros() -> None:
     """ROS 2, or a skip; under ``make test`` its absence is a failure."""
     try:
-        import damper_msgs.msg
+        import damper_msgs.msg  # noqa: F401
         import rclpy  # noqa: F401
     except ModuleNotFoundError as error:
         if os.environ.get("DAMPER_TEST_ROS") == "required":
@@ -37,16 +37,20 @@ def domain(ros, tmp_path_factory) -> Iterator[None]:
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., subprocess.Popen]]:
-    """Starts estimator processes with ROS parameters (and further ROS arguments); they end with the test."""
+    """Starts estimator processes with ROS parameters (and further ROS arguments); they end with the test.
+
+    ``before`` runs in the new process first.
+    """
     running = []
 
-    def run(*ros_arguments: str, **parameters: object) -> subprocess.Popen:
+    def run(*ros_arguments: str, before: Callable | None = None, **parameters: object) -> subprocess.Popen:
         words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
         process = subprocess.Popen(
             [EXECUTABLE, "--ros-args", *words, *ros_arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            preexec_fn=before,
         )
         running.append(process)
         return process
@@ -77,4 +81,17 @@ def player(domain) -> Iterator[object]:
     player = Player()
     yield player
     player.close()
+    rclpy.shutdown()
+
+
+@pytest.fixture
+def rig(domain) -> Iterator[object]:
+    """Drives an estimator of the default name."""
+    import rclpy
+    from rig import Rig
+
+    rclpy.init()
+    rig = Rig()
+    yield rig
+    rig.close()
     rclpy.shutdown()

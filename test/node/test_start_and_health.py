@@ -76,7 +76,7 @@ def level(player, ending: str) -> bytes | None:
 
 
 def test_health_follows_the_input(start, player):
-    start(model="coulomb", dampers="[left, right]")
+    start(model="coulomb", dampers="[left, right]", stale_after=20.0)
     told = "input /suspension/displacement"
     player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet")
     assert level(player, ": left") == WARN

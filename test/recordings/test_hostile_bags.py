@@ -1,15 +1,17 @@
 """Damaged, cut off and foreign files: refused in one line, or read as far as their checks allow."""
 
 import random
+import re
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from mcap.reader import make_reader
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings import BagWriter, joint_states, open_bag
+from damper_estimator.recordings import BagWriter, LiveBagWriter, joint_states, open_bag
 
 STAMPS = np.arange(1, 301) * 1_000_000
 CASES = 150
@@ -56,13 +58,45 @@ def recording(tmp_path_factory) -> bytes:
     return path.read_bytes()
 
 
-def test_an_mcap_cut_anywhere_is_refused_with_the_way_to_recover_it(tmp_path, recording):
-    lengths = random.Random(1).sample(range(9, len(recording)), CASES)
-    for length in lengths:
-        path = tmp_path / "cut.mcap"
+def test_an_mcap_cut_anywhere_gives_its_whole_chunks_and_tells_what_is_lost(tmp_path, caplog):
+    """As a recorder leaves it that is killed: in the middle of a chunk, an index, or the summary."""
+    writer, ends = LiveBagWriter(tmp_path / "whole.mcap"), []
+    messages = joint_states(["a"], STAMPS, position=np.arange(300.0)[:, None])
+    for i, message in enumerate(messages):
+        writer.write_raw("/x", "sensor_msgs/msg/JointState", int(STAMPS[i]), message)
+        if i % 60 == 59:
+            ends.append((writer.flush(), i + 1))
+    writer.close()
+    recording = (tmp_path / "whole.mcap").read_bytes()
+    path = tmp_path / "cut.mcap"
+    for length in [ends[0][0], *random.Random(1).sample(range(9, len(recording)), CASES)]:
         path.write_bytes(recording[:length])
-        with pytest.raises(InputError, match=r"cut\.mcap: (cut off|damaged).*; recover what can be with: mcap recover"):
-            use_everything(path)
+        caplog.clear()
+        # A chunk is whole a little before its indexes are.
+        least = max((count for end, count in ends if end <= length), default=0)
+        most = least if least == 300 else least + 60
+        try:
+            with open_bag(path) as bag:
+                values = bag.columns("/x", ["position[a]"]).values[:, 0]
+        except InputError as error:
+            assert least == 0
+            assert re.search(r"cut\.mcap: cut off before .*; recover what can be with: mcap recover", str(error))
+            continue
+        assert values.size in (least, most) and np.array_equal(values, np.arange(values.size))
+        assert f"{values.size} messages are whole" in caplog.text and "bytes are lost" in caplog.text
+
+
+def test_the_file_of_a_live_recorder_is_an_ordinary_one_once_it_is_closed(tmp_path):
+    path = tmp_path / "x.mcap"
+    writer = LiveBagWriter(path)
+    messages = joint_states(["a"], STAMPS, position=np.zeros((300, 1)))
+    for stamp, message in zip(STAMPS.tolist(), messages, strict=True):
+        writer.write_raw("/x", "sensor_msgs/msg/JointState", stamp, message)
+    writer.close()
+    with open(path, "rb") as file:
+        assert [m.data for _, _, m in make_reader(file, validate_crcs=True).iter_messages()] == messages
+    with pytest.raises(FileExistsError):
+        LiveBagWriter(path)
 
 
 def test_flipped_bytes_in_an_mcap_never_end_in_a_traceback(tmp_path, recording):
@@ -118,7 +152,7 @@ def test_real_bags_damaged_at_random_never_end_in_a_traceback(tmp_path, shared_d
     [
         (b"", "empty; record or copy it again"),
         (b"time,force\n0,1\n", "neither mcap nor sqlite3; give an .mcap file or a rosbag2 folder"),
-        (b"\x89MCAP0\r\n", "cut off"),
+        (b"\x89MCAP0\r\n", "cut off before"),
         (b"\x89MCAP0\r\n\x89MCAP0\r\n", None),
         (b"SQLite format 3\0" + b"\0" * 100, "damaged"),
         (b"\x28\xb5\x2f\xfd", ""),

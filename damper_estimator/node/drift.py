@@ -1,0 +1,146 @@
+"""Whether the error against the gauge grows, and with what. Knows no ROS.
+
+The error of a window is rms(model - measured) / rms(measured). The reference is the median of the first windows in
+which the damper worked. The alarm is raised when the median of the last windows is ``factor`` times as large, and at
+least two percentage points more; it is withdrawn below four fifths of that. What it grows with is the quantity
+(temperature, speed, stroke, offset of the gauge) whose windows rank like those of the error.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+REFERENCE, RECENT = 3, 3  # windows
+_LEAST_GROWTH = 0.02
+_RELEASE = 0.8
+_LEAST_SPEED = 0.01  # m/s rms; a damper that stands says nothing
+_MOST_WINDOWS = 600
+_RELATED = 0.7  # rank correlation
+_LEAST_RELATED = 6  # windows
+QUANTITIES = ("temperature", "speed", "stroke", "offset")
+
+
+@dataclass
+class _Window:
+    """Sums over one window."""
+
+    start: float = float("nan")
+    count: int = 0
+    sums: np.ndarray = field(default_factory=lambda: np.zeros(8))
+
+
+@dataclass(frozen=True)
+class Told:
+    """The error of one damper in one window, and the quantities by ``QUANTITIES``."""
+
+    end: float
+    error: float
+    rms_n: float
+    quantities: tuple[float, ...]
+
+
+class Drift:
+    """The running error of one damper; final.
+
+    Attributes:
+        name: of the damper.
+        windows: the last ones in which it worked.
+        rms_n: N, rms residual of the last window; NaN before.
+        is_alarm: whether the error has grown.
+    """
+
+    def __init__(self, name: str, window: float, factor: float) -> None:
+        """``window`` in s of the input's stamps; ``factor`` of growth that raises the alarm."""
+        self.name = name
+        self.windows: list[Told] = []
+        self.rms_n = float("nan")
+        self.is_alarm = False
+        self._window, self._factor = window, factor
+        self._reference: list[Told] = []
+        self._open = _Window()
+
+    def add(
+        self,
+        stamp: np.ndarray,
+        residual: np.ndarray,
+        measured: np.ndarray,
+        velocity: np.ndarray,
+        displacement: np.ndarray,
+        temperature: float,
+    ) -> None:
+        """Takes judged samples in order of time: stamps (n,) ns, residual and measured force (n,) N, motion (n,) SI."""
+        good = np.isfinite(residual) & np.isfinite(measured)
+        if not good.any():
+            return
+        columns = (residual, measured, velocity, displacement)
+        e, f, v, x = (column[good] for column in columns)
+        end = float(stamp[good][-1]) / 1e9
+        if not 0.0 <= end - self._open.start <= 2.0 * self._window:  # also the first, and a clock that was set
+            self._open = _Window(float(stamp[good][0]) / 1e9)
+        own = self._open
+        own.count += e.size
+        own.sums += [e @ e, f @ f, v @ v, e.sum(), x.sum(), x @ x, temperature * e.size, f.sum()]
+        if end - own.start >= self._window:
+            self._close(end)
+
+    def _close(self, end: float) -> None:
+        own, self._open = self._open, _Window(end)
+        squared, force, speed, bias, place, stroke, temperature, _ = own.sums / own.count
+        self.rms_n = float(np.sqrt(squared))
+        if speed < _LEAST_SPEED**2 or force <= 0.0:
+            return
+        deviation = float(np.sqrt(max(stroke - place**2, 0.0)))
+        told = Told(
+            end, float(np.sqrt(squared / force)), self.rms_n, (temperature, np.sqrt(speed), deviation, abs(bias))
+        )
+        if len(self._reference) < REFERENCE:
+            self._reference.append(told)
+        self.windows = [*self.windows[-_MOST_WINDOWS + 1 :], told]
+        limit = max(self._factor * self.reference, self.reference + _LEAST_GROWTH)
+        self.is_alarm = len(self._reference) == REFERENCE and self.error > limit * (_RELEASE if self.is_alarm else 1.0)
+
+    @property
+    def reference(self) -> float:
+        """The error at the beginning; NaN before the first window."""
+        return _median([told.error for told in self._reference])
+
+    @property
+    def error(self) -> float:
+        """The error now; NaN before the first window."""
+        return _median([told.error for told in self.windows[-RECENT:]])
+
+    def sentence(self) -> str:
+        """What has become of the error, in words."""
+        if not self.windows:
+            return "not known yet"
+        if not self.is_alarm:
+            return f"error {100 * self.error:.0f} % of the measured force"
+        minutes = (self.windows[-1].end - self._reference[0].end) / 60.0
+        since = f"{minutes:.0f} min" if minutes >= 2.0 else f"{60 * minutes:.0f} s"
+        cause = self._related()
+        return f"{self.name}: error grew from {100 * self.reference:.0f} % to {100 * self.error:.0f} % in {since}" + (
+            f", grows with {cause}" if cause else ""
+        )
+
+    def _related(self) -> str:
+        """The quantity that the error follows most closely, "" where it follows none."""
+        if len(self.windows) < _LEAST_RELATED:
+            return ""
+        errors = [told.error for told in self.windows]
+        found = {}
+        for i, name in enumerate(QUANTITIES):
+            values = np.array([told.quantities[i] for told in self.windows])
+            if np.isfinite(values).all() and np.ptp(values) > 0.05 * np.abs(values).max():
+                found[name] = _rank_correlation(values, np.array(errors))
+        best = max(found, key=found.get, default="")
+        return best if best and found[best] > _RELATED else ""
+
+
+def _median(values: list[float]) -> float:
+    return float(np.median(values)) if values else float("nan")
+
+
+def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
+    """Spearman's."""
+    ranks = [np.argsort(np.argsort(values)) for values in (a, b)]
+    return float(np.corrcoef(*ranks)[0, 1])

@@ -1,0 +1,159 @@
+"""Everything that one set of settings makes the node do with messages: built whole, then swapped in at once. Knows no
+ROS."""
+
+from copy import copy
+from dataclasses import dataclass
+
+from damper_estimator.errors import InputError
+from damper_estimator.model.live_line import SLOW
+from damper_estimator.node.displacement import JOINT_STATE, DisplacementInput, Estimator, HeldInput, names_in
+from damper_estimator.node.residuals import Comparison, GaugeInput
+from damper_estimator.node.roster import MOST_DAMPERS, Roster
+from damper_estimator.node.settings import Settings
+from damper_estimator.signals import default_signals
+
+SLOW_TYPES = {
+    "command": "std_msgs/msg/Float64",
+    "temperature": "sensor_msgs/msg/Temperature",
+    "pressure": "sensor_msgs/msg/FluidPressure",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """One displacement topic with its dampers, and their comparison with the gauges."""
+
+    source: DisplacementInput
+    comparison: Comparison
+
+
+class Estimation:
+    """The running state of all dampers; final.
+
+    Attributes:
+        settings: what it was made from.
+        roster: the dampers, and the signal map.
+        displacement: by topic.
+        slow: slow channels by topic: what they are, of which damper.
+        topics: type by topic of everything that is to be subscribed; grows where dampers arrive by name.
+        named: those of them that somebody named; the others are where a damper of that name would have its channels.
+    """
+
+    def __init__(self, settings: Settings, roster: Roster) -> None:
+        """Raises InputError where a field path does not fit its message type."""
+        self.settings = settings
+        self.roster = roster
+        self.displacement: dict[str, Displacement] = {}
+        self.slow: dict[str, list[tuple[str, str, HeldInput]]] = {}
+        self.topics: dict[str, str] = {}
+        self.named: set[str] = set()
+        self._gauges: dict[str, tuple[tuple[str, ...], GaugeInput]] = {}
+        by_topic: dict[str, list[Estimator]] = {}
+        for one in roster.known:
+            by_topic.setdefault(one.signals.displacement.topic, []).append(one)
+        if roster.template is not None:
+            by_topic = {default_signals("").displacement.topic: []}
+        for topic, estimators in by_topic.items():
+            source = DisplacementInput(estimators)
+            self.displacement[topic] = Displacement(source, _comparison(source, settings, roster))
+            self._subscribe(topic, JOINT_STATE, True)
+            for one in estimators:
+                self._hold(source, one)
+        self._measure()
+
+    def changed(self, settings: Settings) -> "Estimation":
+        """The same filters and models in their present state, with other settings of staleness and drift."""
+        other = copy(self)
+        other.settings = settings
+        other.displacement = {
+            topic: Displacement(own.source, _comparison(own.source, settings, self.roster))
+            for topic, own in self.displacement.items()
+        }
+        return other
+
+    def _subscribe(self, topic: str, type_name: str, is_named: bool) -> None:
+        if is_named:
+            self.named.add(topic)
+        if self.topics.setdefault(topic, type_name) != type_name:
+            raise InputError(
+                f"{self.roster.signal_map.where}: topic {topic} is named for a {type_name} and for a "
+                f"{self.topics[topic]}; a topic has one type"
+            )
+
+    def _hold(self, source: DisplacementInput, one: Estimator) -> None:
+        """Slow channels of one damper."""
+        damper = source.line.names.index(one.name)
+        for role in SLOW:
+            channel = getattr(one.signals, role)
+            held = HeldInput(role, SLOW_TYPES[role], channel, source.line, damper)
+            self.slow.setdefault(channel.topic, []).append((one.name, role, held))
+            self._subscribe(channel.topic, SLOW_TYPES[role], channel.given)
+
+    def _measure(self) -> None:
+        """The gauges of all dampers."""
+        by_topic: dict[str, list[Estimator]] = {}
+        for own in self.displacement.values():
+            for one in own.source.estimators:
+                by_topic.setdefault(one.signals.force.topic, []).append(one)
+        for topic, estimators in by_topic.items():
+            gauge = GaugeInput([one.signals for one in estimators])
+            self._gauges[topic] = (tuple(one.name for one in estimators), gauge)
+            self._subscribe(topic, JOINT_STATE, any(one.signals.force.given for one in estimators))
+
+    @property
+    def names(self) -> list[str]:
+        """All dampers."""
+        return [name for own in self.displacement.values() for name in own.source.line.names]
+
+    def take(self, topic: str, data: bytes, now: float) -> tuple[bytes | None, bool]:
+        """Takes one message at the steady time ``now``, s.
+
+        Returns:
+            The forces to publish, if any, and whether ``topics`` has grown.
+
+        Raises:
+            MalformedMessage: where the bytes do not fit the type.
+        """
+        own = self.displacement.get(topic)
+        if own is None:
+            for _, _, held in self.slow.get(topic, ()):
+                held.take(data, now)
+            if topic in self._gauges:
+                self._gauges[topic][1].take(data, now)
+            return None, False
+        grown = self.roster.template is not None and self._admit(own.source, data)
+        if topic in self._gauges:
+            self._gauges[topic][1].take(data, now)
+        answer = own.source.take(data, now)
+        own.comparison.collected.keep(own.source.stamp)
+        return answer, grown
+
+    def _admit(self, source: DisplacementInput, data: bytes) -> bool:
+        """Takes the dampers that arrive by name."""
+        if not source.is_new_structure(data):
+            return False
+        new = [n for n in dict.fromkeys(names_in(data)) if n and n not in source.line.names]
+        for name in new[: max(MOST_DAMPERS - len(source.line.names), 0)]:
+            one = self.roster.newcomer(name)
+            source.add(one)
+            self._hold(source, one)
+        if new:
+            self._measure()
+        return bool(new)
+
+    def compare(self) -> list[bytes]:
+        """The residual messages that can now be told."""
+        measured = {}
+        for names, gauge in self._gauges.values():
+            measured |= dict(zip(names, gauge.taken(), strict=True))
+        return [message for own in self.displacement.values() for message in own.comparison.compare(measured)]
+
+    def stale(self, now: float) -> list[bytes]:
+        """What to say of dampers whose input has stopped, at the steady time ``now``, s."""
+        told = (own.source.stale(now, self.settings.stale_after) for own in self.displacement.values())
+        return [message for message in told if message is not None]
+
+
+def _comparison(source: DisplacementInput, settings: Settings, roster: Roster) -> Comparison:
+    cutoff = roster.signal_map.cutoff
+    return Comparison(source, cutoff, settings.max_gap, settings.drift_window, settings.drift_factor)

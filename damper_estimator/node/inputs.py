@@ -1,0 +1,143 @@
+"""The node's subscriptions: every message is taken as bytes, counted, and given to the estimation of the moment."""
+
+import time
+import traceback
+from dataclasses import replace
+from importlib import import_module
+
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+
+from damper_estimator.errors import InputError
+from damper_estimator.node.estimation import Estimation
+from damper_estimator.node.health import InputTally
+from damper_estimator.node.wire import MalformedMessage
+
+LOG_PERIOD = 1.0  # s, at most one complaint per topic
+
+
+class Inputs:
+    """What comes in, by topic as the signal map names it; final.
+
+    Attributes:
+        tallies: counts by topic; they survive changes of parameters.
+        data: the last message by topic.
+        is_simulated: whether the node's time is a simulated one; looked up once a second, asking costs too much.
+        busy: s, time spent on messages; ``longest`` the longest of one since `take_longest`.
+    """
+
+    def __init__(self, node: LifecycleNode) -> None:
+        self._node = node
+        self._quality: QoSProfile | None = None
+        self._subscriptions: dict[tuple[str, str], Subscription] = {}
+        self.tallies: dict[str, InputTally] = {}
+        self.data: dict[str, bytes] = {}
+        self.busy = 0.0
+        self.is_simulated = False
+        self._longest = 0.0
+
+    def open(self, quality: QoSProfile) -> None:
+        """From now on with this quality of service."""
+        self._quality = quality
+
+    def close(self) -> None:
+        """Gives all subscriptions up."""
+        for subscription in self._subscriptions.values():
+            self._node.destroy_subscription(subscription)
+        self._subscriptions.clear()
+        self.tallies.clear()
+        self.data.clear()
+
+    def check(self, estimation: Estimation) -> None:
+        """Leaves out the topics that a damper's name cannot be part of, such as one with a blank.
+
+        Raises:
+            InputError: where a topic that somebody named cannot be one.
+        """
+        for topic in list(estimation.topics):
+            try:
+                self._node.resolve_topic_name(topic)
+            except (ValueError, RCLError) as error:
+                if topic in estimation.named:
+                    raise InputError(
+                        f"{estimation.roster.signal_map.where}: {topic!r} cannot be a topic: letters, digits, _ and / "
+                        "can, and no part begins with a digit"
+                    ) from error
+                del estimation.topics[topic]
+
+    def subscribe(self, estimation: Estimation) -> None:
+        """Subscribes what the estimation wants and is not there yet, and gives up what it does not want."""
+        wanted = set(estimation.topics.items())
+        for key in [key for key in self._subscriptions if key not in wanted]:
+            self._node.destroy_subscription(self._subscriptions.pop(key))
+            self.tallies.pop(key[0], None)
+        for topic, type_name in wanted - self._subscriptions.keys():
+            self._subscriptions[topic, type_name] = self._subscription(topic, type_name)
+
+    def now(self) -> float:
+        """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace."""
+        return self._node.get_clock().now().nanoseconds / 1e9 if self.is_simulated else time.monotonic()
+
+    def take_longest(self) -> float:
+        """The longest time that one message took since the last call, s."""
+        longest, self._longest = self._longest, 0.0
+        return longest
+
+    def snapshot(self) -> dict[str, InputTally]:
+        """A copy of the counts."""
+        return {topic: replace(tally) for topic, tally in self.tallies.items()}
+
+    def _subscription(self, topic: str, type_name: str) -> Subscription:
+        node = self._node
+        tally = self.tallies[topic] = InputTally(node.resolve_topic_name(topic))
+
+        def on_incompatible(event: object) -> None:
+            tally.incompatible = event.total_count
+
+        def on_lost(event: object) -> None:
+            tally.lost = event.total_count
+
+        def receive(data: bytes) -> None:
+            begin = time.monotonic()
+            tally.messages += 1
+            tally.last = begin
+            self.data[topic] = data
+            if not node.is_active:
+                return
+            if node.recorder is not None:
+                node.recorder.keep(tally.topic, type_name, data)
+            try:
+                now = self.now() if self.is_simulated else begin
+                answer, has_grown = node.estimation.take(topic, data, now)
+                if answer is not None:
+                    node.publish_forces(answer)
+                if has_grown:
+                    self.check(node.estimation)
+                    self.subscribe(node.estimation)
+            except MalformedMessage:
+                tally.malformed += 1
+            except Exception:
+                if not node.context.ok():
+                    return  # a signal has taken ROS away
+                tally.failures += 1
+                node.get_logger().error(
+                    f"message on {topic}: {traceback.format_exc()}", throttle_duration_sec=LOG_PERIOD
+                )
+            took = time.monotonic() - begin
+            self.busy += took
+            if took > self._longest:
+                self._longest = took
+
+        events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, message_lost=on_lost)
+        return node.create_subscription(
+            message_type(type_name), topic, receive, self._quality, event_callbacks=events, raw=True
+        )
+
+
+def message_type(type_name: str) -> type:
+    """The Python class of ``package/msg/Name``."""
+    package, folder, name = type_name.split("/")
+    return getattr(import_module(f"{package}.{folder}"), name)

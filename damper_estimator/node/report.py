@@ -1,0 +1,128 @@
+"""Puts together what the node knows of itself for ``/diagnostics``."""
+
+import time
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.lifecycle import LifecycleNode
+
+from damper_estimator.node import health
+from damper_estimator.node.displacement import JOINT_STATE, names_in
+from damper_estimator.node.estimation import Estimation
+from damper_estimator.node.wire import MalformedMessage
+
+SILENT = 2.0  # s, after which a slow channel that once spoke is reported
+
+
+class Reporter:
+    """The node's view of itself, and what it said a second ago; final.
+
+    Attributes:
+        published: force messages.
+    """
+
+    def __init__(self, node: LifecycleNode) -> None:
+        self._node = node
+        self.published = 0
+        self._incompatible = 0
+        self._before: dict[str, health.DamperNow] = {}
+        self._inputs: dict[str, health.InputTally] = {}
+        self._introduced: set[tuple] = set()
+
+    def note_incompatible_output(self, event: object) -> None:
+        """A subscriber of the forces asks for more than is offered."""
+        self._incompatible = event.total_count
+
+    def introduce(self, estimation: Estimation) -> None:
+        """Says in the log, once, what estimates which damper, and where a model wants another filter."""
+        cutoff = estimation.roster.signal_map.cutoff
+        logger = self._node.get_logger()
+        for topic, own in estimation.displacement.items():
+            for one in own.source.estimators:
+                model = one.deployed.model
+                key = (one.name, model.name, topic, cutoff)
+                if key in self._introduced:
+                    continue
+                self._introduced.add(key)
+                logger.info(f"{one.name}: model {model.name}, displacement from {self._node.resolve_topic_name(topic)}")
+                fitted = model.fit.get("cutoff")
+                if fitted is not None and fitted != cutoff:
+                    logger.warning(
+                        f"{one.name}: model {model.name} was identified at a cutoff of {fitted} Hz, "
+                        f"{cutoff:g} Hz is in use"
+                    )
+
+    def statuses(self) -> list[DiagnosticStatus]:
+        """What to say now."""
+        node, prefix = self._node, self._node.get_fully_qualified_name().lstrip("/")
+        estimation = node.estimation
+        if estimation is None:
+            reason = node.refusal or "not configured"
+            return [health.status(f"{prefix}: node", health.WARN, reason, {"state": "unconfigured"})]
+        told, now = [], time.monotonic()
+        inputs = node.inputs.snapshot()
+        known = set(estimation.names)
+        for topic, own in estimation.displacement.items():
+            tally = inputs[topic]
+            self._complete(tally, topic, own.source.stamp)
+            before = self._inputs.get(topic, health.InputTally(""))
+            told.append(health.input_status(prefix, tally, before, now, known))
+            for d, one in enumerate(own.source.estimators):
+                told.append(self._damper(prefix, topic, estimation, d, one.name, inputs))
+        self._inputs = inputs
+        told.append(health.output_status(prefix, self._output(), self._incompatible))
+        if node.recorder is not None:
+            told.append(health.status(f"{prefix}: recording", *node.recorder.health()))
+        return told
+
+    def _complete(self, tally: health.InputTally, topic: str, stamp: int) -> None:
+        """What is not worth computing with every message."""
+        if tally.last is None:
+            there = self._node.get_publishers_info_by_topic(tally.topic)
+            tally.other_types = sum(publisher.topic_type != JOINT_STATE for publisher in there)
+        data = self._node.inputs.data.get(topic)
+        if data is None:
+            return
+        try:
+            tally.names = names_in(data)
+        except MalformedMessage:
+            return
+        if tally.last is not None and self._node.is_active:
+            waited = time.monotonic() - tally.last
+            tally.age = (self._node.get_clock().now().nanoseconds - stamp) / 1e9 - waited
+
+    def _damper(
+        self, prefix: str, topic: str, estimation: Estimation, d: int, name: str, inputs: dict[str, health.InputTally]
+    ) -> DiagnosticStatus:
+        own = estimation.displacement[topic]
+        source, model = own.source, own.source.estimators[d].deployed.model
+        slow = {t: inputs[t] for t, held in estimation.slow.items() if t in inputs and any(h[0] == name for h in held)}
+        now = health.DamperNow(
+            name,
+            model.name,
+            model.fit.get("cutoff"),
+            source.line.counts[d].copy(),
+            int(source.missing[d]),
+            source.line.levels[d].copy(),
+            bool(self._node.inputs.now() - source.last_good[d] > estimation.settings.stale_after),
+            own.comparison.drifts.get(name),
+            health.silent_slow_channels(slow, time.monotonic(), SILENT),
+        )
+        before = self._before.get(name)
+        # Counts begin anew where a change of parameters did.
+        if before is None or (now.counts < before.counts).any() or now.missing < before.missing:
+            before = health.nothing_yet(now)
+        self._before[name] = now
+        roster = estimation.roster
+        return health.damper_status(prefix, now, before, roster.signal_map.cutoff, roster.delay)
+
+    def _output(self) -> dict[str, object]:
+        node = self._node
+        return {
+            "state": "active" if node.is_active else "inactive",
+            "topic": node.forces.topic_name,
+            "published": self.published,
+            health.SUBSCRIBERS: node.forces.get_subscription_count(),
+            "incompatible subscribers": self._incompatible,
+            "longest time for one message [ms]": f"{1e3 * node.inputs.take_longest():.3f}",
+            "time for messages [s]": f"{node.inputs.busy:.3f}",
+        }

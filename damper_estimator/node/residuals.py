@@ -1,0 +1,159 @@
+"""The estimates against the strain gauges, live: residual messages, running error and drift. Knows no ROS.
+
+Samples are collected as they come and compared a few times a second: gauge and displacement of the same instant arrive
+one after the other in any case, and the estimates must not wait for the comparison.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from damper_estimator.model.estimator import FIELDS, WARMING_UP, Estimates
+from damper_estimator.model.live_line import ABSENT, SLOW
+from damper_estimator.model.residual_line import ResidualLine, Residuals
+from damper_estimator.model.vehicle_line import together
+from damper_estimator.node.displacement import JOINT_STATE, DisplacementInput
+from damper_estimator.node.drift import Drift
+from damper_estimator.node.wire import reader_of
+from damper_estimator.recordings import joint_states
+from damper_estimator.signals import DamperSignals, Kinematics
+from damper_estimator.signals.admission import ACCEPTED, DUPLICATE
+from damper_estimator.signals.layout import DT, ROWS, A, V, X
+
+_ROOM = 2048  # samples between two comparisons; more are not compared
+_X, _V, _A = (FIELDS.index(name) for name in ("displacement", "velocity", "acceleration"))
+_NOTHING = np.zeros(0, np.int64)
+
+
+class GaugeInput:
+    """One topic of measured forces, of one or more dampers; final."""
+
+    def __init__(self, signals: Sequence[DamperSignals]) -> None:
+        """Raises InputError where a field path does not fit the message type."""
+        self._channels = [own.force for own in signals]
+        self._reader = reader_of("force", JOINT_STATE, self._channels)
+        self._stamps = np.zeros(_ROOM, np.int64)
+        self._values = np.full((_ROOM, len(signals)), np.nan)
+        self._present = np.zeros((_ROOM, len(signals)), bool)
+        self._count = 0
+
+    def take(self, data: bytes, _: float) -> None:
+        """Keeps the values of one message until they are compared."""
+        reading = self._reader.read(data)
+        if self._count < _ROOM:
+            self._stamps[self._count] = reading.stamp
+            self._values[self._count] = reading.values
+            self._present[self._count] = reading.present
+            self._count += 1
+
+    def taken(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Stamps (n,) ns and SI values (n,) by damper since the last call."""
+        count, self._count = self._count, 0
+        stamps, values, present = (own[:count].copy() for own in (self._stamps, self._values, self._present))
+        return [
+            (stamps[present[:, d]], channel.value(values[present[:, d], d])) for d, channel in enumerate(self._channels)
+        ]
+
+
+class Collected:
+    """The estimates of one displacement topic since the last comparison; final."""
+
+    def __init__(self, source: DisplacementInput) -> None:
+        self._source = source
+        self._count = 0
+        self._allocate()
+
+    def _allocate(self) -> None:
+        k = len(self._source.line.names)
+        self._stamps = np.zeros(_ROOM, np.int64)
+        self._verdicts, self._status = np.zeros((_ROOM, k), np.int64), np.zeros((_ROOM, k), np.uint8)
+        self._numbers, self._modelled = np.zeros((_ROOM, len(FIELDS), k)), np.zeros((_ROOM, k))
+
+    def keep(self, stamp: int) -> None:
+        """Keeps what the line has just estimated."""
+        line = self._source.line
+        if self._verdicts.shape[1] != len(line.names):
+            self._allocate()
+            self._count = 0
+        if self._count < _ROOM:
+            self._stamps[self._count] = stamp
+            self._verdicts[self._count], self._status[self._count] = line.verdicts, line.status
+            self._numbers[self._count], self._modelled[self._count] = line.estimates, line.modelled
+            self._count += 1
+
+    def taken(self) -> list[Estimates]:
+        """The estimates of each damper since the last call."""
+        count, self._count = self._count, 0
+        return [self._of(d, count) for d in range(self._verdicts.shape[1])]
+
+    def _of(self, d: int, count: int) -> Estimates:
+        verdict = self._verdicts[:count, d]
+        came = verdict > ABSENT
+        verdict = verdict[came]
+        good = came & (self._verdicts[:count, d] < DUPLICATE)
+        numbers = self._numbers[:count, :, d][good]
+        block = np.full((ROWS, numbers.shape[0]), np.nan)
+        block[X], block[V], block[A] = numbers[:, _X], numbers[:, _V], numbers[:, _A]
+        block[DT] = np.where(verdict[verdict < DUPLICATE] == ACCEPTED, 1.0, 0.0)  # only whether it is a start counts
+        modelled, status = self._modelled[:count, d][good], self._status[:count, d][good]
+        force = np.where(np.isfinite(modelled), modelled, np.nan)
+        return Estimates(Kinematics(self._stamps[:count][good], block), force, force, force, status, verdict)
+
+
+class Comparison:
+    """All dampers on one displacement topic against their gauges; final.
+
+    Attributes:
+        drifts: by damper.
+    """
+
+    def __init__(self, source: DisplacementInput, cutoff: float, max_gap: float, window: float, factor: float) -> None:
+        """``cutoff`` in Hz, ``max_gap`` and ``window`` in s, ``factor`` as in `Drift`."""
+        self._source = source
+        self._settings = (cutoff, max_gap, window, factor)
+        self.collected = Collected(source)
+        self.drifts: dict[str, Drift] = {}
+        self._lines: dict[str, ResidualLine] = {}
+        self._motion: dict[str, tuple[np.ndarray, ...]] = {}
+
+    def compare(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> list[bytes]:
+        """The residual messages that can now be told; ``gauges`` are new samples by damper."""
+        cutoff, max_gap, window, factor = self._settings
+        told: dict[str, Residuals] = {}
+        for one, estimates in zip(self._source.estimators, self.collected.taken(), strict=False):
+            stamp, force = gauges.get(one.name, (_NOTHING, np.zeros(0)))
+            if one.name not in self._lines:
+                if not stamp.size:
+                    continue
+                self._lines[one.name] = ResidualLine(one.signals, cutoff, max_gap)
+                self.drifts[one.name] = Drift(one.name, window, factor)
+            told[one.name] = self._lines[one.name].block(estimates, estimates.kinematics.stamp, stamp, force)
+            self._judge(one.name, estimates, told[one.name])
+        messages = []
+        for stamp, rows in together({name: own.stamp for name, own in told.items()}):
+            effort = np.stack([told[name].value[own] for name, own in rows.items()], axis=1)
+            messages += joint_states(list(rows), stamp, effort=effort)
+        return messages
+
+    def _judge(self, name: str, estimates: Estimates, residuals: Residuals) -> None:
+        """Gives the settled ones of the residuals to the damper's drift."""
+        new = (estimates.kinematics.stamp, estimates.force, estimates.kinematics.velocity,
+               estimates.kinematics.displacement, estimates.status.astype(float))  # fmt: skip
+        kept = self._motion.get(name, tuple(part[:0] for part in new))
+        stamp, force, velocity, displacement, status = (
+            np.concatenate([old, own])[-_ROOM:] for old, own in zip(kept, new, strict=True)
+        )
+        self._motion[name] = (stamp, force, velocity, displacement, status)
+        rising = bool(np.all(np.diff(stamp) > 0))
+        if not residuals.stamp.size or not rising:
+            if not rising:
+                self._motion[name] = new
+            return
+        row = np.clip(np.searchsorted(stamp, residuals.stamp), 0, stamp.size - 1)
+        settled = (stamp[row] == residuals.stamp) & (status[row] != WARMING_UP)
+        row, value = row[settled], residuals.value[settled]
+        damper = self._source.line.names.index(name)
+        temperature = float(self._source.line.held[SLOW.index("temperature"), damper])
+        self.drifts[name].add(stamp[row], value, force[row] - value, velocity[row], displacement[row], temperature)
+        last = int(residuals.stamp[-1])
+        self._motion[name] = tuple(part[stamp > last] for part in self._motion[name])

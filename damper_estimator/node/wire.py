@@ -1,0 +1,198 @@
+"""Serialised messages to numbers and back, at the rate of the input.
+
+ROS messages are taken and published as bytes (CDR): making a Python object of every message would cost more than the
+estimate itself. Where the numbers lie is found by walking the definition once, and remembered as long as the messages
+keep their structure (names, lengths of arrays); a message that does not fit its type is refused.
+"""
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.model.estimator import FIELDS
+from damper_estimator.recordings import encode, parse_path
+from damper_estimator.recordings.definitions import builtin_schema, definition_of
+from damper_estimator.recordings.field_path import check_path, request_tree
+from damper_estimator.recordings.layout import Leaf, MalformedMessage, layout_of
+from damper_estimator.signals import Channel
+
+__all__ = ["ForcesTemplate", "MalformedMessage", "NumbersReader", "Reading"]
+FORCES_TYPE = "damper_msgs/msg/DamperForces"
+NANOSECONDS = 1_000_000_000
+_STAMP = slice(4, 12)
+_STAMP_PATHS = ("header.stamp.sec", "header.stamp.nanosec")
+_PADDING = 3
+_MOST_PLACES = 64  # structures that are remembered; a publisher of ever new names must not fill the memory
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What one message says.
+
+    Attributes:
+        stamp: ns; 0 where the type has none.
+        values: (k,) one per path, valid where ``present``; reused by the next message.
+        present: (k,) bool.
+        is_whole: whether all are present.
+    """
+
+    stamp: int
+    values: np.ndarray
+    present: np.ndarray
+    is_whole: bool
+
+
+class _Place:
+    """Where the numbers lie in messages of one structure; final."""
+
+    def __init__(self, data: bytes, leaves: Sequence[Leaf | None], structural: np.ndarray, stamped: bool) -> None:
+        self._size = len(data)
+        self._runs = [(run, data[run]) for run in _runs(structural)]
+        self._stamp = struct.Struct(("<" if data[1] else ">") + "iI") if stamped else None
+        self.present = np.array([leaf is not None for leaf in leaves])
+        self.is_whole = bool(self.present.all())
+        there = [leaf for leaf in leaves if leaf is not None]
+        self._leaves = [(slot, leaf) for slot, leaf in enumerate(leaves) if leaf is not None]
+        self._block = None
+        if there and self.is_whole and {leaf.dtype.str for leaf in there} == {"<f8"}:
+            first = there[0].offset
+            if [leaf.offset for leaf in there] == list(range(first, first + 8 * len(there), 8)):
+                self._block = first
+
+    def fits(self, data: bytes) -> bool:
+        """Whether a message has this structure."""
+        if len(data) != self._size:
+            return False
+        return all(data[run] == expected for run, expected in self._runs)
+
+    def read(self, data: bytes, values: np.ndarray) -> int:
+        """Fills in the values (k,); the stamp in ns."""
+        if self._block is not None:
+            values[:] = np.frombuffer(data, "<f8", values.size, self._block)
+        else:
+            for slot, leaf in self._leaves:
+                values[slot] = np.frombuffer(data, leaf.dtype, 1, leaf.offset)[0]
+        if self._stamp is None:
+            return 0
+        seconds, nanoseconds = self._stamp.unpack_from(data, _STAMP.start)
+        return seconds * NANOSECONDS + nanoseconds
+
+
+def _runs(structural: np.ndarray) -> list[slice]:
+    """Stretches of structural bytes; padding between them is taken in."""
+    places = np.unique(structural)
+    edges = np.flatnonzero(np.diff(places) > _PADDING + 1)
+    first = places[np.concatenate([[0], edges + 1])]
+    last = places[np.concatenate([edges, [places.size - 1]])]
+    return [slice(int(a), int(b) + 1) for a, b in zip(first, last, strict=True)]
+
+
+class NumbersReader:
+    """Reads fields of one built-in message type out of serialised messages; final.
+
+    Raises:
+        InputError: where the type has no such field, or it is no number.
+    """
+
+    def __init__(self, type_name: str, paths: Sequence[str]) -> None:
+        self._definition = definition_of(builtin_schema(type_name))
+        parsed = [parse_path(path) for path in paths]
+        for path in parsed:
+            check_path(path, self._definition)
+        self._stamped = any(name == "header" for name, _ in self._definition.fields(type_name))
+        self._request = request_tree([*parsed, *map(parse_path, _STAMP_PATHS)] if self._stamped else parsed)
+        self._width = len(parsed)
+        self._values = np.full(self._width, np.nan)
+        self._places: list[_Place] = []
+
+    def knows(self, data: bytes) -> bool:
+        """Whether a message of this structure was read lately."""
+        return any(place.fits(data) for place in self._places)
+
+    def read(self, data: bytes) -> Reading:
+        """The numbers of one message.
+
+        Raises:
+            MalformedMessage: where the bytes do not fit the type.
+        """
+        for number, place in enumerate(self._places):
+            if place.fits(data):
+                if number:
+                    self._places.insert(0, self._places.pop(number))
+                return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
+        slots = self._width + (2 if self._stamped else 0)
+        layout = layout_of(data, self._definition, self._request, slots)
+        place = _Place(data, layout.leaves[: self._width], layout.structural, self._stamped)
+        self._places = [place, *self._places[: _MOST_PLACES - 1]]
+        return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
+
+
+def reader_of(role: str, type_name: str, channels: Sequence[Channel]) -> NumbersReader:
+    """A reader of channels that lie on one topic.
+
+    Raises:
+        InputError: where a field path does not fit the message type that the node subscribes for this role.
+    """
+    for channel in channels:
+        try:
+            NumbersReader(type_name, [channel.field])
+        except InputError as error:
+            raise InputError(f"{role} on {channel.topic}: {error}") from error
+    return NumbersReader(type_name, [channel.field for channel in channels])
+
+
+def names_and_frame(data: bytes) -> tuple[list[str], str]:
+    """``name[]`` and ``header.frame_id`` of a message that begins with a header and names, such as JointState.
+
+    Raises:
+        MalformedMessage: where the bytes do not hold them.
+    """
+    length = struct.Struct(("<" if data[1:2] == b"\x01" else ">") + "I")
+    position = _STAMP.stop
+
+    def text() -> str:
+        nonlocal position
+        position += -(position - 4) % 4
+        (size,) = length.unpack_from(data, position)
+        start = position + 4
+        position = start + size
+        if position > len(data):
+            raise MalformedMessage(f"its {len(data)} bytes end too early")
+        return data[start:position].rstrip(b"\0").decode("utf-8", "replace")
+
+    try:
+        frame = text()
+        position += -(position - 4) % 4
+        (count,) = length.unpack_from(data, position)
+        position += 4
+        if count > len(data):
+            raise MalformedMessage(f"it announces {count} names in {len(data)} bytes")
+        return [text() for _ in range(count)], frame
+    except struct.error as error:
+        raise MalformedMessage(f"its {len(data)} bytes end too early") from error
+
+
+class ForcesTemplate:
+    """A serialised ``DamperForces`` of given dampers, to be filled in; final."""
+
+    def __init__(self, names: Sequence[str], frame: str) -> None:
+        k = len(names)
+        definition = definition_of(builtin_schema(FORCES_TYPE))
+        arrays = {field: np.full((1, k), np.nan) for field in FIELDS} | {"status": np.zeros((1, k), np.uint8)}
+        (plain,) = encode(FORCES_TYPE, 1, {"header.frame_id": frame, "name": list(names), **arrays})
+        self._buffer = bytearray(plain)
+        paths = [parse_path(f"{field}[0]") for field in (*FIELDS, "status")]
+        leaves = layout_of(plain, definition, request_tree(paths), len(paths)).leaves
+        first, second = leaves[0].offset, leaves[1].offset
+        self._numbers = np.ndarray((len(FIELDS), k), "<f8", self._buffer, first, (second - first, 8))
+        self._status = np.ndarray((k,), np.uint8, self._buffer, leaves[-1].offset)
+
+    def message(self, stamp: bytes, numbers: np.ndarray, status: np.ndarray) -> bytes:
+        """The message: ``stamp`` (8 bytes as in the input), ``numbers`` (9, k) by FIELDS, ``status`` (k,)."""
+        self._buffer[_STAMP] = stamp
+        self._numbers[:] = numbers
+        self._status[:] = status
+        return bytes(self._buffer)

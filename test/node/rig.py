@@ -1,0 +1,168 @@
+"""What the tests of the running node share: a publisher of JointState, a client of its services, what it answered."""
+
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+PATIENCE = 300.0  # s, far more than anything here takes on a busy machine, compiling included
+START = 1_700_000_000_000_000_000
+MS = 1_000_000
+
+
+class Rig:
+    """Publishes to the node and keeps what it says; final. rclpy must be initialised."""
+
+    def __init__(self, name: str = "/damper_estimator", reliable: bool = True) -> None:
+        import rclpy
+        from damper_msgs.msg import DamperForces
+        from diagnostic_msgs.msg import DiagnosticArray
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.qos import QoSProfile, ReliabilityPolicy
+        from sensor_msgs.msg import JointState
+
+        self.name = name
+        self.node = rclpy.create_node("rig", start_parameter_services=False)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self.node)
+        self._quality = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
+        self.forces, self.residuals, self.health = [], [], []
+        self.node.create_subscription(DamperForces, f"{name}/force", self.forces.append, self._quality)
+        self.node.create_subscription(JointState, f"{name}/residual", self.residuals.append, self._quality)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, self._quality)
+        self._publishers = {}
+        self.stamp = START
+
+    def publisher(self, topic: str = "/suspension/displacement", kind: str = "sensor_msgs/msg/JointState"):
+        """A publisher that the node has heard of."""
+        from damper_estimator.node.inputs import message_type
+
+        if topic not in self._publishers:
+            self._publishers[topic] = self.node.create_publisher(message_type(kind), topic, self._quality)
+            self.wait(lambda: self._publishers[topic].get_subscription_count() > 0, f"a subscriber of {topic}")
+        return self._publishers[topic]
+
+    def ready(self) -> None:
+        """Waits until the node's forces reach us and our displacement reaches it."""
+        self.publisher()
+        self.wait(lambda: self.values("output").get("subscribers", "0") != "0", "the node's forces")
+
+    def forget(self) -> None:
+        """Leaves the topics, as a publisher does that ends."""
+        for publisher in self._publishers.values():
+            self.node.destroy_publisher(publisher)
+        self._publishers.clear()
+
+    def wait(self, condition: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
+        """Listens until a condition holds."""
+        end = time.monotonic() + patience
+        while not condition():
+            assert time.monotonic() < end, f"waited {patience:g} s for {what}"
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def listen(self, seconds: float) -> None:
+        """Listens for a while."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def send(
+        self, values: Sequence[float], names: Sequence[str] = ("left",), stamp: int | None = None, step: int = MS
+    ) -> None:
+        """One displacement message; without ``stamp`` it follows the last by ``step`` ns."""
+        self.send_raw(joint_state(values, names, self._next(stamp, step)))
+
+    def _next(self, stamp: int | None, step: int) -> int:
+        if stamp is None:
+            self.stamp += step
+            return self.stamp
+        return stamp
+
+    def send_raw(self, data: bytes, topic: str = "/suspension/displacement") -> None:
+        """Serialised bytes, whatever they are."""
+        self.publisher(topic).publish(data)
+
+    def drive(self, count: int, names: Sequence[str] = ("left",), step: int = MS, window: int = 20) -> list:
+        """Sends ``count`` good messages, waiting for answers; the answers."""
+        before = len(self.forces)
+        for i in range(count):
+            self.send([0.02 * np.sin(0.02 * i)] * len(names), names, step=step)
+            self.wait(lambda i=i: self._answered(before) >= i - window, "answers")
+        self.wait(lambda: self._answered(before) >= count, f"{count} answers")
+        return [m for m in self.forces[before:] if 4 not in m.status]
+
+    def _answered(self, before: int) -> int:
+        return sum(4 not in m.status for m in self.forces[before:])
+
+    def status(self, ending: str):
+        """The newest status whose name ends so; None before the first."""
+        for array in reversed(self.health[-3:]):
+            for status in array.status:
+                if status.name.endswith(ending):
+                    return status
+        return None
+
+    def values(self, ending: str) -> dict[str, str]:
+        """Its values by key."""
+        status = self.status(ending)
+        return {pair.key: pair.value for pair in status.values} if status else {}
+
+    def fresh_values(self, ending: str) -> dict[str, str]:
+        """The values of a report that was made after now."""
+        seen = len(self.health)
+        self.wait(lambda: len(self.health) > seen + 1, "two more reports")
+        return self.values(ending)
+
+    def call(self, kind: type, service: str, request: object) -> object:
+        """Calls a service of the node."""
+        client = self.node.create_client(kind, f"{self.name}/{service}")
+        self.wait(client.service_is_ready, f"the service {service}")
+        future = client.call_async(request)
+        self.wait(future.done, f"an answer of {service}")
+        self.node.destroy_client(client)
+        return future.result()
+
+    def transition(self, number: int) -> bool:
+        """Asks for a transition of the managed node; whether it took place."""
+        from lifecycle_msgs.srv import ChangeState
+
+        request = ChangeState.Request()
+        request.transition.id = number
+        return self.call(ChangeState, "change_state", request).success
+
+    def state(self) -> str:
+        """The managed node's state."""
+        from lifecycle_msgs.srv import GetState
+
+        return self.call(GetState, "get_state", GetState.Request()).current_state.label
+
+    def set(self, **parameters: object) -> tuple[bool, str]:
+        """Sets parameters together; whether they were taken, and else why not."""
+        from rcl_interfaces.srv import SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        request = SetParametersAtomically.Request()
+        request.parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in parameters.items()]
+        result = self.call(SetParametersAtomically, "set_parameters_atomically", request).result
+        return result.successful, result.reason
+
+    def get(self, name: str) -> object:
+        """The value of a parameter."""
+        from rcl_interfaces.srv import GetParameters
+        from rclpy.parameter import parameter_value_to_python
+
+        (value,) = self.call(GetParameters, "get_parameters", GetParameters.Request(names=[name])).values
+        return parameter_value_to_python(value)
+
+    def close(self) -> None:
+        """Leaves the ROS graph."""
+        self._executor.shutdown()
+        self.node.destroy_node()
+
+
+def joint_state(values: Sequence[float], names: Sequence[str], stamp: int) -> bytes:
+    """A serialised displacement message."""
+    from damper_estimator.recordings import joint_states
+
+    position = np.array([values], float) if len(values) else None
+    return joint_states(list(names), np.array([stamp]), position=position)[0]

@@ -1,0 +1,226 @@
+"""Every fault that an input may have, against the running node: survived, answered with numbers, counted, reported."""
+
+import ctypes
+import os
+import resource
+import signal
+import time
+
+import numpy as np
+import pytest
+from rig import MS, START, joint_state
+
+GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
+SECOND = 1000 * MS
+
+
+def settle(rig, names=("left",)) -> None:
+    """A good input until the estimates are good."""
+    answers = rig.drive(260, names)
+    assert set(answers[-1].status) == {GOOD}
+
+
+def checked(rig) -> None:
+    """No force of all that came is anything but a number, and none without a number is good."""
+    for message in rig.forces:
+        assert np.isfinite(message.force).all()
+        assert len(message.force) == len(message.status) == len(message.name)
+
+
+@pytest.mark.parametrize("executor", ["events", "single"])
+def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(executor, start, rig):
+    start(model="linear_viscous", dampers="[left, right]", stale_after=0.2, executor=executor)
+    rig.ready()
+    settle(rig, ["left", "right"])
+    last = rig.forces[-1]
+    rig.wait(lambda: any(STALE in m.status for m in rig.forces), "STALE")
+    stale = rig.forces[-1]
+    assert list(stale.status) == [STALE, STALE] and list(stale.name) == ["left", "right"]
+    assert stale.header.stamp == last.header.stamp and list(stale.force) == list(last.force)
+    rig.wait(lambda: "stopped" in rig.status(": left").message, "the report")
+    # One of two goes missing: it alone is stale.
+    rig.stamp += SECOND
+    for _ in range(600):
+        rig.send([0.001], ["left"])
+        rig.listen(0.002)
+    alone = [m for m in rig.forces if STALE in m.status][-1]
+    assert list(alone.name) == ["right"]
+    assert GOOD in [m.status[0] for m in rig.forces[-5:] if list(m.name) == ["left"]]
+    assert int(rig.fresh_values(": right")["not in the message"]) == 600
+    checked(rig)
+
+
+def test_values_that_cannot_be_are_dropped_counted_and_degrade(start, rig):
+    start(model="carrera_akutain", dampers="[left]", stale_after=60.0)
+    rig.ready()
+    settle(rig)
+    before = {k: v for k, v in rig.fresh_values(": left").items()}
+    for value in (np.nan, np.inf, -np.inf, 1e300, -1e12):
+        rig.send([value])
+    (answer,) = rig.drive(1)
+    assert answer.status[0] == DEGRADED
+    rig.send([0.5])  # an outlier
+    rig.send([0.0])
+    settle(rig)
+    after = rig.fresh_values(": left")
+    new = {key: int(after[key]) - int(before[key]) for key in ("dropped: not finite", "jumps", "samples", "estimates")}
+    assert new["dropped: not finite"] == 5 and new["samples"] - new["estimates"] == 5
+    assert new["jumps"] >= 2
+    checked(rig)
+
+
+def test_clock_steps_and_disorder_are_dropped_or_begin_anew(start, rig):
+    start(model="carrera_akutain", dampers="[left]", stale_after=60.0)
+    rig.ready()
+    settle(rig)
+    now = rig.stamp
+    rig.send([0.0], stamp=now)  # a duplicate
+    rig.send([0.0], stamp=now - 5 * MS)  # late
+    rig.stamp += 20 * MS
+    answers = rig.drive(2)  # twenty steps at once
+    assert answers[-1].status[0] == DEGRADED
+    settle(rig)
+    for jump in (3600 * SECOND, -7200 * SECOND):
+        rig.stamp += jump
+        answers = rig.drive(250)
+        assert answers[0].status[0] == WARMING_UP and answers[-1].status[0] == GOOD
+    values = rig.fresh_values(": left")
+    expected = {
+        "dropped: equal stamp": 1, "dropped: older stamp": 1, "late: several steps at once": 1,
+        "resets: gap": 1, "resets: clock stepped back": 1,
+    }  # fmt: skip
+    assert {key: int(values[key]) for key in expected} == expected
+    for stamp in (0, -(2**31) * 10**9, (2**31 - 1) * 10**9):  # the ends of what a stamp can hold
+        rig.send([0.0], stamp=stamp)
+    rig.stamp = START
+    settle(rig)
+    checked(rig)
+
+
+def test_names_that_vanish_change_places_or_come_twice_are_looked_up(start, rig):
+    start(model="linear_viscous", dampers="[left, right]", stale_after=60.0)
+    rig.ready()
+    settle(rig, ["left", "right"])
+    for i in range(300):
+        rig.send([0.0, 0.001 * i], ["right", "left"])
+    rig.wait(lambda: len(rig.forces) >= 560, "answers")
+    last = dict(zip(rig.forces[-1].name, rig.forces[-1].velocity, strict=True))
+    assert last["left"] == pytest.approx(1.0) and abs(last["right"]) < 0.1
+    for values, names in (([0.3], ["left"]), ([], []), ([0.3], ["left", "right"]), ([0.3, 0.0], ["", "stranger"])):
+        rig.send(values, names)
+    rig.send([0.3, 9.0, 9.0], ["left", "left", "left"])
+    values = rig.fresh_values(": right")
+    assert int(values["not in the message"]) == 5
+    assert int(rig.values(": left")["not in the message"]) == 2
+    assert rig.drive(1, ["left", "right"])
+    checked(rig)
+
+
+def test_bytes_that_are_no_message_are_counted_and_change_nothing(start, rig):
+    start(model="linear_viscous", dampers="[left]", stale_after=60.0)
+    rig.ready()
+    settle(rig)
+    random, good = np.random.default_rng(4), joint_state([0.0], ["left"], rig.stamp + MS)
+    torn = [good[:n] for n in range(4, len(good) - 4, 5)]
+    noise = [good[:4] + random.bytes(int(n)) for n in random.integers(1, 400, 60)]
+    for data in torn + noise:
+        rig.send_raw(data)
+        rig.listen(0.001)
+    values = rig.fresh_values("input /suspension/displacement")
+    assert int(values["malformed"]) > 50 and int(values["failures"]) == 0
+    assert int(values["malformed"]) + int(rig.values(": left")["samples"]) >= 260
+    rig.stamp += 2**31 * 10**9 // 4
+    settle(rig)
+    checked(rig)
+
+
+def test_a_rate_that_changes_and_a_publisher_that_restarts(start, rig):
+    start(model="carrera_akutain", dampers="[left]", stale_after=60.0)
+    rig.ready()
+    settle(rig)
+    assert rig.drive(150, step=5 * MS)[-1].status[0] == GOOD
+    assert rig.drive(500)[-1].status[0] == GOOD
+    rig.forget()
+    rig.stamp += SECOND
+    rig.ready()
+    answers = rig.drive(250)
+    assert answers[0].status[0] == WARMING_UP and answers[-1].status[0] == GOOD
+    checked(rig)
+
+
+def test_a_burst_after_a_stall_is_worked_off_without_crying_stale(start, rig):
+    process = start(model="carrera_akutain", dampers="[left]", stale_after=0.5, qos_depth=400)
+    rig.ready()
+    settle(rig)
+    before = len(rig.forces)
+    process.send_signal(signal.SIGSTOP)
+    for _ in range(300):
+        rig.send([0.01])
+        time.sleep(0.001)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGCONT)
+    rig.wait(lambda: len(rig.forces) >= before + 300, "the answers to the burst")
+    assert not [m for m in rig.forces[before : before + 300] if STALE in m.status]
+    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in rig.forces[before : before + 300]]
+    assert stamps == sorted(stamps) and stamps[-1] == rig.stamp
+
+
+def test_qualities_of_service_that_do_not_match_are_reported_on_both_sides(start, rig):
+    from damper_msgs.msg import DamperForces
+    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from std_msgs.msg import Float64
+
+    start(model="coulomb", dampers="[left]")
+    rig.ready()
+    wanting = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    rig.node.create_subscription(DamperForces, "/damper_estimator/force", lambda _: None, wanting)
+    rig.wait(lambda: "not offered" in rig.status("output").message, "the report of the output")
+    rig.forget()
+    rig.node.create_publisher(Float64, "/suspension/displacement", 10)
+    rig.wait(lambda: "another type" in rig.status("input /suspension/displacement").message, "the other type")
+
+
+def test_a_full_disk_stops_recording_and_never_the_estimates(start, rig, tmp_path):
+    """A limit on the size of files acts like a disk that is full, for the log as well."""
+    start(
+        model="coulomb", dampers="[left]", stale_after=60.0, record=str(tmp_path / "bags"),
+        before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000)),
+    )  # fmt: skip
+    rig.ready()
+    for _ in range(40):
+        rig.drive(100)
+        if rig.status("recording") and rig.status("recording").level == b"\x02":
+            break
+    assert "File too large" in rig.status("recording").message
+    assert int(rig.values("recording")["not recorded"]) > 0
+    settle(rig)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_in_the_middle_of_the_input_ends_it_without_complaint(number, start, rig):
+    process = start(model="carrera_akutain", dampers="[left, right]")
+    rig.ready()
+    rig.drive(50, ["left", "right"])
+    for _ in range(200):
+        rig.send([0.0, 0.0], ["left", "right"])
+    os.kill(process.pid, number)
+    os.kill(process.pid, number)
+    said = process.communicate(timeout=60.0)[1]
+    assert process.returncode == 0
+    assert "Traceback" not in said and "FATAL" not in said and "Failed" not in said, said
+
+
+def without_the_right_to_priorities() -> None:
+    """Drops CAP_SYS_NICE, which only the administrator has, and the limit that may stand for it."""
+    drop_from_bounding_set, sys_nice = 24, 23
+    ctypes.CDLL(None).prctl(drop_from_bounding_set, sys_nice)
+    resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+
+
+def test_a_priority_that_is_not_allowed_is_told_and_the_node_goes_on(start, rig):
+    process = start(model="coulomb", dampers="[left]", realtime_priority=50, before=without_the_right_to_priorities)
+    rig.ready()
+    assert rig.drive(5)
+    process.terminate()
+    said = process.communicate(timeout=60.0)[1]
+    assert "realtime_priority 50 is not allowed here" in said and "limits.conf" in said
