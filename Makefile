@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test demo bench real-data clean
+.PHONY: help env test demo bench bench-diagnosis real-data soak fuzz clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -28,7 +28,20 @@ real-data: env ## the tables of docs/real_data.md, where the recordings are ther
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
 bench: env ## measure speed and print it
-	@for file in benchmarks/bench_*.py; do $(BIN)/python $$file || exit 1; done
+	@for file in $(filter-out %/bench_diagnosis.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
+
+bench-diagnosis: env ## hide effects in simulated dampers and see whether they are found (FULL=1: all there is)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_diagnosis.py -o docs/diagnosis_bench.md
+
+soak: env ## half an hour of the node at 1 kHz with random faults: memory and counters (SOAK="SECONDS RATE")
+	@$(BIN)/python benchmarks/soak.py $(SOAK)
+
+FUZZ_TARGETS ?= bags bench models maps wire parameters
+FUZZ_SECONDS ?= 600
+fuzz: env ## fuzz bags, bench files, YAML, messages and parameters, 10 minutes each; findings in out/fuzz
+	@$(BIN)/python -m pip install -qq atheris || echo "no atheris here: random mutation instead of coverage guidance"
+	@rm -rf out/fuzz; for target in $(FUZZ_TARGETS); do $(BIN)/python benchmarks/fuzz.py $$target $(FUZZ_SECONDS) || exit 1; done
+	@ls out/fuzz/*.txt 2>/dev/null && exit 1 || echo "nothing found"
 
 clean: ## remove what make made: .venv, out, caches
 	rm -rf .venv out build install log .pytest_cache .hypothesis *.egg-info

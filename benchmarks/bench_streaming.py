@@ -1,4 +1,5 @@
-"""Time of one live sample: model alone, and the whole line from stamp to estimate; compiled and as plain Python."""
+"""Time of one live sample: model alone, and the whole line from stamp to estimate, for one damper and four in one call;
+compiled and as plain Python."""
 
 import os
 import subprocess
@@ -9,7 +10,8 @@ import numpy as np
 
 from damper_estimator.compiled import COMPILED
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.model.estimator import deployed
+from damper_estimator.model.live_line import LiveLine
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
 
 MODELS = ("carrera_akutain", "bouc_wen", "lozoya_santos_complete")
@@ -27,12 +29,14 @@ def model_time(name: str) -> float:
     return timed(lambda i: stream.force(blocks[i]))
 
 
-def line_time(name: str) -> float:
-    """The same for the whole line: admission, filter, model, status."""
-    estimator = DamperEstimator(load_model(name), 60.0, 0.1)
-    displacement = (0.02 * np.sin(np.arange(SAMPLES) * 0.01)).reshape(-1, 1)
-    counter = iter(range(10**9))
-    return timed(lambda i: estimator.block(np.array([next(counter) * 1_000_000]), displacement[i]))
+def line_time(name: str, dampers: int) -> float:
+    """The same for the whole line of so many dampers: admission, filter, model, status."""
+    line, own = LiveLine(), deployed(load_model(name), 60.0, 0.1)
+    for number in range(dampers):
+        line.add(str(number), own)
+    displacement = np.repeat(0.02 * np.sin(np.arange(SAMPLES) * 0.01)[:, None], dampers, axis=1)
+    present, counter = np.ones(dampers, bool), iter(range(10**9))
+    return timed(lambda i: line.step(next(counter) * 1_000_000, displacement[i], present))
 
 
 def timed(step) -> float:
@@ -52,7 +56,9 @@ def main() -> None:
     kind = "numba" if COMPILED else "plain Python"
     for name in MODELS:
         print(
-            f"{name:24s} {kind:13s} model {model_time(name):7.2f} us   whole line {line_time(name):7.2f} us", flush=True
+            f"{name:24s} {kind:13s} model {model_time(name):7.2f} us   whole line {line_time(name, 1):7.2f} us, "
+            f"four dampers {line_time(name, 4):7.2f} us",
+            flush=True,
         )
     if COMPILED:
         subprocess.run([sys.executable, __file__], env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, check=True)
