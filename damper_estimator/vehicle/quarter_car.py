@@ -37,6 +37,11 @@ class QuarterCar:
     tyre_rate: float  # N/m
     tyre_damping: float  # N s/m
 
+    @property
+    def static_load(self) -> float:
+        """Of the tyre, N."""
+        return (self.body_mass + self.wheel_mass) * GRAVITY
+
 
 CORNERS = {
     "passenger_front": QuarterCar(380.0, 42.0, 24000.0, 210000.0, 120.0),
@@ -51,34 +56,77 @@ def suspension_travel(
     car: QuarterCar, damper: Damper, road: np.ndarray, current: np.ndarray, step: float
 ) -> np.ndarray:
     """Damper displacement in m, from rest on a road of height ``road`` (m), with a coil current (A); all (n,)."""
-    parts = parts_of(damper)
-    travel = np.zeros(road.size)
-    limits = (-0.7 * damper.geometry.compression_stroke, 0.7 * damper.geometry.rebound_stroke)
-    numbers = (car.body_mass, car.wheel_mass, car.spring_rate, car.tyre_rate, car.tyre_damping, *limits)
-    _drive(parts, rest(parts, 0.0, float(current[0])), numbers, road, np.gradient(road, step), current, step, travel)
-    return travel
+    running = RunningCar(car, damper, road, step, float(current[0]))
+    running.advance(road.size, current)
+    return running.column(TRAVEL)
+
+
+TRAVEL, FORCE, BODY_ACCELERATION, TYRE_FORCE = range(4)
+"""Columns of what is recorded: m, N (the damper's, with its gas), m/s^2, N (change from the static load)."""
+
+
+class RunningCar:
+    """A quarter car on its way over a road, in stretches, so that a controller can act between them; final.
+
+    Attributes:
+        record: (n, 4), columns as above; valid up to ``index``.
+        index: of the last sample that is known; 0 is rest.
+        rest_force: of the damper, N.
+    """
+
+    def __init__(self, car: QuarterCar, damper: Damper, road: np.ndarray, step: float, current: float):
+        """``road`` (n,) in m every ``step`` s; ``current`` in A in which the damper has stood."""
+        stroke = damper.geometry
+        limits = (-0.7 * stroke.compression_stroke, 0.7 * stroke.rebound_stroke)
+        self._parts = parts_of(damper)
+        self._memory = rest(self._parts, 0.0, current)
+        self._numbers = (
+            car.body_mass, car.wheel_mass, car.spring_rate, car.tyre_rate, car.tyre_damping, *limits,
+        )  # fmt: skip
+        self._road, self._slope, self._step = road, np.gradient(road, step), step
+        self._motion = np.zeros(4)
+        self._work, self._seen = np.zeros((plant_kernel.WORK_ROWS, 7)), np.zeros(plant_kernel.OUT_ROWS)
+        plant_kernel.observe(self._parts, self._memory, 0.0, 0.0, self._seen)
+        self.rest_force = float(self._seen[plant_kernel.FORCE])
+        self.record = np.zeros((road.size, 4))
+        self.record[0, FORCE] = self.rest_force
+        self.index = 0
+
+    def advance(self, end: int, current: np.ndarray) -> None:
+        """Runs up to sample ``end`` (not included); ``current`` (n,) in A over the whole road, read where needed."""
+        _drive(
+            self._parts, self._memory, self._work, self._seen, self.rest_force, self._numbers, self._motion, self._road,
+            self._slope, current, self._step, self.index + 1, end, self.record,
+        )  # fmt: skip
+        self.index = end - 1
+
+    def column(self, which: int) -> np.ndarray:
+        """One quantity over the whole road, (n,)."""
+        return np.ascontiguousarray(self.record[:, which])
 
 
 @compiled
 def _drive(
     parts: Parts,
     memory: np.ndarray,
+    work: np.ndarray,
+    seen: np.ndarray,
+    at_rest: float,
     numbers: tuple[float, ...],
+    motion: np.ndarray,
     road: np.ndarray,
     slope: np.ndarray,
     current: np.ndarray,
     step: float,
-    travel: np.ndarray,
+    first: int,
+    end: int,
+    record: np.ndarray,
 ) -> None:
-    """The loop over a record; writes the displacement to ``travel``."""
+    """The loop from sample ``first`` to ``end``; ``motion``: body, its speed, wheel, its speed, carried."""
     body_mass, wheel_mass, spring, tyre_rate, tyre_damping, low, high = numbers
     load = (body_mass + wheel_mass) * GRAVITY
-    work = np.zeros((plant_kernel.WORK_ROWS, 7))
-    seen = np.zeros(plant_kernel.OUT_ROWS)
-    plant_kernel.observe(parts, memory, 0.0, 0.0, seen)
-    at_rest = seen[plant_kernel.FORCE]
-    body, body_speed, wheel, wheel_speed = 0.0, 0.0, 0.0, 0.0
-    for index in range(1, len(road)):
+    body, body_speed, wheel, wheel_speed = motion[0], motion[1], motion[2], motion[3]
+    for index in range(first, end):
         x, v = body - wheel, body_speed - wheel_speed
         force = spring * x + seen[plant_kernel.FORCE] - at_rest
         force += STOP_STIFFNESS * (min(x - low, 0.0) + max(x - high, 0.0))
@@ -90,7 +138,10 @@ def _drive(
         wheel += step * (wheel_speed + 0.5 * step * wheel_change)
         body_speed += step * body_change
         wheel_speed += step * wheel_change
-        travel[index] = body - wheel
+        record[before, BODY_ACCELERATION], record[before, TYRE_FORCE] = body_change, tyre
+        record[index, TRAVEL] = body - wheel
         plant_kernel.advance(
-            parts, memory, work, x, v, travel[index], body_speed - wheel_speed, current[index], step, seen
+            parts, memory, work, x, v, body - wheel, body_speed - wheel_speed, current[index], step, seen
         )
+        record[index, FORCE] = seen[plant_kernel.FORCE]
+    motion[0], motion[1], motion[2], motion[3] = body, body_speed, wheel, wheel_speed

@@ -50,3 +50,16 @@ def bump_height(height: float, length: float, speed: float, time: np.ndarray, st
     """A cosine bump of ``height`` m over ``length`` m, reached at ``start`` s; shape of ``time``."""
     share = np.clip((time - start) * speed / length, 0.0, 1.0)
     return 0.5 * height * (1.0 - np.cos(2.0 * np.pi * share))
+
+
+def pothole_height(
+    depth: float, length: float, edge: float, speed: float, time: np.ndarray, start: float
+) -> np.ndarray:
+    """A pothole of ``depth`` m over ``length`` m, reached at ``start`` s; shape of ``time``.
+
+    Its edges fall and rise smoothly over ``edge`` m, about as long as the tyre's contact, which envelops sharper ones.
+    """
+    place = (time - start) * speed
+    down = np.clip(place / edge, 0.0, 1.0)
+    up = np.clip((place - length + edge) / edge, 0.0, 1.0)
+    return -0.5 * depth * (np.cos(np.pi * up) - np.cos(np.pi * down))

@@ -1,0 +1,40 @@
+"""Control of semi-active dampers: the inverse of a model, laws for the wanted force, and what drives the coil.
+
+inverse = InverseModel(model, (0.0, 2.0))
+answer = inverse.solve(sample, wanted=800.0)      # current, force_min, force_max, dforce_dcurrent
+"""
+
+from damper_estimator.control.coil import CoilCurve, coil_curve
+from damper_estimator.control.corner import (
+    Action,
+    ConstantCommand,
+    CornerController,
+    InverseCommand,
+    TableCommand,
+)
+from damper_estimator.control.influence import influence
+from damper_estimator.control.inverse import Inverse, InverseModel
+from damper_estimator.control.laws import LAWS, BodyVelocity, Law, groundhook, mixed, passive, skyhook
+from damper_estimator.control.table import CurrentTable, table_from_samples
+
+__all__ = [
+    "LAWS",
+    "Action",
+    "BodyVelocity",
+    "CoilCurve",
+    "ConstantCommand",
+    "CornerController",
+    "CurrentTable",
+    "Inverse",
+    "InverseCommand",
+    "InverseModel",
+    "Law",
+    "TableCommand",
+    "coil_curve",
+    "groundhook",
+    "influence",
+    "mixed",
+    "passive",
+    "skyhook",
+    "table_from_samples",
+]

@@ -1,0 +1,97 @@
+"""The controller of one corner, as it runs on a vehicle: kinematics and the body's acceleration in, current out.
+
+    controller = CornerController(mixed(2500.0, 0.7), InverseCommand(inverse), rest_force=-330.0)
+    action = controller.step(sample, body_acceleration)
+
+The body's velocity comes from its accelerometer, the wheel's from the difference to that of the suspension. Table and
+inverse model are given the same wish and the same kinematics.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from damper_estimator.control.coil import CoilCurve
+from damper_estimator.control.inverse import Inverse, InverseModel
+from damper_estimator.control.laws import BodyVelocity, Law
+from damper_estimator.control.table import CurrentTable
+from damper_estimator.model.live_line import COMMAND, DT, V
+
+
+class Command(Protocol):
+    """What turns a wished force into a current."""
+
+    def current(self, sample: np.ndarray, wanted: float) -> float:
+        """A, from a sample (8,) in the rows of ``signals.layout`` and a force in N; NaN where it has no answer."""
+
+
+class InverseCommand:
+    """By the inverse of a model; final. ``answer`` is the last one, in the model's unit of the command."""
+
+    def __init__(self, inverse: InverseModel, curve: CoilCurve | None = None):
+        """``curve`` where the model's command is the coil's effect and not its current."""
+        self.answer: Inverse | None = None
+        self._inverse, self._curve = inverse, curve
+
+    def current(self, sample: np.ndarray, wanted: float) -> float:
+        """See `Command`."""
+        if self._curve is None:
+            self.answer = self._inverse.solve(sample, wanted)
+            return self.answer.current
+        sample = sample.copy()
+        sample[COMMAND] = self._curve.effect_of(float(sample[COMMAND]))
+        self.answer = self._inverse.solve(sample, wanted)
+        return self._curve.current_for(self.answer.current)
+
+
+class TableCommand:
+    """By a look-up table; final."""
+
+    def __init__(self, table: CurrentTable):
+        self.table = table
+
+    def current(self, sample: np.ndarray, wanted: float) -> float:
+        """See `Command`."""
+        return self.table.current_for(float(sample[V]), wanted)
+
+
+class ConstantCommand:
+    """The same current always: a passive damper; final."""
+
+    def __init__(self, amperes: float):
+        self._amperes = amperes
+
+    def current(self, sample: np.ndarray, wanted: float) -> float:
+        """See `Command`."""
+        return self._amperes
+
+
+@dataclass(frozen=True)
+class Action:
+    """What a controller decided: the wished force (N) and the current (A)."""
+
+    wanted: float
+    current: float
+
+
+class CornerController:
+    """The running controller of one corner; final."""
+
+    def __init__(self, law: Law, command: Command, rest_force: float = 0.0, fallback: float = 0.0):
+        """``rest_force`` in N is added to the law's wish; ``fallback`` in A is set where there is no answer."""
+        self._law, self._command = law, command
+        self._rest_force, self._fallback = rest_force, fallback
+        self._body = BodyVelocity()
+
+    def step(self, sample: np.ndarray, body_acceleration: float) -> Action:
+        """Takes one sample of the sensors.
+
+        Args:
+            sample: (8,) in the rows of ``signals.layout``: kinematics of the suspension, and the current in force.
+            body_acceleration: m/s^2, upwards, without gravity.
+        """
+        body = self._body.step(body_acceleration, float(sample[DT]))
+        wanted = self._rest_force + self._law.force(body, body - float(sample[V]))
+        current = self._command.current(sample, wanted)
+        return Action(wanted, current if np.isfinite(current) else self._fallback)

@@ -1,0 +1,82 @@
+"""Whether a model's force depends on the command, and over which range: asked of its behaviour, not of its parts."""
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel
+from damper_estimator.model.live_line import COMMAND, DT, ROWS, A, T, V, X
+
+_SECONDS, _STEP = 1.0, 1e-3
+_STROKE = 0.02  # m
+_LEVELS = 5
+_NOTHING = 1e-6  # of the largest force
+
+
+def influence(model: DamperModel, low: float, high: float) -> float:
+    """Largest change of the force in N that commands from ``low`` to ``high`` make.
+
+    Tried on a sine of 20 mm that is swept from 0.5 to 6 Hz, temperature and pressure unknown. Each command is held
+    throughout, so lags have their time.
+    """
+    block = _swept_sine()
+    forces = []
+    for command in np.linspace(low, high, _LEVELS):
+        block[COMMAND] = command
+        forces.append(model.force(block))
+    change = np.ptp(np.array(forces), axis=0)
+    return float(np.max(change[np.isfinite(change)], initial=0.0))
+
+
+def checked_limits(model: DamperModel, limits: tuple[float, float] | None) -> tuple[float, float]:
+    """The commands between which the model can be inverted; those of its fit where none are given.
+
+    Raises:
+        InputError: where there are none, they are not in order, the model's force does not depend on the command
+            between them, or it holds effects of the measurement chain.
+    """
+    if model.channel_effects:
+        raise InputError(
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; mend the signal "
+            "map and take them out of the model"
+        )
+    low, high = _fitted_commands(model) if limits is None else limits
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise InputError(
+            f"model {model.name}: limits of the command {low:g} to {high:g} are no range; give the lowest and the "
+            "highest that the driver can set"
+        )
+    if not influence(model, low, high) > _NOTHING * _largest(model, low):
+        raise InputError(
+            f"model {model.name}: its force does not depend on the command between {low:g} and {high:g}, so no command "
+            "gives a wanted force; fit a model with a command (damper-estimator models) to recordings that have one"
+        )
+    return float(low), float(high)
+
+
+def _fitted_commands(model: DamperModel) -> tuple[float, float]:
+    region = model.fit.get("region") or {}
+    if "command" not in region:
+        raise InputError(
+            f"model {model.name}: was not fitted on recordings with a command; give the lowest and the highest command "
+            "that may be set"
+        )
+    low, high = region["command"]
+    return float(low), float(high)
+
+
+def _largest(model: DamperModel, command: float) -> float:
+    block = _swept_sine()
+    block[COMMAND] = command
+    return float(np.max(np.nan_to_num(np.abs(model.force(block))), initial=1.0))
+
+
+def _swept_sine() -> np.ndarray:
+    """A motion as a block (8, n)."""
+    time = np.arange(0.0, _SECONDS, _STEP)
+    block = np.full((ROWS, time.size), np.nan)
+    block[T], block[DT] = time, _STEP
+    block[DT, 0] = 0.0
+    block[X] = _STROKE * np.sin(2.0 * np.pi * (0.5 * time + 2.75 * time**2))
+    block[V] = np.gradient(block[X], _STEP)
+    block[A] = np.gradient(block[V], _STEP)
+    return block

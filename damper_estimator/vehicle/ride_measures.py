@@ -1,0 +1,63 @@
+"""What a ride was like, in numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.vehicle.closed_loop import Ride
+from damper_estimator.vehicle.weighting import wk_weighted
+
+
+@dataclass(frozen=True)
+class RideMeasures:
+    """Over the judged part of a ride.
+
+    Attributes:
+        tracking_n: rms of the damper's force less the wish, the wish cut to what the damper could have given, N.
+        tracking_raw_n: the same with the wish as it was.
+        wanted_n: rms of the cut wish about its mean, N.
+        weighted_acceleration: of the body, Wk, m/s^2 rms.
+        acceleration: m/s^2 rms, unweighted.
+        tyre_load: rms change of the tyre's load over the static load, 1.
+        lowest_tyre_load: over the static load, 1; 0 is off the ground.
+        stroke, peak_stroke: rms about the mean and largest, m.
+    """
+
+    tracking_n: float
+    tracking_raw_n: float
+    wanted_n: float
+    weighted_acceleration: float
+    acceleration: float
+    tyre_load: float
+    lowest_tyre_load: float
+    stroke: float
+    peak_stroke: float
+
+
+def ride_measures(ride: Ride, attainable: np.ndarray, start: float, wish: np.ndarray | None = None) -> RideMeasures:
+    """Measures from ``start`` s on.
+
+    Args:
+        attainable: (2, n) N, lowest and highest force on this motion.
+        wish: (n,) N where the ride's own is not meant.
+    """
+    part = slice(round(start / ride.step), None)
+    raw = (ride.wanted if wish is None else wish)[part]
+    wanted = np.clip(raw, attainable[0, part], attainable[1, part])
+    force, travel = ride.force[part], ride.travel[part]
+    tyre = ride.tyre_force[part] / ride.static_load
+
+    def rms(values: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(values**2)))
+
+    return RideMeasures(
+        tracking_n=rms(force - wanted),
+        tracking_raw_n=rms(force - raw),
+        wanted_n=float(np.std(wanted)),
+        weighted_acceleration=rms(wk_weighted(ride.body_acceleration, ride.step)[part]),
+        acceleration=rms(ride.body_acceleration[part]),
+        tyre_load=rms(tyre),
+        lowest_tyre_load=float(1.0 + tyre.min()),
+        stroke=float(np.std(travel)),
+        peak_stroke=float(np.abs(travel).max()),
+    )

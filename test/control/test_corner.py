@@ -1,0 +1,69 @@
+"""The controller of a corner hands the same wish and kinematics to whatever drives the coil."""
+
+import numpy as np
+import pytest
+from commanded_models import HIGHEST, LOWEST, commanded_models, entry, model_of, smooth_motion
+
+from damper_estimator.control import (
+    CoilCurve,
+    ConstantCommand,
+    CornerController,
+    CurrentTable,
+    InverseCommand,
+    InverseModel,
+    TableCommand,
+    skyhook,
+)
+from damper_estimator.signals.layout import COMMAND
+
+TABLE = CurrentTable(np.array([-1.0, 1.0]), np.array([LOWEST, HIGHEST]), np.array([[-500.0, -1500.0], [500.0, 1500.0]]))
+
+
+def commands() -> list:
+    inverse = InverseModel(commanded_models()["without a lag"], (LOWEST, HIGHEST))
+    return [InverseCommand(inverse), TableCommand(TABLE), ConstantCommand(0.7)]
+
+
+def test_the_wish_is_the_laws_on_the_force_at_rest_whatever_the_command():
+    block = smooth_motion(200, 1)
+    wishes = []
+    for command in commands():
+        controller, block[COMMAND] = CornerController(skyhook(2000.0), command, rest_force=-300.0), 0.0
+        wishes.append([controller.step(column, np.sin(0.1 * k)).wanted for k, column in enumerate(block.T)])
+    assert wishes[0] == wishes[1] == wishes[2]
+    assert wishes[0][0] == -300.0
+    assert np.ptp(wishes[0]) > 10.0
+
+
+def test_currents_are_those_of_the_command():
+    sample = np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.2, np.nan, np.nan])
+    law = skyhook(0.0)
+    assert CornerController(law, ConstantCommand(0.7)).step(sample, 0.0).current == 0.7
+    by_table = CornerController(law, TableCommand(TABLE), 450.0).step(sample, 0.0)
+    assert by_table.current == pytest.approx(TABLE.current_for(0.4, 450.0))
+    model = commanded_models()["without a lag"]
+    by_model = CornerController(law, InverseCommand(InverseModel(model, (LOWEST, HIGHEST))), 450.0)
+    assert by_model.step(sample, 0.0).current == InverseModel(model, (LOWEST, HIGHEST)).solve(sample, 450.0).current
+
+
+def test_without_an_answer_the_fallback_is_set():
+    silent = model_of(entry("viscous"), entry("semi_active_squash"))
+    controller = CornerController(skyhook(1.0), InverseCommand(InverseModel(silent, (LOWEST, HIGHEST))), 0.0, 0.3)
+    sample = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.2, np.nan, np.nan])
+    assert controller.step(sample, 0.0).current == 0.3
+
+
+def test_a_coils_curve_stands_between_the_current_and_the_model():
+    """The model is told the effect; its answer comes back as the current that has it."""
+    curve = CoilCurve(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.6, 2.0]))
+    model = commanded_models()["beside friction with memory"]
+    command, plain = InverseCommand(InverseModel(model, (0.0, 2.0)), curve), InverseModel(model, (0.0, 2.0))
+    block = smooth_motion(60, 2)
+    currents = np.linspace(0.0, 2.0, 60)
+    for k, column in enumerate(block.T):
+        column[COMMAND] = currents[k]
+        answered = command.current(column, 700.0)
+        column[COMMAND] = curve.effect_of(currents[k])
+        answer = plain.solve(column, 700.0)
+        assert answered == pytest.approx(curve.current_for(answer.current))
+        assert command.answer.force == answer.force

@@ -1,0 +1,59 @@
+"""The look-up table of practice, and the coil's curve behind it."""
+
+import numpy as np
+import pytest
+
+from damper_estimator.control import CurrentTable, coil_curve, table_from_samples
+from damper_estimator.errors import InputError
+
+V, C = np.array([-1.0, -0.2, 0.0, 0.2, 1.0]), np.array([0.0, 1.0, 2.0])
+
+
+def made() -> CurrentTable:
+    return CurrentTable(V, C, 800.0 * V[:, None] + 500.0 * np.sign(V)[:, None] * np.array([0.0, 0.7, 1.0]))
+
+
+def test_the_current_gives_the_force_back():
+    table = made()
+    for velocity in (-0.9, -0.15, 0.05, 0.3, 2.0):
+        for current in (0.0, 0.3, 1.0, 1.7, 2.0):
+            found = table.current_for(velocity, table.force_at(velocity, current))
+            assert found == pytest.approx(current, abs=1e-9)
+
+
+def test_beyond_what_it_can_give_it_stays_at_the_nearer_end():
+    table = made()
+    assert table.current_for(0.5, 5000.0) == 2.0
+    assert table.current_for(0.5, -5000.0) == 0.0
+    assert table.current_for(-0.5, 5000.0) == 0.0
+
+
+def test_samples_of_a_table_give_the_table():
+    random = np.random.default_rng(1)
+    velocity, current = random.uniform(-1.0, 1.0, 4000), random.uniform(0.0, 2.0, 4000)
+    truth = made()
+    force = np.array([truth.force_at(v, c) for v, c in zip(velocity, current, strict=True)])
+    table = table_from_samples(velocity, current, force + random.normal(0.0, 5.0, 4000), V, C)
+    assert table.force == pytest.approx(truth.force, abs=12.0)
+    knocked = np.where(random.random(4000) < 0.01, np.nan, force)
+    assert table_from_samples(velocity, current, knocked, V, C).force == pytest.approx(truth.force, abs=12.0)
+
+
+def test_cells_without_samples_follow_their_neighbours():
+    random = np.random.default_rng(2)
+    velocity, current = random.uniform(-0.5, 0.5, 3000), random.uniform(0.0, 2.0, 3000)
+    table = table_from_samples(velocity, current, 1000.0 * velocity + 100.0 * current, (-1.0, -0.5, 0.0, 0.5, 1.0), C)
+    assert table.force[0] == pytest.approx(-1000.0 + 100.0 * C, abs=30.0)
+
+
+def test_too_few_samples_are_refused():
+    with pytest.raises(InputError, match="3 samples are too few for a table of 5 x 3"):
+        table_from_samples(np.zeros(3), np.zeros(3), np.zeros(3), V, C)
+
+
+def test_the_coils_curve_is_that_of_the_force_and_goes_both_ways():
+    curve = coil_curve(made())
+    assert curve.effect == pytest.approx([0.0, 1.4, 2.0])
+    assert curve.current_for(curve.effect_of(0.37)) == pytest.approx(0.37)
+    with pytest.raises(ValueError, match="more current must mean more"):
+        coil_curve(CurrentTable(V, C, np.zeros((5, 3))))
