@@ -143,7 +143,7 @@ def test_the_environment_has_what_the_project_requires():
 def test_the_parameter_file_explains_every_parameter():
     source = (ROOT / "damper_estimator" / "node" / "settings.py").read_text()
     text = (ROOT / "config" / "node.yaml").read_text()
-    declared = set(re.findall(r'_declare\(node, "(\w+)"', source))
+    declared = set(re.findall(r'(?m)^    "(\w+)": Declaration\(', source))
     given = yaml.safe_load(text)["/**"]["ros__parameters"]
     assert declared and set(given) <= declared
     for name in declared:

@@ -5,7 +5,7 @@
 F_cav in N, s in m of piston travel, positive v in extension. A void opens where compression asks for more than F_cav:
 the piston then runs away from oil that flows in no faster than at v_cav. It closes when the piston slows down or turns
 round, and until then the force stays where it is. A share h of the difference is held, 1 where nothing but vapour fills
-the void and less where air does. States: void, last displacement, v_cav; first order in the step. Source: Dixon 2008;
+the void and less where air does. States: void, last displacement, v_cav, last force and speed; first order in the step. Source: Dixon 2008;
 the loss of force at reversal in the HIS paper, section 3.
 """
 
@@ -23,14 +23,15 @@ def kernel(parameters, settings, kinematics, state, force):
         x, dt = kinematics[X, i], kinematics[DT, i]
         if dt <= 0.0:
             state[0] = 0.0
-            state[1] = x
+            state[1], state[3], state[4] = x, force[i], kinematics[V, i]
         move = x - state[1]
-        state[1] = x
         if state[0] <= 0.0 and force[i] < -limit and move < 0.0:
-            state[2] = max(-kinematics[V, i], 0.0)
+            share = (limit + state[3]) / (state[3] - force[i]) if state[3] > -limit else 1.0
+            state[2] = max(-state[4] - share * (kinematics[V, i] - state[4]), 0.0)
             state[0] = 1e-12
         elif state[0] > 0.0:
             state[0] = max(state[0] - move - state[2] * dt, 0.0)
+        state[1], state[3], state[4] = x, force[i], kinematics[V, i]
         if state[0] > 0.0:
             force[i] -= held * (limit + force[i])
 
@@ -50,7 +51,7 @@ EFFECT = Effect(
         Parameter("limit", "N", 1000.0, 10.0, 50000.0, "compression force at which the oil cavitates"),
         Parameter("held", "1", 0.9, 0.0, 1.0, "share of the difference that is held while there is a void"),
     ),
-    states=3,
+    states=5,
     linear=False,
     order=1,
     shows="compression force is cut at a level and stays there beyond the reversal; rebound force comes late",

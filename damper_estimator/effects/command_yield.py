@@ -4,7 +4,7 @@
 
 F_y in N (yield force of the saturated field), I_s in A, w in m the way over which it builds up after a reversal, tau in
 s; M the command in A, held between samples, for which the lag is exact; so is z over a step without reversal. Without a
-command the force is zero. States: z, the last displacement, I; second order in the step, from the reversals. Source:
+command the force is zero. States: z, the last displacement, I; first order in the step of a command that moves. Source:
 Bingham's yield with elastic pre-yield; the coil's lag as in Lozoya-Santos et al., section 5.
 """
 
@@ -61,7 +61,7 @@ EFFECT = Effect(
         Parameter("time_constant", "s", 0.015, 1e-4, 0.5, "time constant of the coil"),
     ),
     states=3,
-    order=2,
+    order=1,
     shows="an odd step at each reversal whose height follows the command, ever less the higher it is",
     separate="the same motion at several commands",
     trial=trial,

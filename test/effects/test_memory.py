@@ -155,7 +155,7 @@ def test_the_longest_delay_fits_at_any_rate(rate):
 
 
 def test_cavitation_cuts_compression_and_holds_it_until_the_void_is_filled():
-    block = sine(1000, 2.0)
+    block = sine(20000, 2.0)
     base = make_element(find_effect("linear_viscous"), {"rebound": 3000.0, "compression": 3000.0})
     plain = DamperModel("m", "", (base,)).force(block)
     own = force("cavitation_limit", block, before=(base,), limit=200.0, held=1.0)
