@@ -86,7 +86,7 @@ class InverseModel:
             np.zeros((program.table.shape[0] if program.series else 0, chain.SOLVER_COLUMNS)),
             np.zeros((0, 0)),
         )
-        self._sample, self._ahead = np.empty((ROWS, 1)), np.empty((ROWS, 1))
+        self._sample, self._ahead = np.full((ROWS, 1), np.nan), np.empty((ROWS, 1))
         self._state, self._trial = np.zeros(program.states), np.zeros(program.states)
         self._limits, self._reach = np.array(self.limits), np.array([horizon, lead])
         self._memory, self._out = np.zeros(search.MEMORY), np.zeros(search.RESULTS)
@@ -113,9 +113,16 @@ class InverseModel:
             column[COMMAND, 0] = self._memory[search.LAST]
         if self._restart:
             column[DT, 0] = 0.0
+        return self._answer(True, wanted, slope)
+
+    def again(self, wanted: float, slope: bool = False) -> Inverse:
+        """Answers another wish (N) at the last sample, as `solve` would have; NaN before the first sample."""
+        return self._answer(False, wanted, slope)
+
+    def _answer(self, is_new: bool, wanted: float, slope: bool) -> Inverse:
         search.invert(
-            *self._machine, column, self._ahead, self._state, self._trial, self._limits, self._reach, wanted, slope,
-            self._memory, self._out,
+            *self._machine, self._sample, is_new, self._ahead, self._state, self._trial, self._limits, self._reach,
+            wanted, slope, self._memory, self._out,
         )  # fmt: skip
         out = self._out.tolist()
         self._restart = not np.isfinite(out[search.FORCE])

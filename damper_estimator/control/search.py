@@ -63,8 +63,8 @@ def advance(machine, sample, state):
 
 @compiled
 def invert(
-    kernels, table, parameters, settings, motions, forces, solvers, trace, sample, ahead, state, trial, limits, reach,
-    wanted, with_slope, memory, out,
+    kernels, table, parameters, settings, motions, forces, solvers, trace, sample, is_new, ahead, state, trial, limits,
+    reach, wanted, with_slope, memory, out,
 ):  # fmt: skip
     """Takes a sample in and finds the command.
 
@@ -72,6 +72,7 @@ def invert(
         kernels, table, parameters, settings, motions, forces, solvers, trace: as ``chain.run`` takes them, for one
             sample; they go on as one tuple, which Python could not hand over in less than 50 us.
         sample, ahead: (8, 1); the second is overwritten.
+        is_new: whether the sample was not taken in before; another wish at the same one is answered from the same state.
         state: (z,), moved on by the sample alone; ``trial``: (z,) work space.
         limits: (2,) lowest and highest command.
         reach: (2,) s, horizon and lead of ``look_ahead``.
@@ -81,11 +82,12 @@ def invert(
         out: (RESULTS,), receives the answer.
     """
     machine = (kernels, table, parameters, settings, motions, forces, solvers, trace)
-    out[FORCE] = advance(machine, sample, state)
+    if is_new:
+        out[FORCE] = advance(machine, sample, state)
     look_ahead(sample, reach[0], reach[1], ahead)
     low = force_at(machine, ahead, limits[0], state, trial)
     high = force_at(machine, ahead, limits[1], state, trial)
-    out[EVALUATIONS] = 3.0
+    out[EVALUATIONS] = 3.0 if is_new else 2.0
     out[LOWEST], out[HIGHEST] = min(low, high), max(low, high)
     memory[SPAN] = max(memory[SPAN], abs(high - low))
     out[EXPECTED] = out[SLOPE_VELOCITY] = np.nan

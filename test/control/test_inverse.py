@@ -249,3 +249,15 @@ def test_effects_of_the_measurement_chain_are_refused():
     model = model_of(entry("viscous"), entry("semi_active_squash"), entry("force_offset"))
     with pytest.raises(InputError, match="measurement chain"):
         InverseModel(model, (LOWEST, HIGHEST))
+
+
+def test_another_wish_at_the_same_sample_is_answered_from_the_same_state():
+    for name in ("semi_active_on_mount", "beside friction with memory"):
+        asked, told = InverseModel(MODELS[name], (LOWEST, HIGHEST)), InverseModel(MODELS[name], (LOWEST, HIGHEST))
+        block = smooth_motion(300, 11)
+        for k, column in enumerate(block.T):
+            wanted = 600.0 * np.sin(0.1 * k)
+            looked, answer = asked.solve(column, slope=True), asked.again(wanted)
+            direct = told.solve(column, wanted)
+            assert (answer.current, answer.force, answer.expected) == (direct.current, direct.force, direct.expected)
+            assert answer.evaluations == direct.evaluations - 1 and np.isnan(looked.current)
