@@ -13,7 +13,7 @@ import numpy as np
 from damper_estimator.diagnosis.candidates import Candidate
 from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
-from damper_estimator.identification import Problem
+from damper_estimator.identification import Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.rows import Rows, excerpts
 from damper_estimator.identification.start import candidates as start_sizes
@@ -205,23 +205,29 @@ def _is_silent(rows: np.ndarray, scene: Scene, share: float = _SILENT) -> bool:
 
 def _fitted(problem: Problem, candidate: Candidate, scene: Scene) -> np.ndarray:
     """(slots,) values after the search from the best starts."""
-    starts = candidate.start_points(problem)
+    start, iterations = problem.start, _ITERATIONS
+    if candidate.starts and problem.searched.size:
+        found = sketched(problem.on(sketch(scene.fit)), candidate)
+        if found is None:
+            return problem.vector(start, np.array([problem.slots[i].value for i in problem.solved]))
+        start, iterations = found.searched, _FINISHING
     if not problem.searched.size:
-        point = problem.point(problem.start)
-        return problem.vector(point.searched, point.solved)
-    size = _sizes(problem)
-    if len(starts) == 1:
-        point, _ = refine(problem, starts[0], size, _ITERATIONS, _GAIN)
-        return problem.vector(point.searched, point.solved)
-    sketch = problem.on(_sketch(scene.fit))
-    costs = np.array([sketch.point(start).cost for start in starts])
-    best = np.argsort(costs, kind="stable")[:_TRIED]
-    ends = [refine(sketch, starts[i], size, _ITERATIONS, _GAIN)[0] for i in best if np.isfinite(costs[i])]
-    if not ends:
-        return problem.vector(starts[0], np.array([problem.slots[i].value for i in problem.solved]))
-    start = min(ends, key=lambda end: end.cost).searched
-    point, _ = refine(problem, start, size, _FINISHING, _GAIN)
+        point = problem.point(start)
+    else:
+        point, _ = refine(problem, start, _sizes(problem), iterations, _GAIN)
     return problem.vector(point.searched, point.solved)
+
+
+def sketched(problem: Problem, candidate: Candidate) -> Point | None:
+    """Where the best of the candidate's starts lead, on a problem with few rows; None where none can be computed."""
+    if not problem.searched.size:
+        return problem.point(problem.start)
+    starts = candidate.start_points(problem)
+    costs = np.array([problem.point(start).cost for start in starts])
+    best = np.argsort(costs, kind="stable")[:_TRIED]
+    size = _sizes(problem)
+    ends = [refine(problem, starts[i], size, _ITERATIONS, _GAIN)[0] for i in best if np.isfinite(costs[i])]
+    return min(ends, key=lambda end: end.cost, default=None)
 
 
 def _sizes(problem: Problem) -> np.ndarray:
@@ -231,7 +237,8 @@ def _sizes(problem: Problem) -> np.ndarray:
     return np.where(problem.start == 0.0, np.maximum(size, _RANGE * span), size)
 
 
-def _sketch(rows: Sequence[Rows]) -> list[Rows]:
+def sketch(rows: Sequence[Rows]) -> list[Rows]:
+    """Excerpts of the recordings, on which starts are compared."""
     total = sum(len(own.measurement.kinematics) for own in rows)
     if total <= _SKETCH:
         return list(rows)

@@ -120,9 +120,13 @@ class Round:
         return tuple(names)
 
     def _disputed(self, best: Tally, rival: Tally) -> bool:
-        """Whether the two are close with the model's parameters kept, and change places when they are refitted."""
+        """Whether the two are close with the model's parameters kept, and change places when they are refitted.
+
+        Refitted, little may be left of what was missing; the order then only tells how the model errs by itself.
+        """
         close = rival.score <= best.score + _CLOSE
-        return self.mode == "both" and close and rival.refitted.square < best.refitted.square
+        turned = best.refitted.square - rival.refitted.square > _ADDS * self.kept.square
+        return self.mode == "both" and close and turned
 
     def confidence(self, group: Sequence[str]) -> float:
         """Share of the bootstrap's replicates in which one of these phenomena comes first."""

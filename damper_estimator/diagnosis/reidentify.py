@@ -7,6 +7,7 @@ import numpy as np
 from damper_estimator.diagnosis.judge import LOW, Errors, draws, errors, gains, rmse
 from damper_estimator.diagnosis.ranking import GAIN, LEAST_FORCE, Round
 from damper_estimator.diagnosis.result import Moved
+from damper_estimator.diagnosis.restart import restarted
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
 from damper_estimator.diagnosis.settle import settled
 from damper_estimator.model import DamperModel
@@ -15,6 +16,7 @@ from damper_estimator.model.element import walk
 _MOVED = 3.0  # standard errors
 _MOVED_SHARE = 0.05  # of the value
 _NOTABLE = 0.05  # of the error before
+_SURE = 0.8  # of the error: what derivatives promise beyond needs no other start
 _STILL_THERE = 0.25  # of the error: what effects take away after re-identification, where that was not enough
 
 
@@ -44,9 +46,14 @@ def reidentified(first: Round, stage: Scene) -> Reidentified:
     model = first.null.model
     phenomena = frozenset(element.effect.phenomenon for element in walk(model.effects) if element.effect.phenomenon)
     promised = 1.0 - first.refitted.square / max(first.kept.square, 1e-300)
+    start = model
+    if promised < _SURE:
+        changed, gain = restarted(model, stage)
+        start = changed if gain > promised else model
+        promised = max(promised, gain)
     if promised < 0.5 * GAIN:
         return Reidentified(model, (), rmse(first.null, first.refitted), promised, False, phenomena)
-    own = settled(model, [rows.measurement for rows in stage.fit], zero_free=True)
+    own = settled(start, [rows.measurement for rows in stage.fit], zero_free=True)
     left = errors(stage.blocks, first.null.residual_fit, force_rows(own, stage.unseen) - targets(stage.unseen))
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
     low = float(np.percentile(gains(draws(left.blocks.size), left, first.kept), LOW))

@@ -7,7 +7,8 @@ import pytest
 from faults import changed, halves, late
 
 from damper_estimator.diagnosis import diagnose
-from damper_estimator.model import DamperModel
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.model import DamperModel, make_element
 
 KEYS = {"verdict", "rmse_n", "noise_floor_n", "findings", "rejected"}
 FINDING_KEYS = {
@@ -79,6 +80,16 @@ def test_a_changed_parameter_is_no_missing_effect(user_model, base):
     assert {m.name for m in own.moved} <= {s.address for s in user_model.slots}
     assert sum(m.name.startswith("viscous_curve") for m in own.moved) >= 3
     assert own.rmse_refit_alone_n < 0.5 * own.rmse_n
+
+
+def test_a_stiffness_that_was_next_to_rigid_is_found_again(user_model, soft):
+    values = {"stiffness_rebound": 6e7, "stiffness_compression": 6e7}
+    stiff = make_element(find_effect("oil_spring"), values, user_model.effects)
+    told = diagnose(replace(user_model, effects=(stiff,)), [soft[0]], [soft[1]])
+    assert told.verdict == "parameters_changed"
+    values = {moved.name: moved.after for moved in told.moved}
+    assert all(5e5 < values[f"oil_spring.stiffness_{way}"] < 4e6 for way in ("rebound", "compression"))
+    assert told.rmse_refit_alone_n < 0.3 * told.rmse_n
 
 
 def test_a_user_who_trusts_his_parameters_is_told_the_phenomenon(user_model, base):

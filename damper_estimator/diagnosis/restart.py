@@ -1,0 +1,46 @@
+"""Effects that are in a model already, tried from the starts that they have as candidates.
+
+A parameter may lie so far out that its derivative says nothing: a stiffness that was next to rigid, a limit that was
+never reached. Re-identification from there would not find the way.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from damper_estimator.diagnosis.attempt import sketch, sketched
+from damper_estimator.diagnosis.candidates import Candidate
+from damper_estimator.diagnosis.scene import Scene
+from damper_estimator.effects.trial import Trial, Untestable
+from damper_estimator.identification import Problem
+from damper_estimator.model import DamperModel, Element
+from damper_estimator.model.element import labels
+
+
+def restarted(model: DamperModel, scene: Scene) -> tuple[DamperModel, float]:
+    """The model with the parameters of that one effect found anew which explains most by it, on excerpts of the rows.
+
+    Returns:
+        The model, as it was where no effect explains anything, and the share of the squared error that it takes away.
+    """
+    rows = sketch(scene.fit)
+    before = Problem(model, rows, ()).point(np.empty(0)).cost
+    best, least = model, before
+    for label, element in labels(model.effects):
+        own = [i for i, slot in enumerate(model.slots) if slot.address.rpartition(".")[0] == label and not slot.fixed]
+        if element.effect.trial is None or not own:
+            continue
+        try:
+            trial = element.effect.trial(scene.ranges)
+        except Untestable:
+            continue
+        problem = Problem(model, rows, own)
+        point = sketched(problem, Candidate(element, {}, _starts(element, trial)))
+        if point is not None and point.cost < least:
+            best, least = problem.model_at(problem.vector(point.searched, point.solved)), point.cost
+    return best, 1.0 - least / max(before, 1e-300)
+
+
+def _starts(element: Element, trial: Trial) -> Sequence[dict[str, float]]:
+    scalar = {p.name for p in element.effect.parameters if p.size is None}
+    return [{k: float(v) for k, v in start.items() if k in scalar} for start in (trial.values, *trial.starts)]
