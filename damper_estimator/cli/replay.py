@@ -8,20 +8,22 @@ replaced.
 """
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from damper_estimator.cli.common import add_bags, add_json, add_models, add_signals, add_window, progress, write_json
+from damper_estimator.control import InverseModel
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model
 from damper_estimator.model.estimator import DamperEstimator, Estimates
 from damper_estimator.model.residual_line import ResidualLine
 from damper_estimator.model.vehicle_line import SLOW, Arrivals, VehicleLine, together
 from damper_estimator.recordings import Bag, BagWriter, Batch, damper_forces, joint_states, open_bag
-from damper_estimator.signals import DEFAULT_MAX_GAP, Channel, Counts, SignalMap, load_signal_map
+from damper_estimator.signals import DEFAULT_MAX_GAP, Channel, Counts, DamperSignals, SignalMap, load_signal_map
 from damper_estimator.signals.admission import DUPLICATE
 from damper_estimator.signals.channels import find_topic, signals_for
 
@@ -127,7 +129,8 @@ class Replay:
         self._dampers = chosen.dampers
         self._window = (-np.inf if start is None else start, np.inf if stop is None else stop)
         self._line = VehicleLine(
-            {name: DamperEstimator(model, chosen.cutoff, max_gap) for name, model in models.items()}
+            {name: DamperEstimator(model, chosen.cutoff, max_gap) for name, model in models.items()},
+            _reaches(models, chosen.dampers),
         )
         self._tallies = {name: Tally() for name in models}
         self._fields: dict[str, list[tuple[str, str, Channel]]] = {}
@@ -227,6 +230,16 @@ class Replay:
             writer.write_messages(
                 RESIDUAL, RESIDUAL_TYPE, told[first].log[rows[first]], joint_states(list(rows), stamp, effort=effort)
             )
+
+
+def _reaches(models: Mapping[str, DamperModel], dampers: Mapping[str, DamperSignals]) -> dict[str, Callable]:
+    """What commands can reach, for those dampers whose model has an inverse; as the node with its default horizon and
+    lead."""
+    found = {}
+    for name, model in models.items():
+        with suppress(InputError):
+            found[name] = InverseModel(model, dampers[name].command.value_limits).reach
+    return found
 
 
 def _sorted_logs(displacement: Mapping[str, Arrivals], log: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -50,6 +50,11 @@ class Inverse:
     reached: bool
     evaluations: int
 
+    @property
+    def reach(self) -> tuple[float, float, float, float]:
+        """force_min, force_max, dforce_dvelocity, dforce_dcurrent: in the order of damper_msgs/DamperForces."""
+        return self.force_min, self.force_max, self.dforce_dvelocity, self.dforce_dcurrent
+
 
 class InverseModel:
     """The running inverse of one damper's model; final.
@@ -114,6 +119,11 @@ class InverseModel:
         if self._restart:
             column[DT, 0] = 0.0
         return self._answer(True, wanted, slope)
+
+    def reach(self, block: np.ndarray) -> np.ndarray:
+        """Takes the samples of a block (8, n) in; what could be reached after each and the slopes there, (4, n) in the
+        order of `Inverse.reach`. Without a wish, so that it does not depend on any."""
+        return np.array([self.solve(column, slope=True).reach for column in block.T]).reshape(-1, 4).T
 
     def again(self, wanted: float, slope: bool = False) -> Inverse:
         """Answers another wish (N) at the last sample, as `solve` would have; NaN before the first sample."""

@@ -72,7 +72,7 @@ def invert(
         kernels, table, parameters, settings, motions, forces, solvers, trace: as ``chain.run`` takes them, for one
             sample; they go on as one tuple, which Python could not hand over in less than 50 us.
         sample, ahead: (8, 1); the second is overwritten.
-        is_new: whether the sample was not taken in before; another wish at the same one is answered from the same state.
+        is_new: whether the sample was not taken in before; another wish at it is answered from the same state.
         state: (z,), moved on by the sample alone; ``trial``: (z,) work space.
         limits: (2,) lowest and highest command.
         reach: (2,) s, horizon and lead of ``look_ahead``.

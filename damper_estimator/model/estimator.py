@@ -57,6 +57,8 @@ class Estimates:
         stddev: (n,) N, the standard deviation of the fit's residual; NaN where the model was not fitted.
         status: (n,) uint8, the constants of damper_msgs/DamperForces.
         verdict: what became of each sample that came (``signals.admission``).
+        reach: (4, n), what can be reached by command and the slopes, from force_min to dforce_dcurrent; None where the
+            force depends on none.
     """
 
     kinematics: Kinematics
@@ -65,20 +67,18 @@ class Estimates:
     stddev: np.ndarray
     status: np.ndarray
     verdict: np.ndarray
+    reach: np.ndarray | None = None
 
     def fields(self) -> dict[str, np.ndarray]:
         """The numeric fields of damper_msgs/DamperForces, each (n,); NaN means not available."""
-        absent = np.full(self.force.size, np.nan)
+        reach = np.full((4, self.force.size), np.nan) if self.reach is None else self.reach
         return {
             "displacement": self.kinematics.displacement,
             "velocity": self.kinematics.velocity,
             "acceleration": self.kinematics.acceleration,
             "force": self.given,
             "force_stddev": self.stddev,
-            "force_min": absent,
-            "force_max": absent,
-            "dforce_dvelocity": absent,
-            "dforce_dcurrent": absent,
+            **dict(zip(FIELDS[5:], reach, strict=True)),
             "status": self.status,
         }
 

@@ -118,6 +118,15 @@ class LiveLine:
         self._motions = np.zeros((max(self._motions.shape[0], program.motions), ROWS, 1))
         self._forces = np.zeros((max(self._forces.shape[0], program.forces), 1))
 
+    def is_good(self, damper: int | slice) -> np.ndarray:
+        """Whether the last message brought a sample of the damper of this number that was used."""
+        verdict = self.verdicts[damper]
+        return (verdict < DUPLICATE) & (verdict > ABSENT)
+
+    def sample(self, damper: int) -> np.ndarray:
+        """The last sample of the damper of this number, (8,) in the rows of ``signals.layout``; a view."""
+        return self._blocks[damper, :, 0]
+
     def step(self, stamp: int, values: np.ndarray, present: np.ndarray) -> int:
         """Runs the samples of one message; the results are in the attributes.
 

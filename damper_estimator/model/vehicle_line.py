@@ -6,8 +6,8 @@ that is dropped moves none), in the order in which the line was given its damper
 test over DDS holds the two together bit for bit.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,9 +67,20 @@ class HeldChannel:
 class VehicleLine:
     """The running state of all dampers; blocks of any size, also of one message, give the same forces bit for bit."""
 
-    def __init__(self, estimators: Mapping[str, DamperEstimator]):
-        """``estimators`` by damper, in the order of the output."""
+    def __init__(
+        self,
+        estimators: Mapping[str, DamperEstimator],
+        reaches: Mapping[str, Callable[[np.ndarray], np.ndarray]] | None = None,
+    ):
+        """Both by damper.
+
+        Args:
+            estimators: in the order of the output.
+            reaches: of dampers whose force depends on a command, what gives for the next samples (8, n) the interval
+                that can be reached and the slopes, (4, n) from force_min to dforce_dcurrent.
+        """
         self._estimators = dict(estimators)
+        self._reaches = dict(reaches or {})
         self._held = {name: {role: HeldChannel() for role in SLOW} for name in self._estimators}
 
     def block(
@@ -91,6 +102,9 @@ class VehicleLine:
             held = {role: channel.at(rank, given.get(role)) for role, channel in self._held[name].items()}
             if own is not None and rank.size:
                 estimates[name] = estimator.block(own.stamp, own.value, **held)
+                if name in self._reaches:
+                    reach = self._reaches[name](estimates[name].kinematics.block)
+                    estimates[name] = replace(estimates[name], reach=reach)
                 ranks[name] = rank[estimates[name].verdict < DUPLICATE]
         return _messages(estimates, ranks), estimates
 

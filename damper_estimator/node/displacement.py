@@ -6,14 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.model.estimator import STALE, Deployed
-from damper_estimator.model.live_line import ABSENT, SLOW, LiveLine
+from damper_estimator.control.inverse import HORIZON, LEAD
+from damper_estimator.model.estimator import FIELDS, STALE, Deployed
+from damper_estimator.model.live_line import SLOW, LiveLine
+from damper_estimator.node.commands import Follower, Rules
 from damper_estimator.node.wire import ForcesTemplate, MalformedMessage, names_and_frame, reader_of
 from damper_estimator.signals import Channel, DamperSignals
-from damper_estimator.signals.admission import DUPLICATE
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 _STAMP = slice(4, 12)
+_REACH = slice(FIELDS.index("force_min"), FIELDS.index("dforce_dcurrent") + 1)
 _MOST_TEMPLATES = 256
 
 
@@ -31,14 +33,22 @@ class DisplacementInput:
 
     Attributes:
         line: their running state.
+        followers: what turns wishes for them into currents.
         missing: (k,) int64, messages that did not hold the damper.
         last_good: (k,) steady time of the last sample that was used, s; NaN before the first.
         stamp: of the last message, ns.
     """
 
-    def __init__(self, estimators: Sequence[Estimator]) -> None:
-        """Raises InputError where a field path does not fit the message type."""
+    def __init__(self, estimators: Sequence[Estimator], horizon: float = HORIZON, lead: float = LEAD) -> None:
+        """``horizon`` and ``lead`` in s, of the inverse models.
+
+        Raises:
+            InputError: where a field path does not fit the message type.
+        """
         self.estimators: tuple[Estimator, ...] = ()
+        self.followers: tuple[Follower, ...] = ()
+        self._inverse = (horizon, lead)
+        self._leading: list[tuple[int, Follower]] = []
         self.line = LiveLine()
         self.missing = np.zeros(0, np.int64)
         self.last_good = np.zeros(0)
@@ -57,6 +67,8 @@ class DisplacementInput:
 
     def _grow(self, more: Sequence[Estimator]) -> None:
         self.estimators = (*self.estimators, *more)
+        self.followers += tuple(Follower(own.name, own.deployed, own.signals.command, *self._inverse) for own in more)
+        self._leading = [(d, own) for d, own in enumerate(self.followers) if not own.refusal]
         channels = [one.signals.displacement for one in self.estimators]
         self._reader = reader_of("displacement", JOINT_STATE, channels)
         self._scale = np.array([channel.scale for channel in channels])
@@ -85,12 +97,28 @@ class DisplacementInput:
         if not count:
             return None
         self._stamp, self._frame = _head(data)
+        for d, follower in self._leading:
+            if self.line.is_good(d):
+                self.line.estimates[_REACH, d] = follower.look(self.line.sample(d))
         if count == values.size:
             self.last_good[:] = now
             return self._template(None).message(self._stamp, self.line.estimates, self.line.status)
-        chosen = (self.line.verdicts < DUPLICATE) & (self.line.verdicts > ABSENT)
+        chosen = self.line.is_good(slice(None))
         self.last_good[chosen] = now
         return self._template(chosen).message(self._stamp, self.line.estimates[:, chosen], self.line.status[chosen])
+
+    def due(self, now: float, after: float, rules: Rules) -> list[tuple[str, bytes]]:
+        """Commands that the last message brings about by itself, by damper; arguments as `status`, and the rules."""
+        return [
+            (own.name, own.command(self.status(d, now, after), now, rules))
+            for d, own in self._leading
+            if self.line.is_good(d) and own.is_due()
+        ]
+
+    def status(self, damper: int, now: float, after: float) -> int:
+        """Of the damper of this number at the steady time ``now``; STALE where its last sample is older than
+        ``after`` s."""
+        return int(self.line.status[damper]) if now - self.last_good[damper] <= after else STALE
 
     def is_new_structure(self, data: bytes) -> bool:
         """Whether the message differs in names or lengths from those that were read lately."""

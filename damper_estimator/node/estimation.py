@@ -1,22 +1,36 @@
 """Everything that one set of settings makes the node do with messages: built whole, then swapped in at once. Knows no
 ROS."""
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from damper_estimator.errors import InputError
+from damper_estimator.model.estimator import STALE
 from damper_estimator.model.live_line import SLOW
 from damper_estimator.node.displacement import JOINT_STATE, DisplacementInput, Estimator, HeldInput, names_in
 from damper_estimator.node.residuals import Comparison, GaugeInput
 from damper_estimator.node.roster import MOST_DAMPERS, Roster
 from damper_estimator.node.settings import Settings
-from damper_estimator.signals import default_signals
+from damper_estimator.node.wire import reader_of
+from damper_estimator.signals import Channel, default_signals
+
+WISH = "~/desired_force"
 
 SLOW_TYPES = {
     "command": "std_msgs/msg/Float64",
     "temperature": "sensor_msgs/msg/Temperature",
     "pressure": "sensor_msgs/msg/FluidPressure",
 }
+
+
+class Answer(NamedTuple):
+    """What one message brings about: forces to publish, commands by damper, whether there are new topics."""
+
+    forces: bytes | None = None
+    commands: Sequence[tuple[str, bytes]] = ()
+    has_grown: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +68,7 @@ class Estimation:
         if roster.template is not None:
             by_topic = {default_signals("").displacement.topic: []}
         for topic, estimators in by_topic.items():
-            source = DisplacementInput(estimators)
+            source = DisplacementInput(estimators, settings.horizon, settings.lead)
             self.displacement[topic] = Displacement(source, _comparison(source, settings, roster))
             self._subscribe(topic, JOINT_STATE, True)
             for one in estimators:
@@ -90,7 +104,10 @@ class Estimation:
             self._subscribe(channel.topic, SLOW_TYPES[role], channel.given)
 
     def _measure(self) -> None:
-        """The gauges of all dampers."""
+        """The gauges of all dampers, and the wishes for them."""
+        wishes = [Channel(WISH, f"effort[{name}]") for name in self.names]
+        self._wishes = reader_of("desired force", JOINT_STATE, wishes)
+        self._subscribe(WISH, JOINT_STATE, True)
         by_topic: dict[str, list[Estimator]] = {}
         for own in self.displacement.values():
             for one in own.source.estimators:
@@ -105,11 +122,13 @@ class Estimation:
         """All dampers."""
         return [name for own in self.displacement.values() for name in own.source.line.names]
 
-    def take(self, topic: str, data: bytes, now: float) -> tuple[bytes | None, bool]:
-        """Takes one message at the steady time ``now``, s.
+    @property
+    def commanded(self) -> list[str]:
+        """The dampers to which currents can be sent."""
+        return [own.name for one in self.displacement.values() for own in one.source.followers if not own.refusal]
 
-        Returns:
-            The forces to publish, if any, and whether ``topics`` has grown.
+    def take(self, topic: str, data: bytes, now: float) -> Answer:
+        """Takes one message at the steady time ``now``, s.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
@@ -120,13 +139,37 @@ class Estimation:
                 held.take(data, now)
             if topic in self._gauges:
                 self._gauges[topic][1].take(data, now)
-            return None, False
+            return Answer(commands=self._wish(data, now)) if topic == WISH else Answer()
         grown = self.roster.template is not None and self._admit(own.source, data)
         if topic in self._gauges:
             self._gauges[topic][1].take(data, now)
         answer = own.source.take(data, now)
         own.comparison.collected.keep(own.source.stamp)
-        return answer, grown
+        return Answer(answer, own.source.due(now, self.settings.stale_after, self.settings), grown)
+
+    def _wish(self, data: bytes, now: float) -> list[tuple[str, bytes]]:
+        """Takes a message of wishes; the commands that answer them."""
+        reading, commands, number = self._wishes.read(data), [], 0
+        for own in self.displacement.values():
+            for d, follower in enumerate(own.source.followers):
+                if reading.present[number]:
+                    follower.wish(float(reading.values[number]), now)
+                    status = own.source.status(d, now, self.settings.stale_after)
+                    command = follower.command(status, now, self.settings)
+                    commands += [(follower.name, command)] if command is not None else []
+                number += 1
+        return commands
+
+    def safe(self, now: float | None = None) -> list[tuple[str, bytes]]:
+        """Safe currents for the dampers that were commanded; only those without a good sample lately, where the steady
+        time ``now`` is given."""
+        found = []
+        for own in self.displacement.values():
+            for d, follower in enumerate(own.source.followers):
+                if now is None or own.source.status(d, now, self.settings.stale_after) == STALE:
+                    command = follower.safe(self.settings)
+                    found += [(follower.name, command)] if command is not None else []
+        return found
 
     def _admit(self, source: DisplacementInput, data: bytes) -> bool:
         """Takes the dampers that arrive by name."""

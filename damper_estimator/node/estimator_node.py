@@ -2,7 +2,7 @@
 
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from damper_msgs.msg import DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
@@ -17,8 +17,10 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.commands import COMMAND_TYPE
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.inputs import Inputs
+from damper_estimator.node.outputs import CommandOutputs
 from damper_estimator.node.process import collect_garbage, tame_garbage_collector
 from damper_estimator.node.recorder import Recorder
 from damper_estimator.node.report import Reporter
@@ -30,7 +32,7 @@ COMPARE_PERIOD = 0.05  # s
 LONGEST_WATCH = 0.05  # s between two looks for inputs that have stopped
 OUTPUT_DEPTH = 100
 # These are changed without starting filters and models anew.
-LIGHT = {"stale_after", "drift_window", "drift_factor"}
+LIGHT = {"stale_after", "drift_window", "drift_factor", "safe_current", "wish_timeout", "command_extrapolating"}
 DONE, REFUSED, FAILED = (
     TransitionCallbackReturn.SUCCESS,
     TransitionCallbackReturn.FAILURE,
@@ -41,7 +43,8 @@ DONE, REFUSED, FAILED = (
 class EstimatorNode(LifecycleNode):
     """Runs filter and model of every damper at the rate of the input; final.
 
-    Publishes one ``DamperForces`` per displacement message, with its header, for those dampers whose sample was good.
+    Publishes one ``DamperForces`` per displacement message, with its header, for those dampers whose sample was good,
+    and currents for those dampers for which forces are wished.
     *Configured* is: everything loaded, checked and subscribed; *active* is: publishing.
 
     Attributes:
@@ -57,6 +60,7 @@ class EstimatorNode(LifecycleNode):
         self.estimation: Estimation | None = None
         self.recorder: Recorder | None = None
         self.inputs = Inputs(self)
+        self.currents = CommandOutputs(self)
         self._candidate: Estimation | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._configured: list = []  # timers and publishers that go with the configuration
@@ -99,8 +103,7 @@ class EstimatorNode(LifecycleNode):
 
     def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Stops to publish; what is loaded stays."""
-        self.is_active = False
-        return self._transition(self._stop_recording)
+        return self._transition(self._pause)
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Forgets what is loaded."""
@@ -159,10 +162,13 @@ class EstimatorNode(LifecycleNode):
 
     def _use(self, estimation: Estimation) -> None:
         """From the next message on."""
+        if self.is_active and estimation.roster is not self.estimation.roster:
+            self.publish_commands(self.estimation.safe())  # the new one begins without wishes
         self.inputs.is_simulated = self.get_clock().ros_time_is_active
         self.estimation = estimation
         self._watch_every(min(0.5 * estimation.settings.stale_after, LONGEST_WATCH))
         self.inputs.subscribe(estimation)
+        self.currents.offer(estimation.commanded)
         self._reporter.introduce(estimation)
 
     def _watch_every(self, period: float) -> None:
@@ -171,22 +177,25 @@ class EstimatorNode(LifecycleNode):
         self._watch_period = period
         self._configured[3:] = [self.create_timer(period, self._guarded(self._watch), clock=self._steady)]
 
-    def _stop_recording(self) -> None:
+    def _pause(self) -> None:
+        """What is commanded is left at the safe current."""
+        if self.is_active and self.context.ok():
+            self.publish_commands(self.estimation.safe())
+        self.is_active = False
         if self.recorder is not None:
             self.recorder.stop()
 
     def _forget(self) -> None:
-        self.is_active = False
-        self._stop_recording()
+        self._pause()
         self.inputs.close()
+        self.currents.close()
         for entity in self._configured:
             (self.destroy_publisher if entity in (self.forces, self.residuals) else self.destroy_timer)(entity)
         self._configured, self.estimation, self.recorder = [], None, None
 
     def end(self) -> None:
         """Closes the recording, also where ROS is gone already."""
-        self.is_active = False
-        self._stop_recording()
+        self._pause()
 
     def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         """Loads what the parameters ask for; nothing changes yet."""
@@ -232,8 +241,10 @@ class EstimatorNode(LifecycleNode):
         self._watched = time.monotonic()
         if not self.is_active or stalled:
             return
-        for message in self.estimation.stale(self.inputs.now()):
+        now = self.inputs.now()
+        for message in self.estimation.stale(now):
             self.publish_forces(message)
+        self.publish_commands(self.estimation.safe(now))
 
     def publish_forces(self, message: bytes) -> None:
         """Publishes and records serialised forces."""
@@ -241,6 +252,13 @@ class EstimatorNode(LifecycleNode):
         self._reporter.published += 1
         if self.recorder is not None:
             self.recorder.keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
+
+    def publish_commands(self, commands: Iterable[tuple[str, bytes]]) -> None:
+        """Publishes and records serialised currents by damper."""
+        for name, message in commands:
+            topic = self.currents.publish(name, message)
+            if topic is not None and self.recorder is not None:
+                self.recorder.keep(topic, COMMAND_TYPE, message)
 
     def _compare(self) -> None:
         if not self.is_active:

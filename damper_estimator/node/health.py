@@ -18,6 +18,7 @@ from damper_estimator.model.status import (
     WARMING_UP,
     velocity_noise,
 )
+from damper_estimator.node.commands import CommandTally
 from damper_estimator.node.drift import Drift
 from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
 
@@ -185,6 +186,50 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
         return WARN, "; ".join(told)
     outside = int(new[BY_STATUS + EXTRAPOLATING])
     return OK, f"estimating; {outside} of {samples} samples outside the region of the fit" if outside else "estimating"
+
+
+@dataclass(frozen=True)
+class CommandNow:
+    """What the node knows of one damper's commands at one moment; forces in N, ``sent`` as in the messages."""
+
+    name: str
+    refusal: str
+    tally: CommandTally
+    wanted: float
+    sent: float
+
+
+def command_status(prefix: str, now: CommandNow, before: CommandTally) -> DiagnosticStatus:
+    """Health of the commands for one damper for which forces are wished; ``before`` is the tally of a period ago."""
+    tally = now.tally
+    values = {
+        "wishes": tally.wishes,
+        "commands: wish reached": tally.followed,
+        "commands: nearest force": tally.limited,
+        "safe current: wish too old": tally.old,
+        "safe current: estimate not good": tally.not_good,
+        "safe current: no answer": tally.unanswered,
+        "last wish [N]": f"{now.wanted:.4g}",
+        "last command": f"{now.sent:.4g}",
+    }
+    return status(f"{prefix}: {now.name} command", *_judge_command(now, before), values)
+
+
+def _judge_command(now: CommandNow, before: CommandTally) -> tuple[bytes, str]:
+    if now.refusal:
+        return WARN, f"wishes cannot be followed: {now.refusal}"
+    tally = now.tally
+    causes = {
+        "the wish was too old": tally.old - before.old,
+        "the estimate was not good": tally.not_good - before.not_good,
+        "the inverse had no answer": tally.unanswered - before.unanswered,
+    }
+    told = [f"{cause} ({count} commands)" for cause, count in causes.items() if count]
+    if told:
+        return WARN, "safe current: " + "; ".join(told)
+    if tally.wishes == before.wishes:
+        return WARN, "wishes have stopped; the safe current is commanded"
+    return OK, "following wishes"
 
 
 def output_status(prefix: str, values: Mapping[str, object], incompatible: int) -> DiagnosticStatus:

@@ -111,12 +111,15 @@ class Inputs:
                 node.recorder.keep(tally.topic, type_name, data)
             try:
                 now = self.now() if self.is_simulated else begin
-                answer, has_grown = node.estimation.take(topic, data, now)
-                if answer is not None:
-                    node.publish_forces(answer)
-                if has_grown:
+                answer = node.estimation.take(topic, data, now)
+                if answer.forces is not None:
+                    node.publish_forces(answer.forces)
+                if answer.commands:
+                    node.publish_commands(answer.commands)
+                if answer.has_grown:
                     self.check(node.estimation)
                     self.subscribe(node.estimation)
+                    node.currents.offer(node.estimation.commanded)
             except MalformedMessage:
                 tally.malformed += 1
             except Exception:

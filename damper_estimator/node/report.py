@@ -1,11 +1,13 @@
 """Puts together what the node knows of itself for ``/diagnostics``."""
 
 import time
+from dataclasses import replace
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.lifecycle import LifecycleNode
 
 from damper_estimator.node import health
+from damper_estimator.node.commands import CommandTally, Follower
 from damper_estimator.node.displacement import JOINT_STATE, names_in
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.wire import MalformedMessage
@@ -25,6 +27,7 @@ class Reporter:
         self.published = 0
         self._incompatible = 0
         self._before: dict[str, health.DamperNow] = {}
+        self._commands: dict[str, CommandTally] = {}
         self._inputs: dict[str, health.InputTally] = {}
         self._introduced: set[tuple] = set()
 
@@ -68,6 +71,7 @@ class Reporter:
             told.append(health.input_status(prefix, tally, before, now, known))
             for d, one in enumerate(own.source.estimators):
                 told.append(self._damper(prefix, topic, estimation, d, one.name, inputs))
+            told += [self._command(prefix, follower) for follower in own.source.followers if follower.tally.wishes]
         self._inputs = inputs
         told.append(health.output_status(prefix, self._output(), self._incompatible))
         if node.recorder is not None:
@@ -114,6 +118,14 @@ class Reporter:
         self._before[name] = now
         roster = estimation.roster
         return health.damper_status(prefix, now, before, roster.signal_map.cutoff, roster.delay)
+
+    def _command(self, prefix: str, own: Follower) -> DiagnosticStatus:
+        before = self._commands.get(own.name, CommandTally())
+        tally = self._commands[own.name] = replace(own.tally)
+        # Counts begin anew where a change of parameters did.
+        before = before if before.wishes <= tally.wishes else CommandTally()
+        now = health.CommandNow(own.name, own.refusal, tally, own.wanted, own.sent)
+        return health.command_status(prefix, now, before)
 
     def _output(self) -> dict[str, object]:
         node = self._node

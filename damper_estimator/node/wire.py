@@ -23,6 +23,7 @@ __all__ = ["ForcesTemplate", "MalformedMessage", "NumbersReader", "Reading"]
 FORCES_TYPE = "damper_msgs/msg/DamperForces"
 NANOSECONDS = 1_000_000_000
 _STAMP = slice(4, 12)
+_FLOAT = struct.Struct("<4sd")
 _STAMP_PATHS = ("header.stamp.sec", "header.stamp.nanosec")
 _PADDING = 3
 _MOST_PLACES = 64  # structures that are remembered; a publisher of ever new names must not fill the memory
@@ -173,6 +174,11 @@ def names_and_frame(data: bytes) -> tuple[list[str], str]:
         return [text() for _ in range(count)], frame
     except struct.error as error:
         raise MalformedMessage(f"its {len(data)} bytes end too early") from error
+
+
+def float_message(value: float) -> bytes:
+    """A serialised ``std_msgs/Float64``."""
+    return _FLOAT.pack(b"\0\1\0\0", value)
 
 
 class ForcesTemplate:

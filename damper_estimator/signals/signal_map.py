@@ -25,6 +25,7 @@ class Channel:
         skew: s, positive where the channel is late.
         table: raw values and values, instead of scale (motion ratio); None without.
         unit: of the command, for people.
+        limits: of the command, raw, lowest and highest that its driver can set; None: those of the model's fit.
         given: whether a map names it, so that its absence is an error.
     """
 
@@ -35,6 +36,7 @@ class Channel:
     skew: float = 0.0
     table: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     unit: str = ""
+    limits: tuple[float, float] | None = None
     given: bool = False
 
     def value(self, raw: np.ndarray) -> np.ndarray:
@@ -42,6 +44,21 @@ class Channel:
         if self.table is not None:
             return np.interp(raw, *self.table)
         return self.scale * raw + self.offset
+
+    @property
+    def value_limits(self) -> tuple[float, float] | None:
+        """The limits as SI values, in order."""
+        if self.limits is None:
+            return None
+        low, high = sorted(float(self.value(limit)) for limit in self.limits)
+        return low, high
+
+    def raw(self, value: float) -> float:
+        """The raw number that stands for an SI value; beyond a table its last one."""
+        if self.table is None:
+            return (value - self.offset) / self.scale
+        raw, values = self.table if self.table[1][0] <= self.table[1][-1] else (own[::-1] for own in self.table)
+        return float(np.interp(value, values, raw))
 
 
 @dataclass(frozen=True)
@@ -190,8 +207,9 @@ def _damper(name: str, entry: object, faults: list[str]) -> DamperSignals:
 
 
 def _channel(what: str, entry: object, default: Channel, spring: dict[str, float], faults: list[str]) -> Channel:
-    of_force = what.endswith(".force")
-    allowed = [f.name for f in fields(Channel) if f.name != "given"] + (["spring_rate", "preload"] if of_force else [])
+    of_force, of_command = what.endswith(".force"), what.endswith(".command")
+    allowed = [f.name for f in fields(Channel) if f.name not in ("limits", "given")]
+    allowed += ["spring_rate", "preload"] if of_force else ["limits"] if of_command else []
     given = dict(_mapping(entry, what, tuple(allowed), faults))
     values: dict[str, object] = {}
     for key in ("topic", "field", "unit"):
@@ -203,11 +221,23 @@ def _channel(what: str, entry: object, default: Channel, spring: dict[str, float
     for key in ("spring_rate", "preload"):
         if of_force and key in given:
             spring[key] = _number(given[key], f"{what}.{key}", faults)
+    if of_command and "limits" in given:
+        values["limits"] = _limits(f"{what}.limits", given["limits"], faults)
     if "table" in given:
         values["table"] = _table(f"{what}.table", given["table"], faults)
         if "scale" in given or "offset" in given:
             faults.append(f"{what} has both a table and a scale or offset; keep one")
     return replace(default, given=True, **values)
+
+
+def _limits(what: str, entry: object, faults: list[str]) -> tuple[float, float] | None:
+    if not isinstance(entry, list) or len(entry) != 2:
+        faults.append(f"{what} must be two numbers, the lowest and the highest command")
+        return None
+    low, high = (_number(item, what, faults) for item in entry)
+    if not low < high:
+        faults.append(f"{what}: {low:g} is not below {high:g}")
+    return low, high
 
 
 def _table(what: str, entry: object, faults: list[str]) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
@@ -245,6 +275,8 @@ def _damper_content(signals: DamperSignals) -> dict[str, object]:
         if not channel.given:
             continue
         entry = {key: value for key, value in asdict(channel).items() if key != "given" and value not in ("", None)}
+        if channel.limits is not None:
+            entry["limits"] = list(channel.limits)
         if channel.table is not None:
             entry = {k: v for k, v in entry.items() if k not in ("scale", "offset")}
             entry["table"] = {"raw": list(channel.table[0]), "value": list(channel.table[1])}

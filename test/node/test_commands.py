@@ -1,0 +1,205 @@
+"""Wishes in, currents out: the inverse behind the running node, its safe current, and what it says of itself."""
+
+import struct
+
+import numpy as np
+import pytest
+import yaml
+from rig import MS, START
+
+from damper_estimator.control import InverseModel
+from damper_estimator.model import load_model
+from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.recordings import floats, joint_states
+
+SAFE = 0.25
+CURRENT, JOINT_STATE, FLOAT = "/suspension/left/current", "sensor_msgs/msg/JointState", "std_msgs/msg/Float64"
+WISH = "/damper_estimator/desired_force"
+GOOD, DEACTIVATE = 0, 4
+
+
+@pytest.fixture
+def semi_active(tmp_path) -> dict[str, object]:
+    """Parameters of a node with a magneto-rheological damper and one whose force knows no current."""
+    effects = [{"command_lag": {}}, {"viscous": {"rate": 800.0}}, {"semi_active_squash": {"gain": 600.0}}]
+    for name, own in (("left", effects), ("right", effects[1:2])):
+        content = {"name": name, "source": "test", "effects": own}
+        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(content))
+    signals = {"dampers": {"left": {"command": {"topic": CURRENT, "limits": [0.0, 2.0]}}, "right": {}}}
+    (tmp_path / "signals").mkdir()
+    (tmp_path / "signals" / "map.yaml").write_text(yaml.safe_dump(signals))
+    return {
+        "model": tmp_path, "signals": tmp_path / "signals" / "map.yaml", "safe_current": SAFE, "stale_after": 60.0,
+        "wish_timeout": 10.0,
+    }  # fmt: skip
+
+
+class Commanded:
+    """A rig that wishes, and hears the currents; final. ``motion`` is what it has sent, m."""
+
+    def __init__(self, rig) -> None:
+        from std_msgs.msg import Float64
+
+        self.rig, self.currents, self.motion = rig, [], []
+        self._expected, self._is_wished, self._is_fresh = 0, False, False
+        rig.node.create_subscription(
+            Float64, "/suspension/left/current_command", lambda m: self.currents.append(m.data), 1000
+        )
+        rig.ready()
+        rig.publisher(CURRENT, FLOAT)
+        rig.publisher(WISH, JOINT_STATE)
+        rig.wait(lambda: rig.node.count_publishers("/suspension/left/current_command") > 0, "the currents")
+        rig.send_raw(floats(np.array([0.5]))[0], CURRENT)
+        rig.listen(0.1)
+
+    def drive(self, count: int) -> None:
+        """Good samples of both dampers, and all that answers them."""
+        before = len(self.rig.forces)
+        for i in range(count):
+            self.motion.append(0.02 * np.sin(0.02 * len(self.motion)))
+            self.rig.send([self.motion[-1]] * 2, ["left", "right"])
+            self.rig.wait(lambda i=i: len(self.rig.forces) > before + i, "an answer")
+        # The first sample after a wish waits for the next one; the others are answered with the one that holds.
+        self._expected += count - self._is_fresh if self._is_wished else 0
+        self._is_fresh = False
+        self._settle()
+
+    def wish(self, force: float) -> float:
+        """Wishes a force of the left damper; the current that answers it."""
+        self.send_wish(force, "left")
+        self._expected += 1
+        self._is_wished = self._is_fresh = True
+        self._settle()
+        return self.currents[-1]
+
+    def send_wish(self, force: float, name: str) -> None:
+        """Wishes a force."""
+        self.rig.send_raw(joint_states([name], np.array([START]), effort=np.array([[force]]))[0], WISH)
+
+    def _settle(self) -> None:
+        self.rig.wait(lambda: len(self.currents) >= self._expected, "the currents")
+
+
+def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active, start, rig):
+    start(**semi_active)
+    node = Commanded(rig)
+    node.drive(300)
+    assert node.currents == []  # nobody wished
+    told = rig.forces[-1]
+    wishes = (450.0, 700.0, -200.0, 1e5)
+    answers = [node.wish(force) for force in wishes]
+    # The same samples off line.
+    motion = np.array(node.motion)
+    estimator = DamperEstimator(load_model(semi_active["model"], "left"), 60.0, 0.1)
+    kinematics = estimator.block(START + MS * (1 + np.arange(motion.size)), motion, 0.5).kinematics
+    inverse = InverseModel(load_model(semi_active["model"], "left"), (0.0, 2.0))
+    looked = [inverse.solve(column, slope=True) for column in kinematics.block.T][-1]
+    assert [inverse.again(force).current for force in wishes] == answers
+    assert answers[-1] == 2.0 and 0.0 < answers[0] < 2.0
+    fields = ("force_min", "force_max", "dforce_dvelocity", "dforce_dcurrent")
+    left, right = list(told.name).index("left"), list(told.name).index("right")
+    assert tuple(getattr(told, field)[left] for field in fields) == looked.reach
+    assert np.isnan([getattr(told, field)[right] for field in fields]).all()
+    assert told.force_min[left] < told.force[left] < told.force_max[left]
+
+
+def test_samples_that_come_faster_than_wishes_are_answered_with_the_wish_that_holds(semi_active, start, rig):
+    start(**semi_active)
+    node = Commanded(rig)
+    node.drive(250)
+    first = node.wish(500.0)
+    node.drive(11)
+    rig.listen(0.1)
+    assert len(node.currents) == 11
+    assert first != SAFE and SAFE not in node.currents
+
+
+def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_active, start, rig):
+    start(**semi_active)
+    node = Commanded(rig)
+    assert node.wish(500.0) == SAFE  # no sample yet
+    node.drive(50)
+    assert node.wish(500.0) == SAFE  # warming up
+    node.drive(250)
+    assert node.wish(500.0) != SAFE
+    assert node.wish(float("nan")) == SAFE  # taken back
+    assert node.wish(500.0) != SAFE
+    assert rig.set(wish_timeout=0.002) == (True, "")
+    before = len(node.currents)
+    node.drive(20)
+    assert set(node.currents[before:]) == {SAFE}  # the wish is old
+    rig.wait(lambda: "the wish was too old" in rig.status(": left command").message, "the report")
+    assert rig.set(wish_timeout=10.0, safe_current=0.75) == (True, "")
+    node.drive(2)
+    assert node.wish(500.0) not in (SAFE, 0.75)
+    assert rig.set(stale_after=0.05) == (True, "")
+    rig.wait(lambda: node.currents[-1] == 0.75, "the safe current when the input stops")
+    assert rig.set(stale_after=60.0) == (True, "")
+    node.drive(5)
+    assert node.wish(500.0) != 0.75
+    assert rig.transition(DEACTIVATE)
+    rig.wait(lambda: node.currents[-1] == 0.75, "the safe current at the end")
+
+
+def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_active, start, rig):
+    start(**semi_active)
+    node = Commanded(rig)
+    node.send_wish(200.0, "right")
+    rig.wait(lambda: rig.status(": right command") is not None, "the report")
+    assert "was not fitted on recordings with a command" in rig.status(": right command").message
+    assert rig.status(": right command").level == b"\x01" and node.currents == []
+
+
+def test_outside_the_region_of_the_fit_wishes_are_followed_only_where_that_is_set(semi_active, start, rig):
+    path = semi_active["model"] / "left.yaml"
+    narrow = {"fit": {"region": {"command": [0.0, 0.4], "velocity": [-2.0, 2.0]}, "residual_stddev": 10.0}}
+    path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | narrow))
+    start(**semi_active)
+    node = Commanded(rig)  # its current is 0.5
+    node.drive(250)
+    assert node.wish(500.0) == SAFE
+    assert rig.set(command_extrapolating=True) == (True, "")
+    assert node.wish(500.0) != SAFE
+
+
+def test_a_command_in_another_unit_comes_back_in_that_unit():
+    """Milliamperes, and a table of the coil's effect."""
+    from damper_estimator.node.commands import Follower
+    from damper_estimator.node.settings import DECLARATIONS
+    from damper_estimator.signals import Channel
+
+    class Rules:
+        safe_current, wish_timeout, command_extrapolating = SAFE, 1.0, False
+
+    effects = {"name": "one", "effects": [{"viscous": {}}, {"semi_active_squash": {"gain": 600.0}}]}
+    model = load_model_from(effects)
+    table = ((0.0, 500.0, 2000.0), (0.0, 1.6, 2.0))
+    channels = {
+        "plain": Channel("/c", "data", limits=(0.0, 2.0)),
+        "milli": Channel("/c", "data", scale=1e-3, limits=(0.0, 2000.0)),
+        "table": Channel("/c", "data", table=table, limits=(0.0, 2000.0)),
+    }
+    sample = np.array([0.0, 0.0, 0.01, 0.3, 0.0, 0.5, np.nan, np.nan])
+    sent = {}
+    for name, channel in channels.items():
+        follower = Follower("one", deployed_as(model), channel, DECLARATIONS["horizon"].default, 0.0)
+        follower.look(sample)
+        follower.wish(700.0, 0.0)
+        (sent[name],) = struct.unpack_from("<d", follower.command(GOOD, 0.0, Rules), 4)
+        assert follower.tally.followed == 1 and follower.sent == sent[name]
+        assert follower.safe(Rules) == floats(np.array([SAFE]))[0]
+    assert 0.0 < sent["plain"] < 2.0
+    assert sent["milli"] == pytest.approx(1e3 * sent["plain"])
+    assert sent["table"] == pytest.approx(np.interp(sent["plain"], table[1], table[0]))
+
+
+def load_model_from(content: dict):
+    from damper_estimator.model.files import parse_model
+
+    return parse_model(content, "test")
+
+
+def deployed_as(model):
+    from damper_estimator.model.estimator import deployed
+
+    return deployed(model, 60.0, 0.1)
