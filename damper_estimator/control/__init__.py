@@ -15,7 +15,7 @@ from damper_estimator.control.corner import (
 from damper_estimator.control.influence import influence
 from damper_estimator.control.inverse import Inverse, InverseModel
 from damper_estimator.control.laws import LAWS, BodyVelocity, Law, groundhook, mixed, passive, skyhook
-from damper_estimator.control.table import CurrentTable, table_from_samples
+from damper_estimator.control.table import CurrentTable, load_table, table_from_samples
 
 __all__ = [
     "LAWS",
@@ -33,6 +33,7 @@ __all__ = [
     "coil_curve",
     "groundhook",
     "influence",
+    "load_table",
     "mixed",
     "passive",
     "skyhook",

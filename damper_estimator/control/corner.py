@@ -84,14 +84,15 @@ class CornerController:
         self._rest_force, self._fallback = rest_force, fallback
         self._body = BodyVelocity()
 
-    def step(self, sample: np.ndarray, body_acceleration: float) -> Action:
+    def step(self, sample: np.ndarray, body_acceleration: float, added: float = 0.0) -> Action:
         """Takes one sample of the sensors.
 
         Args:
             sample: (8,) in the rows of ``signals.layout``: kinematics of the suspension, and the current in force.
             body_acceleration: m/s^2, upwards, without gravity.
+            added: N, what another controller wishes on top.
         """
         body = self._body.step(body_acceleration, float(sample[DT]))
-        wanted = self._rest_force + self._law.force(body, body - float(sample[V]))
+        wanted = self._rest_force + added + self._law.force(body, body - float(sample[V]))
         current = self._command.current(sample, wanted)
         return Action(wanted, current if np.isfinite(current) else self._fallback)

@@ -6,10 +6,12 @@ it is made as well as a table can be: by least squares over all samples, straigh
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.model.export import read_table
 
 VELOCITIES = (-1.5, -1.0, -0.7, -0.5, -0.35, -0.25, -0.17, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.17, 0.25, 0.35,
               0.5, 0.7, 1.0, 1.5)  # fmt: skip
@@ -56,6 +58,21 @@ class CurrentTable:
             k = int(crossing[0])
             return float(current[k] + (current[k + 1] - current[k]) * low[k] / (low[k] - high[k]))
         return float(current[np.argmin(np.abs(force - wanted))])
+
+
+def load_table(path: str | Path) -> CurrentTable:
+    """The table of a ``force_velocity.csv``, as ``damper-estimator export --tables`` writes it; of several temperatures
+    the middle one.
+
+    Raises:
+        InputError: where it is no such table, or holds fewer than two commands.
+    """
+    table = read_table(Path(path))
+    if table.commands.size < 2:
+        raise InputError(
+            f"{path}: holds one command only; export it from a model whose force depends on one, with --current"
+        )
+    return CurrentTable(table.velocity, table.commands, table.force[:, table.temperatures.size // 2].T)
 
 
 def table_from_samples(

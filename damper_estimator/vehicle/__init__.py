@@ -4,7 +4,7 @@ record = drive("road", DAMPERS["passenger_front"], seconds=60.0, seed=1)     # c
 run = on_posts(load_car("compact_car"), {"front": model, "rear": model}, four_posts(sweep(0.003)))
 """
 
-from damper_estimator.vehicle.closed_loop import CornerSensors, Ride, attainable, ride
+from damper_estimator.vehicle.closed_loop import CornerSensors, Ride, RunningRide, Sensed, attainable, ride
 from damper_estimator.vehicle.excitation import EXCITATIONS, ROADS, drive
 from damper_estimator.vehicle.four_posts import PostRun, Transfer, four_posts, on_posts, sweep, transfer
 from damper_estimator.vehicle.full_car import WHEELS, Axle, Body, FullCar, library_vehicles, load_car
@@ -32,7 +32,9 @@ __all__ = [
     "Ride",
     "RideMeasures",
     "RunningCar",
+    "RunningRide",
     "SURFACES",
+    "Sensed",
     "Surface",
     "Transfer",
     "WHEELS",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.control import CornerController
+from damper_estimator.control import Action, CornerController
 from damper_estimator.model.estimator import DamperEstimator
 from damper_estimator.plant import STEP, Damper, Drive
 from damper_estimator.plant import kernel as plant_kernel
@@ -59,6 +59,86 @@ class Ride:
         return self.step * np.arange(self.travel.size)
 
 
+@dataclass(frozen=True)
+class Sensed:
+    """What the controller is told at one moment.
+
+    Attributes:
+        stamp: ns since the start of the ride.
+        travel: m, of the displacement sensor.
+        felt: m/s^2, of the body's accelerometer.
+        current: A, that the driver holds.
+    """
+
+    stamp: int
+    travel: float
+    felt: float
+    current: float
+
+
+class RunningRide:
+    """A ride from sample to sample of the sensors: whoever controls asks `sense` and answers with `act`; final."""
+
+    def __init__(
+        self,
+        car: QuarterCar,
+        damper: Damper,
+        road: np.ndarray,
+        sensors: CornerSensors = CornerSensors(),
+        seed: int = 0,
+        current: float = 0.0,
+        step: float = STEP,
+    ):
+        """Arguments as `ride`."""
+        self._running = RunningCar(car, damper, road, step, current)
+        self._current, self._wanted = np.full(road.size, current), np.full(road.size, np.nan)
+        self._random = np.random.default_rng([seed, 13])
+        self._between, self._late = round(1.0 / (sensors.rate * step)), round(sensors.latency / step)
+        self._car, self._sensors, self._step = car, sensors, step
+        self._index = -self._between
+
+    @property
+    def rest_force(self) -> float:
+        """Of the damper, N."""
+        return self._running.rest_force
+
+    def sense(self) -> Sensed | None:
+        """Drives to the next sample; None at the end of the road."""
+        self._index += self._between
+        index, running, sensors = self._index, self._running, self._sensors
+        if index >= self._current.size:
+            running.advance(self._current.size, self._current)
+            return None
+        if index:
+            running.advance(index + 1, self._current)
+        travel = running.record[index, TRAVEL] + sensors.displacement_noise * self._random.standard_normal()
+        resolution = sensors.displacement_step
+        travel = resolution * round(travel / resolution) if resolution > 0.0 else travel
+        felt = running.record[max(index - 1, 0), BODY_ACCELERATION] + sensors.acceleration_offset
+        felt += sensors.acceleration_noise * self._random.standard_normal()
+        return Sensed(round(1e9 * index * self._step), float(travel), float(felt), float(self._current[index]))
+
+    def act(self, action: Action) -> None:
+        """The controller's answer to the last sample; its current holds until the next one."""
+        first = self._index + 1 + self._late
+        self._current[first : first + self._between] = action.current
+        self._wanted[self._index : self._index + self._between] = action.wanted
+
+    def ride(self) -> Ride:
+        """What has been driven."""
+        running = self._running
+        return Ride(
+            self._step,
+            running.column(TRAVEL),
+            running.column(FORCE),
+            self._wanted,
+            self._current,
+            running.column(BODY_ACCELERATION),
+            running.column(TYRE_FORCE),
+            self._car.static_load,
+        )
+
+
 def ride(
     car: QuarterCar,
     damper: Damper,
@@ -77,35 +157,11 @@ def ride(
         seed: of the sensors' noise.
         current: A, before the controller's first answer.
     """
-    running = RunningCar(car, damper, road, step, current)
-    set_current, wanted = np.full(road.size, current), np.full(road.size, np.nan)
-    random = np.random.default_rng([seed, 13])
-    between, late = round(1.0 / (sensors.rate * step)), round(sensors.latency / step)
-    resolution = sensors.displacement_step
-    for index in range(0, road.size, between):
-        if index:
-            running.advance(index + 1, set_current)
-        travel = running.record[index, TRAVEL] + sensors.displacement_noise * random.standard_normal()
-        travel = resolution * round(travel / resolution) if resolution > 0.0 else travel
-        felt = running.record[max(index - 1, 0), BODY_ACCELERATION] + sensors.acceleration_offset
-        felt += sensors.acceleration_noise * random.standard_normal()
-        stamp = round(1e9 * index * step)
-        kinematics = estimator.block(np.array([stamp]), np.array([travel]), set_current[index]).kinematics
-        action = controller.step(kinematics.block[:, 0], felt)
-        first = index + 1 + late
-        set_current[first : first + between] = action.current
-        wanted[index : index + between] = action.wanted
-    running.advance(road.size, set_current)
-    return Ride(
-        step,
-        running.column(TRAVEL),
-        running.column(FORCE),
-        wanted,
-        set_current,
-        running.column(BODY_ACCELERATION),
-        running.column(TYRE_FORCE),
-        car.static_load,
-    )
+    running = RunningRide(car, damper, road, sensors, seed, current, step)
+    while (sensed := running.sense()) is not None:
+        estimates = estimator.block(np.array([sensed.stamp]), np.array([sensed.travel]), sensed.current)
+        running.act(controller.step(estimates.kinematics.block[:, 0], sensed.felt))
+    return running.ride()
 
 
 def attainable(damper: Damper, travel: np.ndarray, limits: tuple[float, float], step: float) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from damper_estimator.control import CurrentTable, coil_curve, table_from_samples
+from damper_estimator.control import CurrentTable, coil_curve, load_table, table_from_samples
 from damper_estimator.errors import InputError
 
 V, C = np.array([-1.0, -0.2, 0.0, 0.2, 1.0]), np.array([0.0, 1.0, 2.0])
@@ -57,3 +57,20 @@ def test_the_coils_curve_is_that_of_the_force_and_goes_both_ways():
     assert curve.current_for(curve.effect_of(0.37)) == pytest.approx(0.37)
     with pytest.raises(ValueError, match="more current must mean more"):
         coil_curve(CurrentTable(V, C, np.zeros((5, 3))))
+
+
+def test_a_table_is_read_from_the_file_that_export_writes(tmp_path):
+    from damper_estimator.model import load_model
+    from damper_estimator.model.export import force_table, write_tables
+
+    model = load_model("semi_active_on_mount")
+    written = force_table(model, np.array([-0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6]), commands=(0.0, 0.7, 1.4))
+    table = load_table(write_tables(model, written, tmp_path)[0])
+    assert table.force.shape == (7, 3)
+    for velocity, current in ((0.4, 0.7), (-0.2, 1.4)):
+        (k,), (c,) = np.flatnonzero(written.velocity == velocity), np.flatnonzero(written.commands == current)
+        assert table.force_at(velocity, current) == written.force[c, 0, k]
+    assert table.current_for(0.4, table.force_at(0.4, 1.0)) == pytest.approx(1.0)
+    single = write_tables(model, force_table(model, np.array([-0.1, 0.1]), commands=(1.0,)), tmp_path / "one")[0]
+    with pytest.raises(InputError, match="holds one command only"):
+        load_table(single)
