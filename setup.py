@@ -50,6 +50,7 @@ setup(
         "console_scripts": [
             f"damper-estimator = {NAME}.cli.main:main",
             f"estimator_node = {NAME}.node.main:main",
+            f"controller_node = {NAME}.node.main:controller",
         ]
     },
     zip_safe=False,

@@ -1,41 +1,61 @@
-"""Entry point of ``estimator_node``; importable without ROS, so that its absence is one line and no traceback."""
+"""Entry points of the executables; importable without ROS, so that its absence is one line and no traceback."""
 
 import sys
+from collections.abc import Callable, Sequence
 
 from damper_estimator.errors import InputError
 
-PROGRAM = "estimator_node"
 DONE, REFUSED = 0, 1
-NEEDED = ("rclpy", "damper_msgs", "diagnostic_msgs", "sensor_msgs", "std_msgs")
+NEEDED = ("rclpy", "damper_msgs", "diagnostic_msgs", "geometry_msgs", "sensor_msgs", "std_msgs")
 
 
 def main() -> int:
-    """Runs the node until it is told to stop.
+    """Runs the estimator until it is told to stop.
 
     Returns:
         The exit status: 0 after a signal, 1 where the node refuses to start (one line on standard error).
     """
-    try:
-        from damper_estimator.node.run import run
 
+    def run(words: Sequence[str]) -> None:
+        from damper_estimator.node.run import run_estimator
+
+        run_estimator(words)
+
+    return _guarded("estimator_node", run)
+
+
+def controller() -> int:
+    """Runs the example controller until it is told to stop; exit status as `main`."""
+
+    def run(words: Sequence[str]) -> None:
+        from damper_estimator.node.run import run_controller
+
+        run_controller(words)
+
+    return _guarded("controller_node", run)
+
+
+def _guarded(program: str, run: Callable[[Sequence[str]], None]) -> int:
+    try:
         run(sys.argv)
     except KeyboardInterrupt:
         return DONE
     except InputError as error:
-        return _refuse(str(error))
+        return _refuse(program, str(error))
     except ModuleNotFoundError as error:
         if (error.name or "").split(".")[0] not in NEEDED:
             raise
         return _refuse(
+            program,
             f"ROS 2 is not complete here (no module {error.name}); source /opt/ros/jazzy/setup.bash "
             f"and the workspace's "
-            "install/setup.bash, or use .venv of a checkout (make env)"
+            "install/setup.bash, or use .venv of a checkout (make env)",
         )
     return DONE
 
 
-def _refuse(reason: str) -> int:
-    print(f"{PROGRAM}: {' '.join(reason.split())}", file=sys.stderr)
+def _refuse(program: str, reason: str) -> int:
+    print(f"{program}: {' '.join(reason.split())}", file=sys.stderr)
     return REFUSED
 
 

@@ -1,7 +1,7 @@
 """The topics on which the node commands currents, one per damper whose force depends on one."""
 
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.lifecycle import LifecycleNode
+from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import Float64
 
@@ -11,7 +11,7 @@ DEPTH = 10
 class CommandOutputs:
     """Publishers of ``suspension/<damper>/current_command``; final."""
 
-    def __init__(self, node: LifecycleNode) -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
         self._publishers: dict[str, Publisher] = {}
 

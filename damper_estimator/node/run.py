@@ -1,14 +1,16 @@
-"""The node's process: ROS up, node made, messages delivered until a signal comes."""
+"""A node's process: ROS up, node made, messages delivered until a signal comes."""
 
 import signal
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.controller import ControllerNode
 from damper_estimator.node.estimator_node import EstimatorNode
 from damper_estimator.node.executors import make_executor
 from damper_estimator.node.process import set_realtime_priority
@@ -17,8 +19,18 @@ from damper_estimator.node.settings import check_words
 WAKE_UP = 0.1  # s, longest time until a signal is seen
 
 
-def run(words: Sequence[str]) -> None:
-    """Runs the node until SIGINT or SIGTERM.
+def run_estimator(words: Sequence[str]) -> None:
+    """Runs the estimator until SIGINT or SIGTERM; raises InputError as `_run`."""
+    _run(words, _serve_estimator)
+
+
+def run_controller(words: Sequence[str]) -> None:
+    """Runs the example controller until SIGINT or SIGTERM; raises InputError as `_run`."""
+    _run(words, _serve_controller)
+
+
+def _run(words: Sequence[str], serve: Callable[[], None]) -> None:
+    """Runs a node.
 
     Raises:
         InputError: where arguments, parameters, signal map or model are unusable.
@@ -33,7 +45,7 @@ def run(words: Sequence[str]) -> None:
             f"{reason}; check the arguments and the parameter file (config/node.yaml shows one)"
         ) from error
     try:
-        _serve()
+        serve()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except Exception:
@@ -44,7 +56,7 @@ def run(words: Sequence[str]) -> None:
         rclpy.try_shutdown()
 
 
-def _serve() -> None:
+def _serve_estimator() -> None:
     node = EstimatorNode()
     check_words(node)
     executor = make_executor(node.get_parameter("executor").value, node.get_logger())
@@ -62,7 +74,18 @@ def _serve() -> None:
         node.destroy_node()
 
 
-def _deliver(executor: object, node: EstimatorNode) -> None:
+def _serve_controller() -> None:
+    node = ControllerNode()
+    executor = make_executor("events", node.get_logger())
+    executor.add_node(node)
+    try:
+        _deliver(executor, node)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+
+
+def _deliver(executor: object, node: Node) -> None:
     # EventsExecutor.spin() delivers nothing in some builds; spin_once() does in all.
     while rclpy.ok():
         try:

@@ -87,13 +87,13 @@ class Settings:
     autostart: bool
 
 
-def declare(node: Node) -> None:
+def declare(node: Node, declarations: Mapping[str, Declaration] = DECLARATIONS) -> None:
     """Declares the parameters on the node.
 
     Raises:
         InputError: one line, where a given value has another type or is out of range.
     """
-    for name, declaration in DECLARATIONS.items():
+    for name, declaration in declarations.items():
         descriptor = ParameterDescriptor(
             description=f"{declaration.description} (changes take effect: {declaration.changes})",
             additional_constraints=f"one of {', '.join(declaration.allowed)}" if declaration.allowed else "",
@@ -137,7 +137,7 @@ def read_settings(node: Node, changed: Mapping[str, object] | None = None) -> Se
         if values["model"]
         else ["parameter model is not set; give a model file, a folder, or a name that damper-estimator models lists"]
     )
-    faults += _wrong_words(values)
+    faults += _wrong_words(values, DECLARATIONS)
     faults += [
         f"parameter {name} is {values[name]!r}; it must be {_wanted(declaration)}"
         for name, declaration in DECLARATIONS.items()
@@ -148,20 +148,21 @@ def read_settings(node: Node, changed: Mapping[str, object] | None = None) -> Se
     return Settings(**values)
 
 
-def check_words(node: Node) -> None:
+def check_words(node: Node, declarations: Mapping[str, Declaration] = DECLARATIONS) -> None:
     """Checks the parameters that choose among words.
 
     Raises:
         InputError: one line with every wrong word and what is allowed.
     """
-    faults = _wrong_words({name: node.get_parameter_or(name, Parameter(name)).value for name in DECLARATIONS})
+    values = {name: node.get_parameter_or(name, Parameter(name)).value for name in declarations}
+    faults = _wrong_words(values, declarations)
     if faults:
         raise InputError("; ".join(faults))
 
 
-def _wrong_words(values: Mapping[str, object]) -> list[str]:
+def _wrong_words(values: Mapping[str, object], declarations: Mapping[str, Declaration]) -> list[str]:
     return [
         f"parameter {name} is {values[name]!r}; allowed are {', '.join(declaration.allowed)}"
-        for name, declaration in DECLARATIONS.items()
+        for name, declaration in declarations.items()
         if declaration.allowed and values[name] not in declaration.allowed
     ]
