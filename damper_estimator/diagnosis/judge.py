@@ -106,6 +106,8 @@ def tallies(null: Null, attempts: Sequence[Attempt], mode: str) -> list[Tally]:
     for attempt in attempts:
         kept = with_effects(null, [attempt], base=False)
         refitted = with_effects(null, [attempt], base=True)
+        if refitted.square > kept.square:  # derivatives that lead astray say nothing
+            refitted = kept
         left_kept = kept.square / max(without_kept.square, 1e-300)
         left_refitted = refitted.square / max(without_refitted.square, 1e-300)
         judged.append(

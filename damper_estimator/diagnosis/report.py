@@ -171,6 +171,11 @@ def sentence_of(
             f"Nothing is missing, but parameters changed ({moved}{like}): re-identifying them takes the unseen error "
             f"to {again.rmse_n:.3g} N."
         )
+    if verdict == "unexplained" and picture is None:
+        return (
+            f"No known effect accounts for the error of {rmse_n:.3g} N, {rmse_n / floor_n:.2g} times the noise, and it "
+            "follows nothing that was measured at the same instant: what happened before, or was not measured, counts."
+        )
     if verdict == "unexplained":
         return f"The error of {rmse_n:.3g} N has a structure that no known effect accounts for: {picture.words}."
     return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left, noise makes {floor_n:.3g} N."

@@ -13,7 +13,8 @@ from damper_estimator.model import DamperModel
 
 _STRUCTURED = 0.3  # of the squared error, what a picture of it must predict to be shown
 _NOTABLE = 0.03  # of the force's rms: smaller errors are left alone
-_ABOVE_FLOOR = 2.0
+_ABOVE = 2.0  # times the noise floor, and what the model's own identification left: what has structure is told
+_FAR_ABOVE = 3.0  # the same, for what shows no structure over what was measured
 _MOST = 0.6  # of what there is to explain, by re-identification
 _BETTER = 0.75  # of the squared error that re-identification leaves
 _ENOUGH = 0.75  # of what re-identification explains, by one effect instead
@@ -22,7 +23,7 @@ _ENOUGH = 0.75  # of what re-identification explains, by one effect instead
 def verdict_on(
     found: Search, again: Reidentified | None, force_n: float, floor_n: float
 ) -> tuple[str, Structure | None]:
-    """The verdict, with a picture where it is ``unexplained``.
+    """The verdict, with a picture where it is ``unexplained`` and there is structure to be seen.
 
     Args:
         again: None where the model's parameters are trusted.
@@ -35,14 +36,13 @@ def verdict_on(
     if found.accepted:
         return "missing", None
     left = rmse(first.null, last.kept)
-    if (
-        left > _NOTABLE * force_n
-        and left > _ABOVE_FLOOR * floor
-        and left > _ABOVE_FLOOR * _residual_before(first.null.model)
-    ):
+    own = max(floor, _residual_before(first.null.model))
+    if left > max(_NOTABLE * force_n, _ABOVE * own):
         picture, gain, low = structure(first.null, first.kept)
         if gain >= _STRUCTURED and low > 0.0:
             return "unexplained", picture
+        if left > _FAR_ABOVE * own:
+            return "unexplained", None
     return "nothing_missing", None
 
 

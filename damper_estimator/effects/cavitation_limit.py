@@ -5,8 +5,8 @@
 F_cav in N, s in m of piston travel, positive v in extension. A void opens where compression asks for more than F_cav:
 the piston then runs away from oil that flows in no faster than at v_cav. It closes when the piston slows down or turns
 round, and until then the force stays where it is. A share h of the difference is held, 1 where nothing but vapour fills
-the void and less where air does. States: void, last displacement, v_cav, last force and speed; first order in the step. Source: Dixon 2008;
-the loss of force at reversal in the HIS paper, section 3.
+the void and less where air does. States: void, last displacement, v_cav, last force and speed; first order in the step.
+Source: Dixon 2008; the loss of force at reversal in the HIS paper, section 3.
 """
 
 from damper_estimator.compiled import compiled
@@ -37,8 +37,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Only a level that is reached can be seen."""
-    levels = tuple(factor * ranges.force for factor in (0.6, 1.0, 1.5, 2.2))
+    """Only a level that is reached can be seen; near the right one alone the error falls, hence the narrow steps."""
+    levels = tuple(0.6 * 1.12**step * ranges.force for step in range(14))
     limits = {"limit": (max(0.2 * ranges.force, 10.0), 6.0 * ranges.force), "held": (0.2, 1.0)}
     return Trial({"limit": 0.4 * ranges.force, "held": 0.9}, limits, spread(limit=levels))
 
