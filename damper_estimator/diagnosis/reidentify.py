@@ -6,8 +6,8 @@ import numpy as np
 
 from damper_estimator.diagnosis.judge import LOW, Errors, draws, errors, gains, rmse
 from damper_estimator.diagnosis.ranking import GAIN, LEAST_FORCE, Round
-from damper_estimator.diagnosis.result import Moved
 from damper_estimator.diagnosis.restart import restarted
+from damper_estimator.diagnosis.result import Moved
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
 from damper_estimator.diagnosis.settle import settled
 from damper_estimator.model import DamperModel
