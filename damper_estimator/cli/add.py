@@ -5,15 +5,13 @@ around the sources. Its values are the effect's defaults, or those given with --
 """
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
 from damper_estimator.cli.common import add_models
-from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
-from damper_estimator.model import DamperModel, Element, load_model, make_element, save_model
-from damper_estimator.model.element import labels
+from damper_estimator.model import load_model, save_model
+from damper_estimator.model.element import labels, new_element
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,19 +42,12 @@ def run(arguments: argparse.Namespace) -> int:
             f"{effect.name}: {title} belongs to the measurement chain; mend it in the signal map, not in a model"
         )
     model = load_model(arguments.model)
-    changed = model.with_effect(new_element(effect, model, _values(arguments.values)))
+    changed = model.with_effect(new_element(effect, model.effects, _values(arguments.values)))
     save_model(changed, arguments.output)
     print(
         f"{changed.name}: {' -> '.join(label for label, _ in labels(changed.effects))}; written to {arguments.output}"
     )
     return 0
-
-
-def new_element(effect: Effect, model: DamperModel, values: dict[str, object]) -> Element:
-    """The entry to add; a series effect wraps what ``DamperModel.with_effect`` finds in front of it."""
-    if effect.kind != "series":
-        return make_element(effect, values)
-    return replace(make_element(effect, values, model.effects), path=())
 
 
 def _values(pairs: list[str]) -> dict[str, object]:

@@ -72,6 +72,10 @@ class DamperModel:
                     slots.append(Slot(address, float(number), parameter, entry, index, fixed))
         return tuple(slots)
 
+    def __getstate__(self) -> dict[str, object]:
+        """What goes to another process: what was declared; the compiled program is made there anew."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
     def stream(self) -> Stream:
         """A fresh running state."""
         return Stream(self.program)

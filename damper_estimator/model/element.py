@@ -55,6 +55,18 @@ def make_element(effect: Effect, values: Mapping[str, object] | None = None, pat
     return Element(effect, parameters, settings, path)
 
 
+def new_element(effect: Effect, before: tuple[Element, ...], values: Mapping[str, object] | None = None) -> Element:
+    """An entry that is to be put into a model with the entries ``before``; ``DamperModel.with_effect`` finds its place
+    and, for a series effect, what it wraps.
+
+    Raises:
+        InputError: as ``make_element``.
+    """
+    if effect.kind != "series":
+        return make_element(effect, values)
+    return replace(make_element(effect, values, before), path=())
+
+
 def _names(effect: Effect) -> list[str]:
     return [declared.name for declared in (*effect.parameters, *effect.settings)]
 

@@ -1,0 +1,92 @@
+"""Runs a function in a process of its own: the page stays quick, and a cancelled work is gone at once."""
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any
+
+from damper_estimator.errors import InputError
+
+Tell = Callable[[str, float], None]
+_EVERY = 0.2  # s between two looks for a cancellation
+_READY = "damper_estimator.studio.work"  # what the process that others are forked from has imported
+
+
+class Cancelled(Exception):
+    """The work was not wanted any longer."""
+
+
+def prepare() -> None:
+    """Starts the process that the others are forked from, before this one has threads."""
+    _context().Process(target=_nothing).start()
+
+
+def run_apart(function: Callable[..., Any], arguments: tuple, tell: Tell) -> Any:
+    """``function(*arguments, tell)`` in another process, and what it returns.
+
+    Args:
+        function: of a module's top level; arguments and result can be pickled.
+        tell: is given what goes on and its share; what it raises ends the process and all that it started.
+
+    Raises:
+        InputError: as the function does.
+        RuntimeError: where the process died, or the function has a bug.
+    """
+    here, there = multiprocessing.Pipe()
+    process = _context().Process(target=_worked, args=(there, function, arguments))
+    process.start()
+    there.close()
+    text, share = "starting", 0.0
+    try:
+        while True:
+            tell(text, share)
+            if not here.poll(_EVERY):
+                continue
+            kind, value = here.recv()
+            if kind == "told":
+                text, share = value
+            elif kind == "done":
+                return value
+            else:
+                raise InputError(value) if kind == "refused" else RuntimeError(value)
+    except EOFError:
+        raise RuntimeError("the process that worked has died; it may have run out of memory") from None
+    finally:
+        _end(process)
+        here.close()
+
+
+def _context():
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([_READY])
+    return context
+
+
+def _nothing() -> None:
+    """What the first process does."""
+
+
+def _worked(pipe: Connection, function: Callable[..., Any], arguments: tuple) -> None:
+    os.setsid()  # so that its own workers end with it
+    try:
+        pipe.send(("done", function(*arguments, lambda text, share: pipe.send(("told", (text, share))))))
+    except InputError as error:
+        pipe.send(("refused", str(error)))
+    except BrokenPipeError:
+        pass  # the server has gone
+    except Exception as error:  # told on the page; the traceback goes to the terminal
+        pipe.send(("failed", f"{type(error).__name__}: {error}"))
+        raise
+
+
+def _end(process: multiprocessing.Process) -> None:
+    """Ends the process and what it started."""
+    if process.is_alive():
+        with suppress(ProcessLookupError, PermissionError):
+            if os.getpgid(process.pid) == process.pid:
+                os.killpg(process.pid, signal.SIGKILL)
+        process.kill()
+    process.join()

@@ -1,0 +1,162 @@
+"""What a page has opened: the recordings of one damper, read once, and the parts of them that are judged."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from damper_estimator.diagnosis.mend import mended
+from damper_estimator.diagnosis.scene import early, late
+from damper_estimator.errors import InputError
+from damper_estimator.recordings import open_bag
+from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map, measure
+from damper_estimator.signals.channels import signals_for
+from damper_estimator.studio.apart import Tell
+from damper_estimator.studio.folder import Folder
+
+MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for in
+_PASSAGES = 20  # that a longer recording is judged on
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a user wants to see; names are relative to the studio's folder.
+
+    Attributes:
+        fit, unseen: recordings to find parameters on, and to judge on (none: the last 40 % of each of ``fit``).
+        damper: its name; "" for the first.
+        signals: the signal map; "" for the default topics.
+        start, stop: s from the start, None where all is used.
+    """
+
+    fit: tuple[str, ...]
+    unseen: tuple[str, ...] = ()
+    damper: str = ""
+    signals: str = ""
+    start: float | None = None
+    stop: float | None = None
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A measurement and where it lies: the index of its recording, and s since that one's first sample."""
+
+    measurement: Measurement
+    recording: int
+    begin: float
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What was read for a choice.
+
+    Attributes:
+        damper: its name.
+        signal_map: with every damper of the recordings.
+        whole: one measurement per recording, those of ``fit`` first.
+        fit, unseen: what parameters are found on, and what is judged on.
+        judged: what regions are told of: all of ``whole``, or passages of it where it is long.
+    """
+
+    choice: Choice
+    damper: str
+    signal_map: SignalMap
+    whole: tuple[Measurement, ...]
+    fit: tuple[Measurement, ...]
+    unseen: tuple[Measurement, ...]
+    judged: tuple[Passage, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the recordings."""
+        return (*self.choice.fit, *self.choice.unseen)
+
+    @property
+    def signals(self) -> DamperSignals:
+        """The damper's entry of the signal map, as read."""
+        return self.signal_map.dampers[self.damper]
+
+    @cached_property
+    def note(self) -> str:
+        """What a user should know about what is judged; "" where that is all."""
+        if len(self.judged) == len(self.whole):
+            return ""
+        seconds = float(np.sum([p.measurement.kinematics.dt.sum() for p in self.judged]))
+        return (
+            f"Long recordings: figures and error measures are of all samples; regions, noise floor, diagnosis and "
+            f"identification use {len(self.judged)} passages spread evenly over them, {seconds:.0f} s in all."
+        )
+
+    def mended(self, signals: DamperSignals) -> "Stage":
+        """The stage as it would have been read with another entry of the signal map."""
+        if signals == self.signals:
+            return self
+        return replace(
+            self,
+            signal_map=self.signal_map.with_entry(self.damper, signals),
+            whole=tuple(mended(m, signals) for m in self.whole),
+            fit=tuple(mended(m, signals) for m in self.fit),
+            unseen=tuple(mended(m, signals) for m in self.unseen),
+            judged=tuple(replace(p, measurement=mended(p.measurement, signals)) for p in self.judged),
+        )
+
+
+def dampers_in(folder: Folder, recordings: Sequence[str], signals: str) -> list[str]:
+    """Names of the dampers that recordings hold.
+
+    Raises:
+        InputError: for a recording or a map that cannot be read.
+    """
+    names: dict[str, None] = {}
+    for name in recordings:
+        with open_bag(folder.existing(name)) as bag:
+            names |= dict.fromkeys(signals_for(bag, _signal_map(folder, signals)).dampers)
+    return list(names)
+
+
+def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
+    """Reads the recordings of a choice.
+
+    Raises:
+        InputError: for what is missing, damaged or holds no force of the damper.
+    """
+    if not choice.fit:
+        raise InputError("choose at least one recording")
+    given, damper = _signal_map(folder, choice.signals), choice.damper
+    full, whole = given, []
+    names = (*choice.fit, *choice.unseen)
+    window = (0.0 if choice.start is None else choice.start, np.inf if choice.stop is None else choice.stop)
+    for number, name in enumerate(names):
+        tell(f"reading {name}", number / len(names))
+        with open_bag(folder.existing(name)) as bag:
+            own = signals_for(bag, given)
+            damper = damper or next(iter(own.dampers))
+            full = full if damper in full.dampers else own
+            whole.append(measure(bag, own, damper, *window))
+    count = len(choice.fit)
+    passages = [_passages(m, i, MOST_JUDGED // len(whole)) for i, m in enumerate(whole)]
+    fit = [p.measurement for own in passages[:count] for p in own]
+    unseen = [p.measurement for own in passages[count:] for p in own]
+    if not unseen:
+        fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
+    judged = tuple(p for own in passages for p in own)
+    return Stage(choice, damper, full, tuple(whole), tuple(fit), tuple(unseen), judged)
+
+
+def _signal_map(folder: Folder, name: str) -> SignalMap:
+    return load_signal_map(folder.existing(name) if name else None)
+
+
+def _passages(measurement: Measurement, recording: int, most: int) -> list[Passage]:
+    """The whole measurement, or passages of equal length spread evenly over it with ``most`` samples in all."""
+    size = len(measurement.kinematics)
+    if size <= most:
+        return [Passage(measurement, recording, 0.0)]
+    length, time = most // _PASSAGES, measurement.kinematics.time
+    starts = np.linspace(0, size - length, _PASSAGES).astype(int).tolist()
+    return [
+        Passage(part, recording, float(time[i] - time[0]))
+        for i in starts
+        if (part := measurement.part(i, i + length)).judged.any()
+    ]
