@@ -21,6 +21,7 @@ from mcap.records import Channel, Chunk, Statistics
 from mcap.records import Schema as SchemaRecord
 from mcap.stream_reader import get_chunk_data_stream
 
+from damper_estimator.compiled import compiled
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.definitions import Schema
 from damper_estimator.recordings.faults import explained
@@ -208,18 +209,29 @@ def _is_whole(head: bytes, position: int, end: int) -> bool:
 
 def _records(data: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Opcode, start and length of the content of every record."""
-    opcodes, starts, lengths = [], [], []
-    position, end, unpack, size = 0, len(data), _HEAD.unpack_from, _HEAD.size
-    while position < end:
-        opcode, length = unpack(data, position)
-        position += size
-        opcodes.append(opcode)
-        starts.append(position)
-        lengths.append(length)
-        position += length
-    if position > end:
+    most = len(data) // _HEAD.size
+    opcode, start, length = np.empty(most, np.uint8), np.empty(most, np.int64), np.empty(most, np.int64)
+    count = _walk(np.frombuffer(data, np.uint8), opcode, start, length)
+    if count < 0:
         raise ValueError("a record reaches beyond its chunk")
-    return np.array(opcodes, np.uint8), np.array(starts, np.int64), np.array(lengths, np.int64)
+    return opcode[:count].copy(), start[:count].copy(), length[:count].copy()
+
+
+@compiled
+def _walk(data, opcode, start, length):
+    """Notes every record of ``data`` (bytes,) uint8 and returns their number; -1 where the last is not whole."""
+    position, count, end = 0, 0, data.size
+    while position < end:
+        # The highest byte of a length that fits into any memory is zero.
+        if position + 9 > end or data[position + 8] != 0:
+            return -1
+        size = 0
+        for i in range(7):
+            size += int(data[position + 1 + i]) << (8 * i)
+        opcode[count], start[count], length[count] = data[position], position + 9, size
+        position += 9 + size
+        count += 1
+    return count if position == end else -1
 
 
 def _full_name(type_name: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Admission, Counts
+from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Admission, Counts
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
 from damper_estimator.signals.clipping import clipped, touched
@@ -196,18 +196,13 @@ def _kinematics(
         }
         kinematics, verdict = Differentiator(cutoff, max_gap).block(stamp[inside], displacement[inside], **held)
         parts.append(kinematics)
-        raws.append(displacement[inside][np.isin(stamp[inside], kinematics.stamp) & _first_of_equal(stamp[inside])])
+        raws.append(displacement[inside][verdict < DUPLICATE])
     joined = Kinematics(
         np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
         np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((8, 0)),
     )
     joined.block[T] = (joined.stamp - origin) / 1e9
     return joined, np.concatenate(raws or [np.zeros(0)])
-
-
-def _first_of_equal(stamp: np.ndarray) -> np.ndarray:
-    """(n,) bool: the first of each run of equal stamps, the one that is kept."""
-    return np.concatenate([[True], np.diff(stamp) > 0]) if stamp.size else np.zeros(0, bool)
 
 
 def _held(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:
@@ -250,12 +245,20 @@ def _at_stamps(stamp: np.ndarray, value: np.ndarray, kinematics: Kinematics, cut
     filtered = np.empty(len(kinematics))
     for part in kinematics.stretches():
         own = kinematics.stamp[part]
-        between = stamp[(stamp > own[0]) & (stamp < own[-1])]
-        grid = np.union1d(own, between)
+        first, last = np.searchsorted(stamp, own[0], side="right"), np.searchsorted(stamp, own[-1])
+        grid = _merged(own, stamp[first:last])
         dt = np.diff(grid, prepend=grid[0]) / 1e9
-        on_grid = np.interp(grid - own[0], stamp - own[0], value)
+        near = slice(max(first - 1, 0), last + 1)
+        on_grid = np.interp(grid - own[0], stamp[near] - own[0], value[near])
         filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
     return filtered
+
+
+def _merged(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Stamps of two rising series in order, each once."""
+    both = np.concatenate([first, second])
+    both.sort(kind="stable")  # two runs: a merge
+    return both[np.concatenate([[True], np.diff(both) > 0])]
 
 
 def _settled(near: np.ndarray, kinematics: Kinematics) -> np.ndarray:
