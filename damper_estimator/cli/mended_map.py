@@ -15,8 +15,7 @@ def mended_map(used: SignalMap, bags: Sequence[Path], mended: Mapping[str, Dampe
     for path in bags:
         with open_bag(path) as bag:
             dampers = {**signals_for(bag, used).dampers, **dampers}
+    whole = replace(used, dampers=dampers)
     for damper, own in mended.items():
-        # What a mend changes has to be written, though nobody named the channel before.
-        changed = own != dampers[damper]
-        dampers[damper] = replace(own, force=replace(own.force, given=True)) if changed else own
-    return replace(used, dampers=dampers)
+        whole = whole.with_entry(damper, own)
+    return whole

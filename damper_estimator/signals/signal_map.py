@@ -103,6 +103,12 @@ class SignalMap:
         """The map with default signals for the named dampers, where it names none itself."""
         return self if self.dampers else replace(self, dampers={name: default_signals(name) for name in names})
 
+    def with_entry(self, damper: str, signals: DamperSignals) -> "SignalMap":
+        """The map with one damper's entry replaced; a force that changes is written, though nobody named it before."""
+        changed = signals != self.dampers.get(damper)
+        own = replace(signals, force=replace(signals.force, given=True)) if changed else signals
+        return replace(self, dampers={**self.dampers, damper: own})
+
 
 def default_signals(damper: str) -> DamperSignals:
     """The default topics for one damper."""
