@@ -3,8 +3,8 @@
 The force of an estimator that knows the damper (a map of the simulated force over velocity and displacement) is
 compared with the true force *at the same instant*, on a road that was not used for the map: rms error as a share of the
 rms force, and the delay at which the estimate fits best. Three ways to come from displacement to velocity: the node's
-filter, the same with part of its delay predicted away (`compensation`), and a Kalman filter that fuses the relative
-acceleration (0.3 m/s^2 noise, 0.2 m/s^2 offset) with the displacement.
+filter, the same with part of its delay predicted away (`compensation`), and the signal map's `fusion` with the relative
+acceleration (0.3 m/s^2 noise, 0.2 m/s^2 offset).
 """
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from damper_estimator.model.estimator import predict
 from damper_estimator.plant import DAMPERS, Sensors, bench_drive, measure, simulate
 from damper_estimator.signals import Differentiator, delay_seconds
+from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.layout import V, X
 from damper_estimator.vehicle import drive
 
@@ -31,30 +32,6 @@ def force_map(seed: int):
 
     weights = np.linalg.lstsq(bases(truth.drive.displacement, v)[::7], truth.force[::7], rcond=None)[0]
     return lambda x, velocity: bases(x, velocity) @ weights
-
-
-def kalman(stamp: np.ndarray, displacement: np.ndarray, acceleration: np.ndarray, noise: float) -> np.ndarray:
-    """(2, n) displacement and velocity from both sensors; states displacement, velocity, offset of the accelerometer.
-
-    ``noise`` is the standard deviation of the displacement, m.
-    """
-    state, spread = np.array([displacement[0], 0.0, 0.0]), np.diag([1e-6, 1e-2, 1.0])
-    measured, out = np.array([1.0, 0.0, 0.0]), np.empty((2, stamp.size))
-    before = acceleration[0]
-    for i in range(stamp.size):
-        dt = (stamp[i] - stamp[i - 1]) / 1e9 if i else 0.0
-        move = np.array([[1.0, dt, -0.5 * dt * dt], [0.0, 1.0, -dt], [0.0, 0.0, 1.0]])
-        mean = 0.5 * (before + acceleration[i])
-        before = acceleration[i]
-        state = move @ state + np.array([0.5 * dt * dt, dt, 0.0]) * mean
-        entry = np.array([0.5 * dt * dt, dt, 0.0])
-        spread = move @ spread @ move.T + np.outer(entry, entry) * ACCELERATION_NOISE**2
-        spread[2, 2] += 1e-4 * dt
-        gain = spread @ measured / (measured @ spread @ measured + noise**2)
-        state = state + gain * (displacement[i] - state[0])
-        spread = spread - np.outer(gain, measured @ spread)
-        out[:, i] = state[:2]
-    return out
 
 
 def judged(stamp: np.ndarray, estimate: np.ndarray, truth) -> tuple[float, float]:
@@ -89,7 +66,9 @@ def main() -> None:
         random = np.random.default_rng(4)
         felt = np.interp(sensed.stamp / 1e9, truth.time, true_acceleration) + ACCELERATION_OFFSET
         felt += ACCELERATION_NOISE * random.standard_normal(felt.size)
-        rows["Kalman filter with accelerometer"] = force(*kalman(sensed.stamp, sensed.value, felt, noise))
+        fusion = Fusion(noise, ACCELERATION_NOISE)
+        block = Differentiator(60.0, 0.1, fusion).block(sensed.stamp, sensed.value, acceleration=felt)[0].block
+        rows["fusion with an accelerometer"] = force(block[X], block[V])
         print(f"displacement noise {1e3 * noise:g} mm rms:")
         for name, estimate in rows.items():
             error, delay = judged(sensed.stamp, estimate, truth)

@@ -158,7 +158,7 @@ def maps(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     from damper_estimator.errors import InputError
     from damper_estimator.recordings import load_column_maps
     from damper_estimator.signals import load_signal_map
-    from damper_estimator.signals.signal_map import parse_signal_map, signal_map_yaml
+    from damper_estimator.signals import parse_signal_map, signal_map_yaml
 
     path = folder / "x.yaml"
 

@@ -28,7 +28,8 @@ ALLOWED = {
     "plant": set(),
     "vehicle": {"model", "plant", "control"},
     "report": {"validation", "diagnosis", "characterization"},
-    "node": {"signals", "model", "validation", "control", "recordings"},
+    # The vehicle for the simulated ride over DDS.
+    "node": {"signals", "model", "validation", "control", "recordings", "vehicle"},
     "studio": {"report", "recordings", "signals", "effects", "model", "identification", "validation", "diagnosis"},
     "fleet": {"recordings", "signals", "effects", "model", "identification", "validation", "diagnosis", "report"},
 }

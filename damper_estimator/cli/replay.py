@@ -10,7 +10,7 @@ replaced.
 import argparse
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +100,7 @@ def _chosen(bag: Bag, signal_map: SignalMap, names: list[str]) -> SignalMap:
     for name in names:
         signals_for(bag, whole, name)
     dampers = {name: own for name, own in whole.dampers.items() if not names or name in names}
-    return SignalMap(whole.cutoff, whole.band, dampers, whole.windows, whole.where)
+    return replace(whole, dampers=dampers)
 
 
 def _tell_cutoffs(models: Mapping[str, DamperModel], cutoff: float) -> None:
@@ -129,16 +129,18 @@ class Replay:
         self._dampers = chosen.dampers
         self._window = (-np.inf if start is None else start, np.inf if stop is None else stop)
         self._line = VehicleLine(
-            {name: DamperEstimator(model, chosen.cutoff, max_gap) for name, model in models.items()},
+            {n: DamperEstimator(model, chosen.cutoff, max_gap, fusion=chosen.fusion) for n, model in models.items()},
             _reaches(models, chosen.dampers),
         )
         self._tallies = {name: Tally() for name in models}
         self._fields: dict[str, list[tuple[str, str, Channel]]] = {}
         for name, signals in chosen.dampers.items():
-            for role in ("displacement", "force", *SLOW):
+            for role in ("displacement", "force", *SLOW, *(("acceleration",) if chosen.fusion else ())):
                 self._find(name, role, getattr(signals, role))
         measured = {name for entries in self._fields.values() for name, role, _ in entries if role == "force"}
-        self._residuals = {n: ResidualLine(chosen.dampers[n], chosen.cutoff, max_gap) for n in models if n in measured}
+        self._residuals = {
+            n: ResidualLine(chosen.dampers[n], chosen.gauge_cutoff, max_gap) for n in models if n in measured
+        }
         self._origin: int | None = None
 
     def _find(self, damper: str, role: str, channel: Channel) -> None:

@@ -24,6 +24,7 @@ from damper_estimator.model.status import (
     bounds_of,
     watch,
 )
+from damper_estimator.signals.fusion import Fusion, recent
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.layout import A, V, X
 
@@ -94,6 +95,7 @@ class Deployed:
         lead: s that the motion is predicted ahead to make up for the filter's delay; 0 is none.
         stddev: N, of the fit's residual; NaN where the model was not fitted.
         bounds: (8, 2), the region of the fit.
+        fusion: where an accelerometer is taken in; then nothing is predicted.
     """
 
     model: DamperModel
@@ -102,9 +104,17 @@ class Deployed:
     lead: float
     stddev: float
     bounds: np.ndarray
+    fusion: Fusion | None = None
+
+    @property
+    def noise_cutoff(self) -> float:
+        """Hz, of the filter through which the displacement's noise reaches the velocity."""
+        return self.cutoff if self.fusion is None else 0.0
 
 
-def deployed(model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.0) -> Deployed:
+def deployed(
+    model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.0, fusion: Fusion | None = None
+) -> Deployed:
     """Checks that a model can be run on a vehicle; arguments as in `Deployed`.
 
     Raises:
@@ -124,7 +134,8 @@ def deployed(model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.
     if faults:
         raise InputError(f"model {model.name}: fit: {'; '.join(faults)}; identify the model again, or remove fit")
     bounds = bounds_of({name: (float(r[0]), float(r[1])) for name, r in region.items()})
-    return Deployed(model, cutoff, max_gap, lead, np.nan if stddev is None else float(stddev), bounds)
+    lead = lead if fusion is None else 0.0
+    return Deployed(model, cutoff, max_gap, lead, np.nan if stddev is None else float(stddev), bounds, fusion)
 
 
 def _is_number(value: object) -> bool:
@@ -146,15 +157,17 @@ def predict(lead, block):
 class DamperEstimator:
     """Filter, model and status of one damper, over blocks of any size."""
 
-    def __init__(self, model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.0):
-        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s, ``lead`` in s (`Deployed`).
+    def __init__(
+        self, model: DamperModel, cutoff: float, max_gap: float, lead: float = 0.0, fusion: Fusion | None = None
+    ):
+        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s, ``lead`` in s, ``fusion`` (`Deployed`).
 
         Raises:
             InputError: as `deployed`.
         """
         self.model = model
-        self._deployed = deployed(model, cutoff, max_gap, lead)
-        self._differentiator = Differentiator(cutoff, max_gap)
+        self._deployed = deployed(model, cutoff, max_gap, lead, fusion)
+        self._differentiator = Differentiator(cutoff, max_gap, fusion)
         self._stream = model.stream()
         self._marks, self._levels = np.zeros(MARKS, np.int64), np.zeros(LEVELS)
         self._counts = np.zeros(COUNTS, np.int64)
@@ -166,6 +179,8 @@ class DamperEstimator:
         command: np.ndarray | float = np.nan,
         temperature: np.ndarray | float = np.nan,
         pressure: np.ndarray | float = np.nan,
+        acceleration: np.ndarray | float = np.nan,
+        felt_at: np.ndarray | int = 0,
     ) -> Estimates:
         """Estimates for the next samples in order of arrival.
 
@@ -173,17 +188,19 @@ class DamperEstimator:
             stamp: (n,) int64 ns.
             displacement: (n,) m.
             command, temperature, pressure: (n,) or one value each, NaN where there is none.
+            acceleration, felt_at: the same, m/s^2 and int64 ns, of the accelerometer where there is fusion.
         """
         own = self._deployed
         displacement = np.ascontiguousarray(displacement, float)
-        kinematics, verdict = self._differentiator.block(stamp, displacement, command, temperature, pressure)
+        felt = recent(acceleration, felt_at, stamp, own.max_gap)
+        kinematics, verdict = self._differentiator.block(stamp, displacement, command, temperature, pressure, felt)
         if own.lead > 0.0:
             predict(own.lead, kinematics.block)
         force = self._stream.force(kinematics.block)
         status, given = np.empty(force.size, np.uint8), np.empty(force.size)
         watch(
-            own.cutoff, np.ascontiguousarray(stamp), displacement, verdict, kinematics.block, force, own.bounds,
-            self._marks, self._levels, self._counts, status, given,
+            own.noise_cutoff, np.ascontiguousarray(stamp), displacement, verdict, self._differentiator.alone,
+            kinematics.block, force, own.bounds, self._marks, self._levels, self._counts, status, given,
         )  # fmt: skip
         stddev = np.full(force.size, own.stddev)
         return Estimates(kinematics, np.where(np.isfinite(force), force, np.nan), given, stddev, status, verdict)

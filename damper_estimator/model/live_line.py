@@ -14,6 +14,7 @@ from damper_estimator.model.estimator import FIELDS, Deployed, predict
 from damper_estimator.model.status import COUNTS, LEVELS, MARKS, watch
 from damper_estimator.signals.admission import DUPLICATE, judge
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
+from damper_estimator.signals.fusion import FUSION_SIZE, NOISES, fuse
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
 
 SLOW = ("command", "temperature", "pressure")  # the rows from COMMAND on
@@ -24,7 +25,8 @@ _DISPLACEMENT, _VELOCITY, _ACCELERATION, _FORCE, _STDDEV = (FIELDS.index(name) f
 R0, R1, Z0, Z1, MOTIONS, FORCES, SERIES, BEGUN, ORIGIN, RESTART = range(10)
 _PLACES = 10
 # Columns of its row of settings.
-CUTOFF, LEAD, STDDEV = range(3)
+CUTOFF, LEAD, STDDEV, NOISE_CUTOFF, NOISE = range(5)  # from NOISE on those of the fusion; 0 where there is none
+_SETTINGS = NOISE + NOISES
 
 
 class LiveLine:
@@ -37,6 +39,7 @@ class LiveLine:
         status: (k,) uint8, the same.
         modelled: (k,) N, the model's force, the same; not finite where it gave none.
         held: (3, k) values of the slow channels, NaN before the first.
+        felt, felt_at: (k,) m/s^2 and int64 ns, held values and stamps of the accelerometers.
         counts: (k, COUNTS) as in ``model.status``; they only grow.
         levels: (k, LEVELS), the same.
     """
@@ -48,15 +51,17 @@ class LiveLine:
         self.modelled = np.zeros(0)
         self.estimates = np.zeros((len(FIELDS), 0))
         self.held = np.zeros((len(SLOW), 0))
+        self.felt, self.felt_at = np.zeros(0), np.zeros(0, np.int64)
         self.counts = np.zeros((0, COUNTS), np.int64)
         self.levels = np.zeros((0, LEVELS))
         self._marks = np.zeros((0, MARKS), np.int64)
         self._places = np.zeros((0, _PLACES), np.int64)
-        self._settings = np.zeros((0, 3))
+        self._settings = np.zeros((0, _SETTINGS))
         self._max_gap = np.zeros(0, np.int64)
         self._bounds = np.zeros((0, ROWS, 2))
         self._admission = np.zeros((0, 2), np.int64)
         self._filters = np.zeros((0, STATE_SIZE))
+        self._fusions = np.zeros((0, FUSION_SIZE))
         self._blocks = np.zeros((0, ROWS, 1))
         self._functions: list = []
         self._kernels: list = []
@@ -65,6 +70,7 @@ class LiveLine:
         self._motions, self._forces = np.zeros((0, ROWS, 1)), np.zeros((1, 1))
         self._solvers = np.zeros((0, chain.SOLVER_COLUMNS))
         self._stamp, self._value, self._dt = np.zeros(1, np.int64), np.zeros(1), np.zeros(1)
+        self._felt, self._alone = np.zeros(1), np.zeros(1, np.uint8)
 
     def add(self, name: str, own: Deployed) -> None:
         """Takes one more damper; the others' states stay."""
@@ -78,7 +84,10 @@ class LiveLine:
         )  # fmt: skip
         self.names = (*self.names, name)
         self._places = np.concatenate([self._places, place])
-        self._settings = np.concatenate([self._settings, [[own.cutoff, own.lead, own.stddev]]])
+        noises = np.zeros(NOISES) if own.fusion is None else own.fusion.noises()
+        settings = [own.cutoff, own.lead, own.stddev, own.noise_cutoff, *noises]
+        self._settings = np.concatenate([self._settings, [settings]])
+        self.felt = np.append(self.felt, np.nan)
         self._max_gap = np.append(self._max_gap, round(own.max_gap * 1e9))
         self._bounds = np.concatenate([self._bounds, own.bounds[None]])
         self.held = np.column_stack([self.held, np.full(len(SLOW), np.nan)])
@@ -92,6 +101,8 @@ class LiveLine:
             "_marks",
             "_admission",
             "_filters",
+            "_fusions",
+            "felt_at",
             "_blocks",
         ):
             before = getattr(self, attribute)
@@ -142,16 +153,17 @@ class LiveLine:
         return _advance(
             self._kernels, self._table, self._parameters, self._constants, self._states, self._motions, self._forces,
             self._solvers, self._places, self._settings, self._max_gap, self._bounds, self._admission, self._filters,
-            self._blocks, self._marks, self._stamp, self._value, self._dt, values, present, self.held, self.levels,
-            self.counts, self.verdicts, self.status, self.modelled, self.estimates,
+            self._fusions, self._blocks, self._marks, self._stamp, self._value, self._dt, self._felt, self._alone,
+            values, present, self.held, self.felt, self.felt_at, self.levels, self.counts, self.verdicts, self.status,
+            self.modelled, self.estimates,
         )  # fmt: skip
 
 
 @compiled
 def _advance(
     kernels, table, parameters, constants, states, motions, forces, solvers, places, settings, max_gap, bounds,
-    admission, filters, blocks, marks, stamp, value, dt, values, present, held, levels, counts, verdicts, status,
-    modelled, estimates,
+    admission, filters, fusions, blocks, marks, stamp, value, dt, felt, alone, values, present, held, accelerations,
+    felt_at, levels, counts, verdicts, status, modelled, estimates,
 ):  # fmt: skip
     """See ``LiveLine.step``; arrays as there."""
     given = np.empty(1)
@@ -170,13 +182,17 @@ def _advance(
             block[T, 0] = (stamp[0] - places[d, ORIGIN]) / 1e9
             block[DT, 0] = dt[0]
             differentiate(settings[d, CUTOFF], dt, value, filters[d], block[X], block[V], block[A])
+            alone[0] = 0
+            if settings[d, NOISE] > 0.0:
+                felt[0] = accelerations[d] if abs(stamp[0] - felt_at[d]) <= max_gap[d] else np.nan
+                fuse(settings[d, NOISE:], dt, value, felt, fusions[d], block[X], block[V], block[A], alone)
             block[COMMAND:, 0] = held[:, d]
             if settings[d, LEAD] > 0.0:
                 predict(settings[d, LEAD], block)
             _run_model(kernels, table, parameters, constants, states, motions, forces, solvers, places[d], block)
         watch(
-            settings[d, CUTOFF], stamp, value, verdicts[d : d + 1], block, forces[0], bounds[d], marks[d], levels[d],
-            counts[d], status[d : d + 1], given,
+            settings[d, NOISE_CUTOFF], stamp, value, verdicts[d : d + 1], alone, block, forces[0], bounds[d], marks[d],
+            levels[d], counts[d], status[d : d + 1], given,
         )  # fmt: skip
         if verdicts[d] < DUPLICATE:
             estimates[_DISPLACEMENT, d], estimates[_VELOCITY, d] = block[X, 0], block[V, 0]

@@ -1,8 +1,9 @@
 """How far an estimate can be trusted: the one rule for status and faults, live and off line.
 
     WARMING_UP     less than 0.2 s since the filter or the model started anew
-    DEGRADED       in the last 0.2 s a sample was dropped, came late (a gap) or jumped, or the model gave no finite
-                   force; or the displacement is so noisy that its velocity is uncertain by more than 0.05 m/s
+    DEGRADED       in the last 0.2 s a sample was dropped, came late (a gap) or jumped, the model gave no finite force,
+                   or the accelerometer of a fusion was missed; or the displacement is so noisy that its velocity is
+                   uncertain by more than 0.05 m/s
     EXTRAPOLATING  outside the region that the model was fitted on, or without the command that it was fitted with
     GOOD           none of these; what stands first wins
 
@@ -48,12 +49,13 @@ _FOLLOW = 0.05  # and in the typical step
 
 
 @compiled
-def watch(cutoff, stamp, value, verdict, block, force, bounds, marks, levels, counts, status, given):
+def watch(cutoff, stamp, value, verdict, alone, block, force, bounds, marks, levels, counts, status, given):
     """Judges a block of samples in arrival order; a block of one is the live case.
 
     Args:
-        cutoff: Hz of the filter, 0 for none.
+        cutoff: Hz of the filter, 0 for none, or where its velocity is not used.
         stamp: (n,) int64 ns; ``value``: (n,) m, raw; ``verdict``: (n,) int64, from ``admission.judge``.
+        alone: (m,) uint8, 1 where the accelerometer that the motion should come from was missed.
         block: (8, m) of the samples that are used; ``force``: (m,) N, the model's, perhaps not finite.
         bounds: (8, 2) lowest and highest value of each row in the region of the fit; infinite where it has none.
         marks, levels: (4,) int64 and (7,), carried.
@@ -69,6 +71,8 @@ def watch(cutoff, stamp, value, verdict, block, force, bounds, marks, levels, co
                 marks[FAULTY], marks[FAULT] = 1, marks[LAST]
             continue
         _follow(cutoff, stamp[i], value[i], block[DT, j], marks, levels, counts)
+        if alone[j]:
+            marks[FAULTY], marks[FAULT] = 1, stamp[i]
         if np.isfinite(force[j]):
             levels[HELD] = force[j]
         else:

@@ -50,18 +50,21 @@ class ForceMessages:
 
 
 class HeldChannel:
-    """A slow channel: the last value that has arrived."""
+    """A slow channel: the last value that has arrived, and its stamp."""
 
     def __init__(self) -> None:
-        self.value = float("nan")
+        self.value, self.stamp = float("nan"), 0
 
-    def at(self, rank: np.ndarray, arrivals: Arrivals | None) -> np.ndarray | float:
-        """The value held when the messages of these ranks (n,) came; carries the last one over to the next block."""
+    def at(self, rank: np.ndarray, arrivals: Arrivals | None) -> tuple[np.ndarray | float, np.ndarray | int]:
+        """Value and stamp in ns held when the messages of these ranks (n,) came; carries the last ones over to the
+        next block."""
         if arrivals is None or not arrivals.rank.size:
-            return self.value
+            return self.value, self.stamp
         values = np.concatenate([[self.value], arrivals.value])
-        self.value = float(values[-1])
-        return values[np.searchsorted(arrivals.rank, rank, side="right")]
+        stamps = np.concatenate([np.array([self.stamp], np.int64), arrivals.stamp])
+        self.value, self.stamp = float(values[-1]), int(stamps[-1])
+        place = np.searchsorted(arrivals.rank, rank, side="right")
+        return values[place], stamps[place]
 
 
 class VehicleLine:
@@ -81,7 +84,7 @@ class VehicleLine:
         """
         self._estimators = dict(estimators)
         self._reaches = dict(reaches or {})
-        self._held = {name: {role: HeldChannel() for role in SLOW} for name in self._estimators}
+        self._held = {name: {role: HeldChannel() for role in (*SLOW, "acceleration")} for name in self._estimators}
 
     def block(
         self, displacement: Mapping[str, Arrivals], slow: Mapping[str, Mapping[str, Arrivals]]
@@ -90,7 +93,7 @@ class VehicleLine:
 
         Args:
             displacement: by damper; those without news may be left out.
-            slow: by damper and role (command, temperature, pressure); the same.
+            slow: by damper and role (command, temperature, pressure, acceleration); the same.
 
         Returns:
             The messages to send, and the estimates of each damper that had displacements.
@@ -100,8 +103,9 @@ class VehicleLine:
             own, given = displacement.get(name), slow.get(name, {})
             rank = own.rank if own is not None else np.zeros(0, np.int64)
             held = {role: channel.at(rank, given.get(role)) for role, channel in self._held[name].items()}
+            values = {role: value for role, (value, _) in held.items()}
             if own is not None and rank.size:
-                estimates[name] = estimator.block(own.stamp, own.value, **held)
+                estimates[name] = estimator.block(own.stamp, own.value, felt_at=held["acceleration"][1], **values)
                 if name in self._reaches:
                     reach = self._reaches[name](estimates[name].kinematics.block)
                     estimates[name] = replace(estimates[name], reach=reach)

@@ -164,6 +164,22 @@ def names_in(data: bytes) -> list[str]:
     return names_and_frame(data)[0]
 
 
+class AccelerationInput:
+    """The accelerometer of one damper, where it is taken in; final."""
+
+    def __init__(self, type_name: str, channel: Channel, line: LiveLine, damper: int) -> None:
+        """Of the damper of this number on the line; raises InputError where the field path does not fit the type."""
+        self._reader = reader_of("acceleration", type_name, [channel])
+        self._channel, self._line, self._damper = channel, line, damper
+
+    def take(self, data: bytes, _: float) -> None:
+        """Holds value and stamp of one message."""
+        reading = self._reader.read(data)
+        if reading.is_whole:
+            self._line.felt[self._damper] = float(self._channel.value(float(reading.values[0])))
+            self._line.felt_at[self._damper] = reading.stamp
+
+
 class HeldInput:
     """A slow channel of one damper: its value reaches the line as it arrives; final."""
 

@@ -9,7 +9,14 @@ from typing import NamedTuple
 from damper_estimator.errors import InputError
 from damper_estimator.model.estimator import STALE
 from damper_estimator.model.live_line import SLOW
-from damper_estimator.node.displacement import JOINT_STATE, DisplacementInput, Estimator, HeldInput, names_in
+from damper_estimator.node.displacement import (
+    JOINT_STATE,
+    AccelerationInput,
+    DisplacementInput,
+    Estimator,
+    HeldInput,
+    names_in,
+)
 from damper_estimator.node.residuals import Comparison, GaugeInput
 from damper_estimator.node.roster import MOST_DAMPERS, Roster
 from damper_estimator.node.settings import Settings
@@ -22,6 +29,7 @@ SLOW_TYPES = {
     "command": "std_msgs/msg/Float64",
     "temperature": "sensor_msgs/msg/Temperature",
     "pressure": "sensor_msgs/msg/FluidPressure",
+    "acceleration": "geometry_msgs/msg/AccelStamped",
 }
 
 
@@ -58,7 +66,7 @@ class Estimation:
         self.settings = settings
         self.roster = roster
         self.displacement: dict[str, Displacement] = {}
-        self.slow: dict[str, list[tuple[str, str, HeldInput]]] = {}
+        self.slow: dict[str, list[tuple[str, str, HeldInput | AccelerationInput]]] = {}
         self.topics: dict[str, str] = {}
         self.named: set[str] = set()
         self._gauges: dict[str, tuple[tuple[str, ...], GaugeInput]] = {}
@@ -100,8 +108,15 @@ class Estimation:
         for role in SLOW:
             channel = getattr(one.signals, role)
             held = HeldInput(role, SLOW_TYPES[role], channel, source.line, damper)
-            self.slow.setdefault(channel.topic, []).append((one.name, role, held))
-            self._subscribe(channel.topic, SLOW_TYPES[role], channel.given)
+            self._hear(one.name, role, channel, held)
+        if one.deployed.fusion is not None:
+            channel = one.signals.acceleration
+            felt = AccelerationInput(SLOW_TYPES["acceleration"], channel, source.line, damper)
+            self._hear(one.name, "acceleration", channel, felt)
+
+    def _hear(self, name: str, role: str, channel: Channel, held: HeldInput | AccelerationInput) -> None:
+        self.slow.setdefault(channel.topic, []).append((name, role, held))
+        self._subscribe(channel.topic, SLOW_TYPES[role], channel.given)
 
     def _measure(self) -> None:
         """The gauges of all dampers, and the wishes for them."""
@@ -198,5 +213,5 @@ class Estimation:
 
 
 def _comparison(source: DisplacementInput, settings: Settings, roster: Roster) -> Comparison:
-    cutoff = roster.signal_map.cutoff
+    cutoff = roster.signal_map.gauge_cutoff
     return Comparison(source, cutoff, settings.max_gap, settings.drift_window, settings.drift_factor)

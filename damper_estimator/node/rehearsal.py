@@ -96,8 +96,9 @@ def _bits(message: object, field: str) -> bytes:
 def _inputs(bag: Bag, signal_map: SignalMap) -> tuple[set[str], set[str]]:
     """The bag's topics of displacement, and of the slow channels."""
     signals = signals_for(bag, signal_map).dampers.values()
+    roles = (*SLOW, "acceleration") if signal_map.fusion else SLOW
     displacement = {find_topic(bag, own.displacement.topic) for own in signals}
-    slow = {find_topic(bag, getattr(own, role).topic) for own in signals for role in SLOW}
+    slow = {find_topic(bag, getattr(own, role).topic) for own in signals for role in roles}
     return displacement - {None}, slow - {None}
 
 

@@ -36,7 +36,10 @@ class Roster:
 
     @property
     def delay(self) -> float:
-        """Delay of the estimates behind the damper, s: that of the filter, less what prediction makes up for."""
+        """Delay of the estimates behind the damper, s: that of the filter, less what prediction makes up for; none with
+        an accelerometer."""
+        if self.signal_map.fusion is not None:
+            return 0.0
         lead = self.template.lead if self.template else self.known[0].deployed.lead
         return delay_seconds(self.signal_map.cutoff) - lead
 
@@ -63,7 +66,8 @@ def make_roster(settings: Settings) -> Roster:
 
     def prepared(damper: str | None) -> Deployed:
         lead = settings.compensation * delay_seconds(signal_map.cutoff)
-        own = deployed(load_model(settings.model, damper), signal_map.cutoff, settings.max_gap, lead)
+        model = load_model(settings.model, damper)
+        own = deployed(model, signal_map.cutoff, settings.max_gap, lead, signal_map.fusion)
         _warm_up(own)
         return own
 

@@ -2,7 +2,9 @@
 
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Counts
 from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase
+from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
+from damper_estimator.signals.map_writing import save_signal_map, signal_map_yaml
 from damper_estimator.signals.measurement import Measurement, measure
 from damper_estimator.signals.signal_map import (
     Channel,
@@ -11,7 +13,6 @@ from damper_estimator.signals.signal_map import (
     default_signals,
     load_signal_map,
     parse_signal_map,
-    save_signal_map,
 )
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "Counts",
     "DamperSignals",
     "Differentiator",
+    "Fusion",
     "Kinematics",
     "Measurement",
     "SignalMap",
@@ -31,4 +33,5 @@ __all__ = [
     "measure",
     "parse_signal_map",
     "save_signal_map",
+    "signal_map_yaml",
 ]

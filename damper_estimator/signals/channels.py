@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,7 +76,7 @@ def signals_for(bag: Bag, signal_map: SignalMap, damper: str | None = None) -> S
     if damper not in full.dampers:
         where = signal_map.where if signal_map.dampers else bag.path
         raise InputError(f"{where}: has no damper {damper!r}; it has {', '.join(full.dampers)}")
-    return SignalMap(full.cutoff, full.band, {damper: full.dampers[damper]}, full.windows, full.where)
+    return replace(full, dampers={damper: full.dampers[damper]})
 
 
 def read_channels(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, ChannelData]:

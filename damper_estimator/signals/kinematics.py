@@ -6,6 +6,7 @@ import numpy as np
 
 from damper_estimator.signals.admission import DUPLICATE, Admission, Counts
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
+from damper_estimator.signals.fusion import FUSION_SIZE, Fusion, fuse
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
 
 WARM_UP = 0.2  # s after a reset in which estimates are not judged
@@ -88,11 +89,16 @@ class Kinematics:
 
 
 class Differentiator:
-    """Turns stamps and raw displacement into kinematics, sample by sample or in blocks of any size, with equal bits."""
+    """Turns stamps and raw displacement into kinematics, sample by sample or in blocks of any size, with equal bits.
 
-    def __init__(self, cutoff: float, max_gap: float):
-        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s."""
-        self._cutoff = cutoff
+    Attributes:
+        alone: (n,) uint8, 1 for those samples of the last block whose acceleration was missed.
+    """
+
+    def __init__(self, cutoff: float, max_gap: float, fusion: Fusion | None = None):
+        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s; ``fusion`` where accelerations are taken in."""
+        self._cutoff, self._noises = cutoff, None if fusion is None else fusion.noises()
+        self._fused, self.alone = np.zeros(FUSION_SIZE), np.zeros(0, np.uint8)
         self._admission = Admission(max_gap)
         self._state = np.zeros(STATE_SIZE)
         self._origin: int | None = None
@@ -104,6 +110,7 @@ class Differentiator:
         command: np.ndarray | float = np.nan,
         temperature: np.ndarray | float = np.nan,
         pressure: np.ndarray | float = np.nan,
+        acceleration: np.ndarray | float = np.nan,
     ) -> tuple[Kinematics, np.ndarray]:
         """Kinematics of the samples that are good, and the verdict (n,) on every one.
 
@@ -111,13 +118,14 @@ class Differentiator:
             stamp: (n,) int64 ns, in order of arrival.
             displacement: (n,) m.
             command, temperature, pressure: (n,) or one value, NaN where there is none.
+            acceleration: the same, m/s^2, of the accelerometer; counts where there is fusion.
         """
         verdict, dt = self._admission.block(stamp, displacement)
         good = verdict < DUPLICATE
         if not good.all():
             stamp, displacement, dt = stamp[good], displacement[good], dt[good]
-            command, temperature, pressure = (
-                value[good] if np.ndim(value) else value for value in (command, temperature, pressure)
+            command, temperature, pressure, acceleration = (
+                value[good] if np.ndim(value) else value for value in (command, temperature, pressure, acceleration)
             )
         if self._origin is None and stamp.size:
             self._origin = int(stamp[0])
@@ -125,6 +133,10 @@ class Differentiator:
         block[T] = (stamp - (self._origin or 0)) / 1e9
         block[DT] = dt
         differentiate(self._cutoff, dt, displacement, self._state, block[X], block[V], block[A])
+        self.alone = np.zeros(stamp.size, np.uint8)
+        if self._noises is not None:
+            felt = np.ascontiguousarray(np.broadcast_to(acceleration, stamp.shape), float)
+            fuse(self._noises, dt, displacement, felt, self._fused, block[X], block[V], block[A], self.alone)
         block[COMMAND], block[TEMPERATURE], block[PRESSURE] = command, temperature, pressure
         return Kinematics(stamp, block), verdict
 

@@ -1,14 +1,14 @@
 """The signal map: which topic and field is which quantity of which damper, and how its raw numbers become SI units."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from damper_estimator import files
 from damper_estimator.errors import InputError
+from damper_estimator.signals.fusion import Fusion
 
 DEFAULT_CUTOFF = 60.0  # Hz
 DEFAULT_BAND = 30.0  # Hz
@@ -89,6 +89,7 @@ class SignalMap:
         cutoff: Hz of the filter before the model; 0 is the unfiltered mode.
         band: Hz of the zero-phase low-pass of the comparison; 0 for none.
         dampers: signals by damper; empty: those named in the displacement messages, on the default topics.
+        fusion: how displacement and acceleration are brought together live and in replay; None: displacement alone.
         windows: (from, to) in s since the start of the recording that may be used; empty: all of it.
         where: the file, for errors.
     """
@@ -98,6 +99,12 @@ class SignalMap:
     dampers: Mapping[str, DamperSignals] = field(default_factory=dict)
     windows: tuple[tuple[float, float], ...] = ()
     where: str = "default signal map"
+    fusion: Fusion | None = None
+
+    @property
+    def gauge_cutoff(self) -> float:
+        """Hz, of the filter that delays the measured force as the estimate is delayed."""
+        return self.cutoff if self.fusion is None else 0.0
 
     def with_dampers(self, names: list[str]) -> "SignalMap":
         """The map with default signals for the named dampers, where it names none itself."""
@@ -142,7 +149,7 @@ def parse_signal_map(content: object, where: str) -> SignalMap:
     """
     faults: list[str] = []
     top = _mapping(content if content is not None else {}, "the file", ("filter", "dampers", "use"), faults)
-    chosen = _mapping(top.get("filter", {}), "filter", ("cutoff", "band"), faults)
+    chosen = _mapping(top.get("filter", {}), "filter", ("cutoff", "band", "fusion"), faults)
     dampers = {
         str(name): _damper(str(name), entry, faults)
         for name, entry in _mapping(top.get("dampers") or {}, "dampers", None, faults).items()
@@ -157,6 +164,7 @@ def parse_signal_map(content: object, where: str) -> SignalMap:
         dampers=dampers,
         windows=tuple(_window(entry, faults) for entry in windows),
         where=where,
+        fusion=_fusion(chosen["fusion"], faults) if "fusion" in chosen else None,
     )
     if faults:
         raise InputError(f"{where}: {'; '.join(faults)}")
@@ -189,6 +197,13 @@ def _frequency(chosen: dict, name: str, default: float, faults: list[str]) -> fl
     if number <= 0.0:
         faults.append(f"filter.{name} = {value!r} must be above 0 Hz, or none")
     return number
+
+
+def _fusion(entry: object, faults: list[str]) -> Fusion:
+    given = _mapping(entry or {}, "filter.fusion", tuple(f.name for f in fields(Fusion)), faults)
+    values = {key: _number(value, f"filter.fusion.{key}", faults) for key, value in given.items()}
+    faults += [f"filter.fusion.{key} = {value:g} must be above 0" for key, value in values.items() if value <= 0.0]
+    return Fusion(**{key: value for key, value in values.items() if key in Fusion.__dataclass_fields__})
 
 
 def _window(entry: object, faults: list[str]) -> tuple[float, float]:
@@ -260,42 +275,3 @@ def _table(what: str, entry: object, faults: list[str]) -> tuple[tuple[float, ..
         faults.append(f"{what}: raw must rise strictly and be as long as value")
         return None
     return raw, value
-
-
-def signal_map_yaml(signal_map: SignalMap) -> str:
-    """The map as YAML; ``parse_signal_map`` gives the same map back. Channels that nobody named are left out."""
-    content: dict[str, object] = {
-        "filter": {"cutoff": signal_map.cutoff or "none", "band": signal_map.band or "none"},
-        "dampers": {name: _damper_content(signals) for name, signals in signal_map.dampers.items()},
-    }
-    if signal_map.windows:
-        content["use"] = [
-            {"from": start} | ({"to": end} if np.isfinite(end) else {}) for start, end in signal_map.windows
-        ]
-    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True, default_flow_style=None, width=140)
-
-
-def _damper_content(signals: DamperSignals) -> dict[str, object]:
-    content: dict[str, object] = {}
-    for role, channel in signals.channels().items():
-        if not channel.given:
-            continue
-        entry = {key: value for key, value in asdict(channel).items() if key != "given" and value not in ("", None)}
-        if channel.limits is not None:
-            entry["limits"] = list(channel.limits)
-        if channel.table is not None:
-            entry = {k: v for k, v in entry.items() if k not in ("scale", "offset")}
-            entry["table"] = {"raw": list(channel.table[0]), "value": list(channel.table[1])}
-        if role == "force":
-            entry |= {"spring_rate": signals.spring_rate, "preload": signals.preload}
-        content[role] = entry
-    return content
-
-
-def save_signal_map(signal_map: SignalMap, path: str | Path) -> None:
-    """Writes a map in one step.
-
-    Raises:
-        InputError: where it cannot be written.
-    """
-    files.write_text(path, signal_map_yaml(signal_map))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from damper_estimator.model import load_model
 from damper_estimator.model.estimator import FIELDS, DamperEstimator, deployed
 from damper_estimator.model.live_line import ABSENT, LiveLine
+from damper_estimator.signals import Fusion
 from damper_estimator.signals.admission import DUPLICATE
 
 MS = 1_000_000
@@ -26,16 +27,23 @@ def faulty(size, seed):
     return stamp, displacement, random.random((size, 4)) < 0.97, command
 
 
-@given(st.integers(0, 500), st.sampled_from([0.0, 30.0, 60.0]), st.sampled_from([0.0, 0.004]))
+@given(
+    st.integers(0, 500),
+    st.sampled_from([0.0, 30.0, 60.0]),
+    st.sampled_from([0.0, 0.004]),
+    st.sampled_from([None, Fusion()]),
+)
 @settings(max_examples=25, deadline=None)
-def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead):
+def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead, fusion):
     stamp, displacement, present, command = faulty(300, seed)
+    felt, felt_at = np.random.default_rng(seed).standard_normal(300), stamp.copy()
+    felt[50:80], felt_at[200:] = np.nan, felt_at[199]  # unknown for a while, then silent
     line = LiveLine()
     for name, model in zip(NAMES, MODELS, strict=True):
-        line.add(name, deployed(model, cutoff, 0.1, lead))
+        line.add(name, deployed(model, cutoff, 0.1, lead, fusion))
     verdicts, status, numbers = [], [], []
     for i in range(stamp.size):
-        line.held[0] = command[i]
+        line.held[0], line.felt[:], line.felt_at[:] = command[i], felt[i], felt_at[i]
         count = line.step(stamp[i], displacement[i], present[i])
         verdicts.append(line.verdicts.copy())
         status.append(line.status.copy())
@@ -44,7 +52,9 @@ def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead):
     verdicts, status, numbers = np.array(verdicts), np.array(status), np.array(numbers)
     for d, model in enumerate(MODELS):
         there = present[:, d]
-        whole = DamperEstimator(model, cutoff, 0.1, lead).block(stamp[there], displacement[there, d], command[there])
+        estimator = DamperEstimator(model, cutoff, 0.1, lead, fusion)
+        slow = {"command": command[there], "acceleration": felt[there], "felt_at": felt_at[there]}
+        whole = estimator.block(stamp[there], displacement[there, d], **slow)
         assert (verdicts[~there, d] == ABSENT).all() and np.array_equal(verdicts[there, d], whole.verdict)
         good = there & (verdicts[:, d] < DUPLICATE)
         assert np.array_equal(status[good, d], whole.status)

@@ -36,7 +36,7 @@ def test_a_held_channel_is_the_last_value_that_arrived_however_the_blocks_are_cu
         own = [i for i in range(first, end) if messages[i][0]]
         asked = np.array([i for i in range(first, end) if not messages[i][0]], np.int64)
         held = channel.at(asked, arrivals(own, [messages[i][1] for i in own]) if own else None)
-        got += np.broadcast_to(held, asked.shape).tolist()
+        got += np.broadcast_to(held[0], asked.shape).tolist()
     assert np.array_equal(got, expected, equal_nan=True)
 
 

@@ -7,14 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from damper_estimator.errors import InputError
+from damper_estimator.signals.map_writing import save_signal_map, signal_map_yaml
 from damper_estimator.signals.signal_map import (
     Channel,
     SignalMap,
     default_signals,
     load_signal_map,
     parse_signal_map,
-    save_signal_map,
-    signal_map_yaml,
 )
 
 FULL = """
@@ -72,12 +71,26 @@ def test_tables_are_straight_between_their_points():
     assert channel.dampers["a"].displacement.value(np.array([0.5, 2.0])).tolist() == [0.25, 1.5]
 
 
+@given(st.floats(-3, 3))
+def test_the_raw_number_of_a_value_is_the_one_that_has_it(raw):
+    rising, falling = ((-4.0, 0.0, 4.0), (0.0, 1.0, 5.0)), ((-4.0, 0.0, 4.0), (5.0, 1.0, 0.0))
+    for channel in (Channel("t", "f", 1e-3, 0.5), Channel("t", "f", table=rising), Channel("t", "f", table=falling)):
+        assert channel.raw(float(channel.value(raw))) == pytest.approx(raw, abs=1e-9)
+
+
+def test_limits_of_a_command_are_raw_and_come_as_values_in_order():
+    assert Channel("t", "f", scale=-1e-3, limits=(0.0, 2000.0)).value_limits == (-2.0, 0.0)
+    assert Channel("t", "f").value_limits is None
+
+
 def test_a_saved_map_loads_again(tmp_path):
     content = yaml.safe_load(FULL)
     content["dampers"]["rear"] = {
         "displacement": {"table": {"raw": [0, 1], "value": [0.0, 2.0]}},
         "force": {"skew": 0.003},
+        "command": {"limits": [0.0, 1.8]},
     }
+    content["filter"]["fusion"] = {"acceleration_noise": 0.5}
     signal_map = parse_signal_map(content, str(tmp_path / "map.yaml"))
     save_signal_map(signal_map, tmp_path / "map.yaml")
     assert load_signal_map(tmp_path / "map.yaml") == signal_map
@@ -88,6 +101,10 @@ def test_a_saved_map_loads_again(tmp_path):
     ("text", "faults"),
     [
         ("filter: {cutof: 3}", ["'cutof' in filter"]),
+        ("filter: {fusion: {displacement_noise: 0, noise: 1}}", ["displacement_noise = 0 must be above 0", "'noise'"]),
+        ("dampers: {a: {command: {limits: [2, 0]}}}", ["2 is not below 0"]),
+        ("dampers: {a: {command: {limits: 2}}}", ["limits must be two numbers"]),
+        ("dampers: {a: {force: {limits: [0, 2]}}}", ["'limits'"]),
         ("filter: {cutoff: -3, band: fast}", ["above 0 Hz", "'fast' is not a number"]),
         ("dampers: [a]", ["dampers must be a mapping"]),
         ("dampers: {a: {displacment: {}, force: {spring: 1}}}", ["'displacment'", "'spring'"]),

@@ -1,0 +1,269 @@
+"""A simulated quarter car in the loop over DDS, in simulated time: the same ride live as off line.
+
+    python -m damper_estimator.node.live_ride -m semi_active_on_mount --surface bump
+
+Plant, road and sensors run here; estimator and controller are processes of their own. Every sample of the sensors goes
+out with its time on ``/clock``, and the plant stands still until the current that answers it is back, so a ride does
+not depend on how fast the machine is.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import rclpy
+import yaml
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from damper_estimator.control import (
+    Action,
+    CornerController,
+    InverseCommand,
+    InverseModel,
+    TableCommand,
+    load_table,
+    mixed,
+)
+from damper_estimator.errors import InputError
+from damper_estimator.model import load_model
+from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.node.domain import own_domain
+from damper_estimator.node.inputs import message_type
+from damper_estimator.node.rehearsal import EXECUTABLE
+from damper_estimator.node.wire import NANOSECONDS, float_message
+from damper_estimator.recordings import accelerations, joint_states
+from damper_estimator.signals import DEFAULT_MAX_GAP, load_signal_map
+from damper_estimator.vehicle import (
+    CORNER_CASES,
+    LIMITS,
+    REST,
+    SURFACES,
+    Corner,
+    Ride,
+    RunningRide,
+    attainable,
+    ride,
+    ride_measures,
+    surface_height,
+)
+
+DAMPER = "corner"
+START = 1_000 * NANOSECONDS  # of the simulated time
+STEP = 2_000_000  # ns between the samples before the ride, at rest
+SETTLED = 250  # of those, until the estimates are good
+STARTING = 300.0  # s of the wall's clock until the first current; machine code may have to be made first
+PATIENCE = 60.0  # s until each of the others
+DEPTH = 100
+TOPICS = {
+    "displacement": ("suspension/displacement", "sensor_msgs/msg/JointState"),
+    "current": (f"suspension/{DAMPER}/current", "std_msgs/msg/Float64"),
+    "acceleration": (f"suspension/{DAMPER}/body_acceleration", "geometry_msgs/msg/AccelStamped"),
+    "clock": ("/clock", "rosgraph_msgs/msg/Clock"),
+}
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What is driven, and how it is controlled: by the inverse of ``model``, or by ``table`` where that is given."""
+
+    corner: Corner
+    road: np.ndarray
+    model: str
+    table: Path | None = None
+
+    @property
+    def law(self) -> dict[str, object]:
+        """The corner's law as parameters of the controller node."""
+        law = self.corner.law
+        total = law.body + law.wheel
+        rest = RunningRide(self.corner.car, self.corner.damper, np.zeros(2)).rest_force
+        return {"law": "mixed", "damping": total, "share": law.body / total, "rest_force": rest}
+
+
+class Driver:
+    """The plant's end of the loop; final. rclpy must be initialised."""
+
+    def __init__(self) -> None:
+        self._node = Node("live_ride", start_parameter_services=False)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self._node)
+        quality = QoSProfile(depth=DEPTH)
+        self._publishers = {
+            role: self._node.create_publisher(message_type(kind), topic, quality)
+            for role, (topic, kind) in TOPICS.items()
+        }
+        self._currents = self._answers = 0
+        self._current = 0.0
+        self._wanted = float("nan")
+        self._node.create_subscription(Float64, f"suspension/{DAMPER}/current_command", self._take_current, quality)
+        for topic in ("damper_estimator/desired_force", "damper_controller/wished_force"):
+            self._node.create_subscription(JointState, topic, self._take_wish, quality)
+
+    def _take_current(self, message: Float64) -> None:
+        self._current = message.data
+        self._answers += 1
+
+    def _take_wish(self, message: JointState) -> None:
+        self._wanted = message.effort[0]
+
+    def drive(self, scenario: Scenario, processes: Sequence[subprocess.Popen]) -> Ride:
+        """The ride, once estimator and controller answer.
+
+        Raises:
+            InputError: where no current comes, or a process has ended.
+        """
+        running = RunningRide(scenario.corner.car, scenario.corner.damper, scenario.road)
+        stamp = self._stand(processes)
+        while (sensed := running.sense()) is not None:
+            self._send(stamp + sensed.stamp, sensed.travel, sensed.felt, sensed.current)
+            running.act(Action(self._wanted, self._answer(processes)))
+        return running.ride()
+
+    def _stand(self, processes: Sequence[subprocess.Popen]) -> int:
+        """Stands at rest until currents come and the estimates are good; the stamp of the ride's first sample."""
+        stamp, end = START, time.monotonic() + STARTING
+        while not self._answers:
+            self._check(processes, end)
+            self._send(stamp, 0.0, 0.0, 0.0)
+            self._executor.spin_once(timeout_sec=0.02)
+            stamp += STEP
+        settle = time.monotonic() + 0.5
+        while time.monotonic() < settle:
+            self._executor.spin_once(timeout_sec=0.02)
+        for _ in range(SETTLED):
+            self._send(stamp, 0.0, 0.0, 0.0)
+            self._answer(processes)
+            stamp += STEP
+        return stamp
+
+    def _send(self, stamp: int, travel: float, felt: float, current: float) -> None:
+        """One sample of all sensors; the displacement, which is answered, last."""
+        at = np.array([stamp])
+        clock = Clock()
+        clock.clock.sec, clock.clock.nanosec = divmod(stamp, NANOSECONDS)
+        self._awaited = self._answers + 1
+        self._publishers["clock"].publish(clock)
+        self._publishers["acceleration"].publish(accelerations(at, np.array([felt]))[0])
+        self._publishers["current"].publish(float_message(current))
+        self._publishers["displacement"].publish(joint_states([DAMPER], at, position=np.array([[travel]]))[0])
+
+    def _answer(self, processes: Sequence[subprocess.Popen]) -> float:
+        end = time.monotonic() + PATIENCE
+        while self._answers < self._awaited:
+            self._check(processes, end)
+            self._executor.spin_once(timeout_sec=0.05)
+        return self._current
+
+    def _check(self, processes: Sequence[subprocess.Popen], end: float) -> None:
+        ended = [process.args[0] for process in processes if process.poll() is not None]
+        if ended:
+            raise InputError(f"{ended[0]} has ended; it said why")
+        if time.monotonic() > end:
+            raise InputError(f"waited too long for a current; do estimator and controller hear each other?")
+
+    def close(self) -> None:
+        """Leaves the ROS graph."""
+        self._executor.shutdown()
+        self._node.destroy_node()
+
+
+def live(scenario: Scenario) -> Ride:
+    """The ride with an estimator and a controller of its own, in this process's ROS domain.
+
+    Raises:
+        InputError: as `Driver.drive`.
+    """
+    rclpy.init()
+    driver = Driver()
+    try:
+        with tempfile.TemporaryDirectory() as folder, _processes(scenario, Path(folder)) as processes:
+            return driver.drive(scenario, processes)
+    finally:
+        driver.close()
+        rclpy.shutdown()
+
+
+@contextmanager
+def _processes(scenario: Scenario, folder: Path) -> Iterator[list[subprocess.Popen]]:
+    signals = folder / "signals.yaml"
+    signals.write_text(yaml.safe_dump(_signal_map()))
+    estimator = {"model": scenario.model, "signals": signals, "stale_after": 10.0, "use_sim_time": "true"}
+    controller = scenario.law | {"use_sim_time": "true"} | ({"table": scenario.table} if scenario.table else {})
+    words = {EXECUTABLE: estimator, EXECUTABLE.with_name("controller_node"): controller}
+    running = [
+        subprocess.Popen([str(program), "--ros-args", *(w for n, v in own.items() for w in ("-p", f"{n}:={v}"))])
+        for program, own in words.items()
+    ]
+    try:
+        yield running
+    finally:
+        for process in running:
+            process.terminate()
+        for process in running:
+            process.wait()
+
+
+def _signal_map() -> dict[str, object]:
+    return {"dampers": {DAMPER: {"command": {"topic": TOPICS["current"][0], "limits": list(LIMITS)}}}}
+
+
+def offline(scenario: Scenario) -> Ride:
+    """The same ride without ROS.
+
+    Raises:
+        InputError: where the model has no inverse, or the table is none.
+    """
+    model = load_model(scenario.model)
+    command = (
+        TableCommand(load_table(scenario.table)) if scenario.table else InverseCommand(InverseModel(model, LIMITS))
+    )
+    law = scenario.law
+    controller = CornerController(mixed(law["damping"], law["share"]), command, law["rest_force"])
+    estimator = DamperEstimator(model, load_signal_map(None).cutoff, DEFAULT_MAX_GAP)
+    return ride(scenario.corner.car, scenario.corner.damper, scenario.road, controller, estimator)
+
+
+def main() -> int:
+    """Drives live and off line, and says how both tracked the wished force."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("-m", "--model", required=True, help="model with a command")
+    parser.add_argument("--table", type=Path, help="force_velocity.csv: currents by table instead of by the inverse")
+    parser.add_argument("--corner", choices=CORNER_CASES, default="semi_active")
+    parser.add_argument("--surface", choices=[surface.kind for surface in SURFACES], default="bump")
+    parser.add_argument("--seconds", type=float, default=6.0)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    (surface,) = [one for one in SURFACES if one.kind == arguments.surface]
+    road = surface_height(surface, arguments.seconds, arguments.seed)
+    corner = CORNER_CASES[arguments.corner]
+    scenario = Scenario(corner, road, arguments.model, arguments.table)
+    try:
+        with own_domain():
+            rides = {"live": live(scenario), "off line": offline(scenario)}
+    except InputError as error:
+        print(f"live_ride: {error}", file=sys.stderr)
+        return 1
+    for name, own in rides.items():
+        told = ride_measures(own, attainable(corner.damper, own.travel, LIMITS, own.step), REST)
+        print(
+            f"{arguments.corner}, {surface.name}, {name}: force errs by {told.tracking_n:.1f} N rms of "
+            f"{told.wanted_n:.0f} N wished; body {told.weighted_acceleration:.3f} m/s^2 (Wk), tyre load "
+            f"{100 * told.tyre_load:.1f} %, stroke {1e3 * told.stroke:.1f} mm rms"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

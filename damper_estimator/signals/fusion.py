@@ -1,0 +1,112 @@
+"""Displacement and relative acceleration brought together by a Kalman filter: the motion without a low-pass's delay.
+
+States are displacement x, velocity v and the accelerometer's offset b. From sample to sample, with the mean a of the
+accelerations at both ends,
+
+    x <- x + dt v + dt^2 / 2 (a - b),      v <- v + dt (a - b),      b <- b
+
+The noise of the acceleration enters x and v as a does, the offset wanders; the displacement is measured with white
+noise. Source: R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960).
+"""
+
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+
+# What is carried: whether it runs, x, v, b, the acceleration before, and the covariance's upper triangle.
+RUNS, PLACE, SPEED, OFFSET, BEFORE, XX, XV, XB, VV, VB, BB = range(11)
+FUSION_SIZE = 11
+NOISES = 3
+_START_SPEED = 0.1  # m/s, how far the velocity may be off at a start
+_START_OFFSET = 1.0  # m/s^2, how large the offset may be
+
+
+@dataclass(frozen=True)
+class Fusion:
+    """How far the sensors are trusted."""
+
+    displacement_noise: float = 2e-5  # m rms
+    acceleration_noise: float = 0.3  # m/s^2 rms
+    offset_drift: float = 0.01  # m/s^2 after a second
+
+    def noises(self) -> np.ndarray:
+        """(3,) as `fuse` takes them."""
+        return np.array(astuple(self))
+
+
+@compiled
+def fuse(noises, dt, raw, felt, state, x, v, a, alone):
+    """Replaces a low-pass's motion where there is an acceleration; a block of one is the live case.
+
+    Args:
+        noises: (3,) as the fields of `Fusion`.
+        dt: (n,) s; 0 starts anew.
+        raw: (n,) m; ``felt``: (n,) m/s^2, NaN where none is there.
+        state: (FUSION_SIZE,), carried.
+        x, v, a: (n,) the low-pass's displacement, velocity and acceleration, overwritten.
+        alone: (n,) uint8 output, 1 where there was no acceleration and they stayed.
+    """
+    for i in range(raw.size):
+        alone[i] = 1 if np.isnan(felt[i]) else 0
+        if alone[i]:
+            state[RUNS] = 0.0
+            continue
+        if dt[i] <= 0.0 or state[RUNS] == 0.0:
+            _begin(noises, raw[i], v[i], felt[i], state)
+        else:
+            _advance(noises, dt[i], felt[i], state)
+            _correct(noises, raw[i], state)
+        x[i], v[i], a[i] = state[PLACE], state[SPEED], felt[i] - state[OFFSET]
+
+
+@compiled
+def _begin(noises, raw, speed, felt, state):
+    """At the raw displacement and the low-pass's velocity, the offset unknown."""
+    state[:] = 0.0
+    state[RUNS], state[PLACE], state[SPEED], state[BEFORE] = 1.0, raw, speed, felt
+    state[XX], state[VV], state[BB] = noises[0] ** 2, _START_SPEED**2, _START_OFFSET**2
+
+
+@compiled
+def _advance(noises, dt, felt, state):
+    """The motion over one step, and what is unsure after it."""
+    push = 0.5 * (state[BEFORE] + felt) - state[OFFSET]
+    state[BEFORE] = felt
+    h = 0.5 * dt * dt
+    state[PLACE] += dt * state[SPEED] + h * push
+    state[SPEED] += dt * push
+    xx, xv, xb, vv, vb, bb = state[XX], state[XV], state[XB], state[VV], state[VB], state[BB]
+    noise = noises[1] ** 2
+    state[XX] = xx + dt * dt * vv + h * h * bb + 2.0 * (dt * xv - h * xb - dt * h * vb) + h * h * noise
+    state[XV] = xv + dt * vv - (h + dt * dt) * vb - dt * xb + dt * h * (bb + noise)
+    state[XB] = xb + dt * vb - h * bb
+    state[VV] = vv - 2.0 * dt * vb + dt * dt * (bb + noise)
+    state[VB] = vb - dt * bb
+    state[BB] = bb + noises[2] ** 2 * dt
+
+
+@compiled
+def _correct(noises, raw, state):
+    """Takes the measured displacement in."""
+    xx, xv, xb = state[XX], state[XV], state[XB]
+    total = xx + noises[0] ** 2
+    off = (raw - state[PLACE]) / total
+    state[PLACE] += xx * off
+    state[SPEED] += xv * off
+    state[OFFSET] += xb * off
+    state[XX] -= xx * xx / total
+    state[XV] -= xx * xv / total
+    state[XB] -= xx * xb / total
+    state[VV] -= xv * xv / total
+    state[VB] -= xv * xb / total
+    state[BB] -= xb * xb / total
+
+
+def recent(value: np.ndarray | float, at: np.ndarray | int, stamp: np.ndarray, max_gap: float) -> np.ndarray:
+    """Held accelerations (n,), NaN where they were measured more than ``max_gap`` s before or after the sample.
+
+    ``at`` and ``stamp`` (n,) int64 ns, of the accelerations and of the samples.
+    """
+    return np.where(np.abs(stamp - at) <= round(max_gap * 1e9), value, np.nan)
