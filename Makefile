@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test demo bench bench-diagnosis real-data soak fuzz clean
+.PHONY: help env test demo pictures bench bench-diagnosis real-data soak fuzz clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -23,6 +23,9 @@ test: env ## run all tests, those of the ROS node included (a browser's settings
 
 demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
+
+pictures: env ## the pictures of docs/hidden_effect.md (needs chromium)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/pictures
 
 real-data: env ## the tables of docs/real_data.md, where the recordings are there
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
