@@ -32,6 +32,8 @@ class Session:
         stage, history, others: None, None and () until something is open; ``others`` are models to look at beside.
         diagnosis: of which version of the model, and what was found; None until one was made.
         job: the long work that goes on, or the last one.
+        opened: counts what was opened.
+        centres: value of every parameter by address when the list of parameters last changed: its slider's middle.
         generation: counts changes of what is on view.
         rebuilt: counts changes after which the list of parameters is another one.
     """
@@ -43,7 +45,8 @@ class Session:
         self.others: tuple[DamperModel, ...] = ()
         self.diagnosis: Diagnosis | None = None
         self.job: Job | None = None
-        self.generation = self.rebuilt = 0
+        self.centres: dict[str, float] = {}
+        self.opened = self.generation = self.rebuilt = 0
         self._lock = threading.RLock()
         self._shown: list[Shown] = []
         self._compared: list[tuple[Shown, Comparison]] = []
@@ -108,6 +111,7 @@ class Session:
             with self._lock:
                 self.stage, self.others, self.diagnosis = stage, tuple(others), None
                 self._shown, self._compared = views, []
+                self.opened += 1
                 self.history = History((Version(step, stage.signals),))
                 self._changed()
 
@@ -241,4 +245,6 @@ class Session:
 
     def _changed(self, rebuilt: bool = True) -> None:
         self.generation += 1
-        self.rebuilt += rebuilt
+        if rebuilt:
+            self.rebuilt += 1
+            self.centres = {slot.address: slot.value for slot in self.model.slots}

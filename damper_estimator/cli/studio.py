@@ -1,0 +1,66 @@
+"""Compare, diagnose, add, fit and improve in the browser, on the recordings of a folder.
+
+Opens a page on this machine's own address (loopback); nothing is loaded from a network. The page reads and writes in
+FOLDER alone. With --host others can reach it, and need the token that is printed.
+"""
+
+import argparse
+import webbrowser
+from pathlib import Path
+
+from damper_estimator.cli.common import progress
+from damper_estimator.errors import InputError
+
+PORT = 8050
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the verb's arguments."""
+    parser.add_argument(
+        "folder", metavar="FOLDER", nargs="?", type=Path, default=Path("."),
+        help="where the recordings, models and maps are (default: this folder)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--port", metavar="N", type=_port, default=PORT, help="default: %(default)s; 0 takes a free one"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.add_argument("--token", action="store_true", help="let in only who knows the token that is printed")
+    parser.add_argument(
+        "--host", metavar="ADDRESS", default="127.0.0.1", help="another address to listen on; wants --token"
+    )
+
+
+def _port(text: str) -> int:
+    number = int(text)
+    if not 0 <= number <= 65535:
+        raise ValueError(text)
+    return number
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serves the page until it is interrupted."""
+    try:
+        from damper_estimator.studio.folder import Folder
+        from damper_estimator.studio.guard import Door, is_loopback, new_token
+        from damper_estimator.studio.server import serve
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("dash", "flask", "werkzeug", "tsdownsample"):
+            raise
+        raise InputError(
+            f"the studio needs {error.name}, which is not installed: pip install 'damper_estimator[studio]'"
+        ) from error
+    host = arguments.host
+    if not is_loopback(host) and not arguments.token:
+        raise InputError(f"--host {host}: others could reach the studio there; add --token to let in only who knows it")
+    folder, token = Folder(arguments.folder), new_token() if arguments.token else ""
+
+    def ready(door: Door) -> None:
+        progress(f"the studio is at {door.url} (Ctrl+C ends it)")
+        if not arguments.no_browser:
+            webbrowser.open(door.url)
+
+    try:
+        serve(folder, lambda port: Door(host, port, token), host, arguments.port, ready)
+    except OSError as error:
+        raise InputError(f"port {arguments.port} of {host}: {error.strerror}; choose another with --port") from error
+    return 0

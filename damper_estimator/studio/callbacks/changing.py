@@ -1,0 +1,166 @@
+"""Changing the model: adding and taking out effects, refitting, parameters by hand; and the steps that were done."""
+
+from types import SimpleNamespace
+
+from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
+from dash.exceptions import PreventUpdate
+
+from damper_estimator.errors import InputError
+from damper_estimator.report.diagnosis_wording import step_name
+from damper_estimator.report.verdict_figures import waterfall_figure
+from damper_estimator.studio import panels
+from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.paint import painted
+from damper_estimator.studio.parameters import parameter_list
+from damper_estimator.studio.scale import from_place, to_place
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.sessions import Sessions
+
+_SLIDER, _NUMBER, _FREE = ({"type": kind, "address": ALL} for kind in ("slider", "number", "free"))
+
+
+def connect(app: Dash, sessions: Sessions) -> None:
+    """Buttons, then the controls of the parameters, then what shows them."""
+    _connect_buttons(app, sessions)
+    _connect_parameters(app, sessions)
+    _connect_shown(app, sessions)
+
+
+def _connect_buttons(app: Dash, sessions: Sessions) -> None:
+    @app.callback(
+        *CHANGES,
+        Output("change-told", "children", allow_duplicate=True),
+        Output("learn-told", "children", allow_duplicate=True),
+        Input({"type": "add", "effect": ALL, "from": ALL}, "n_clicks"),
+        Input({"type": "remove", "label": ALL}, "n_clicks"),
+        Input("add-effect", "n_clicks"),
+        Input("refit", "n_clicks"),
+        State("effect", "value"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def change(_add, _remove, _other, _refit, effect, page):
+        if not ctx.triggered[0]["value"]:
+            raise PreventUpdate
+        *changes, told = answered(sessions, page, lambda session: _change(session, ctx.triggered_id, effect))
+        return *changes, told, told
+
+
+def _change(session: Session, cause: object, effect: str | None) -> None:
+    if cause == "refit":
+        session.refit()
+    elif cause == "add-effect":
+        if not effect:
+            raise InputError("choose an effect to add")
+        session.add(effect)
+    elif cause["type"] == "add":
+        session.add(cause["effect"])
+    else:
+        session.remove(cause["label"])
+
+
+def _connect_parameters(app: Dash, sessions: Sessions) -> None:
+    app.clientside_callback(
+        ClientsideFunction("studio", "dragged"), Output("dragged", "data"), Input(_SLIDER, "drag_value")
+    )
+
+    @app.callback(
+        *CHANGES,
+        Output("change-told", "children", allow_duplicate=True),
+        Output("tried", "data"),
+        Output(_SLIDER, "value"),
+        Output(_NUMBER, "value"),
+        Input("dragged", "data"),
+        Input(_SLIDER, "value"),
+        Input(_NUMBER, "value"),
+        State(_NUMBER, "id"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def move(dragged, places, numbers, ids, page):
+        session = opened(sessions, page)
+        addresses = [own["address"] for own in ids]
+        if session is None or [s.address for s in session.model.slots] != addresses:
+            raise PreventUpdate
+        return _moved(sessions, session, page, _wanted(session, addresses, dragged, places, numbers), addresses)
+
+    @app.callback(*CHANGES, Output("change-told", "children", allow_duplicate=True), Input(_FREE, "value"),
+                  State(_FREE, "id"), State("page", "data"), prevent_initial_call=True)  # fmt: skip
+    def free(chosen, ids, page):
+        session = opened(sessions, page)
+        fixed = [own["address"] for own, value in zip(ids, chosen, strict=True) if not value]
+        if session is None or set(fixed) == {slot.address for slot in session.model.slots if slot.fixed}:
+            raise PreventUpdate
+        return answered(sessions, page, lambda own: own.fix(fixed))
+
+
+def _wanted(session: Session, addresses: list[str], dragged: object, places: list, numbers: list) -> tuple:
+    """Which parameter is to have which value, and whether its slider is still being moved."""
+    cause = ctx.triggered_id
+    if cause == "dragged":
+        if not dragged or dragged["address"] not in addresses:
+            raise PreventUpdate
+        return dragged["address"], _value(session, dragged["address"], dragged["place"]), True
+    if not isinstance(cause, dict):
+        raise PreventUpdate
+    index = addresses.index(cause["address"])
+    if cause["type"] == "slider":
+        return cause["address"], _value(session, cause["address"], places[index]), False
+    if numbers[index] is None:
+        raise InputError("give a number")
+    return cause["address"], float(numbers[index]), False
+
+
+def _value(session: Session, address: str, place: float) -> float:
+    slot = next(own for own in session.model.slots if own.address == address)
+    low, high = slot.parameter.lower, slot.parameter.upper
+    return from_place(float(place), session.centres[address], low, high)
+
+
+def _moved(sessions: Sessions, session: Session, page: str, wanted: tuple, addresses: list[str]) -> tuple:
+    address, value, moving = wanted
+    slots = {slot.address: slot for slot in session.model.slots}
+    now = slots[address].value
+    untouched = [no_update] * len(addresses)
+    if moving:
+        numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
+        told = {"generation": session.generation, "values": {address: value}}
+        return no_update, no_update, no_update, told, untouched, numbers
+    if abs(value - now) <= 1e-5 * abs(now):  # what was shown with six digits and came back
+        raise PreventUpdate
+    *changes, told = answered(sessions, page, lambda own: own.set(address, value))
+    value = now if told else value
+    parameter = slots[address].parameter
+    place = to_place(value, session.centres[address], parameter.lower, parameter.upper)
+    sliders = [place if own == address else no_update for own in addresses]
+    numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
+    return *changes, told, None, sliders, numbers
+
+
+def _connect_shown(app: Dash, sessions: Sessions) -> None:
+    @app.callback(Output("parameters", "children"), Input("rebuilt", "data"), State("page", "data"))
+    def parameters(_, page):
+        session = opened(sessions, page)
+        if session is None:
+            raise PreventUpdate
+        return parameter_list(session.model)
+
+    @app.callback(
+        Output("waterfall", "figure"),
+        Output("steps", "children"),
+        Output("undo", "disabled"),
+        Output("redo", "disabled"),
+        Input("generation", "data"),
+        Input("theme", "data"),
+        State("page", "data"),
+    )
+    def steps(_, theme, page):
+        session = opened(sessions, page)
+        if session is None or theme is None:
+            raise PreventUpdate
+        history = session.history
+        floor = session.comparison(session.shown(session.model)).noise_floor_n
+        done = SimpleNamespace(steps=[own.step for own in history.done], noise_floor_n=floor)
+        errors = [own.step.rmse_unseen_n for own in history.versions]
+        listed = panels.steps_list(errors, [step_name(own.step) for own in history.versions], history.at)
+        return painted(waterfall_figure(done), theme), listed, not history.at, history.at + 1 == len(history.versions)

@@ -1,0 +1,31 @@
+"""What the callbacks share: verbs whose refusal is told where it belongs."""
+
+from collections.abc import Callable
+
+from dash import Output, no_update
+
+from damper_estimator.errors import InputError
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.sessions import Sessions
+
+CHANGES = (Output("generation", "data", allow_duplicate=True), Output("rebuilt", "data", allow_duplicate=True))
+"""What every callback that changes the session writes; whatever shows the session listens to it."""
+
+
+def answered(sessions: Sessions, page: object, verb: Callable[[Session], None]) -> tuple[object, object, str]:
+    """Does something to a page's session: its counts of changes, and why it could not be done."""
+    try:
+        session = sessions.of(page)
+        verb(session)
+        return session.generation, session.rebuilt, ""
+    except InputError as error:
+        return no_update, no_update, " ".join(str(error).split())
+
+
+def opened(sessions: Sessions, page: object) -> Session | None:
+    """A page's session, None where nothing is open in it."""
+    try:
+        session = sessions.of(page)
+    except InputError:
+        return None
+    return session if session.history is not None else None

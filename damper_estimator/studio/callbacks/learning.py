@@ -1,0 +1,85 @@
+"""What is missing: the diagnosis, its ranking, and what each effect would explain."""
+
+from dash import Dash, Input, Output, State
+from dash.exceptions import PreventUpdate
+
+from damper_estimator.diagnosis import Diagnosis
+from damper_estimator.diagnosis.diagnose import MODES
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.errors import InputError
+from damper_estimator.report.diagnosis_page import tied_notes
+from damper_estimator.report.diagnosis_wording import plain_name
+from damper_estimator.report.verdict_figures import ranking_figure
+from damper_estimator.studio import panels
+from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.explained import explained_figure
+from damper_estimator.studio.page import EMPTY
+from damper_estimator.studio.paint import painted
+from damper_estimator.studio.sessions import Sessions
+
+
+def connect(app: Dash, sessions: Sessions) -> None:
+    """Two buttons begin the work, its result is shown when it is there."""
+    for name in ("diagnose", "improve"):
+        _button(app, sessions, name)
+
+    @app.callback(
+        Output("findings", "children"),
+        Output("ranking", "figure"),
+        Output("candidates", "children"),
+        Output("ranked", "hidden"),
+        Input("generation", "data"),
+        Input("theme", "data"),
+        State("page", "data"),
+    )
+    def told(_, theme, page):
+        session = opened(sessions, page)
+        if session is None or theme is None:
+            raise PreventUpdate
+        found = session.diagnosis
+        if found is None:
+            hint = "Diagnose tries every physical effect on the model and judges it on data that it was not fitted to."
+            return hint, painted(EMPTY, theme), "", True
+        drawn = painted(ranking_figure(found.ranking, found.findings, tied_notes(found)), theme)
+        return panels.findings(found, found.model != session.model), drawn, panels.candidates(found), False
+
+    @app.callback(
+        Output("looked", "hidden"),
+        Output("looked-name", "children"),
+        Output("explained", "figure"),
+        Output("equation", "children"),
+        Input("hovered", "data"),
+        Input("theme", "data"),
+        Input("generation", "data"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def look(effect, theme, _, page):
+        session = opened(sessions, page)
+        if session is None or session.diagnosis is None or effect not in all_effects():
+            return True, "", EMPTY, ""
+        drawn = explained_figure(session.diagnosis, effect)
+        return False, _title(session.diagnosis, effect), painted(drawn, theme), panels.equation(effect)
+
+
+def _button(app: Dash, sessions: Sessions, name: str) -> None:
+    @app.callback(
+        *CHANGES,
+        Output("learn-told", "children", allow_duplicate=True),
+        Input(name, "n_clicks"),
+        State("mode", "value"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def begin(_, mode, page):
+        def verb(session) -> None:
+            if mode not in MODES:
+                raise InputError("choose how effects are judged")
+            getattr(session, name)(mode)
+
+        return answered(sessions, page, verb)
+
+
+def _title(found: Diagnosis, effect: str) -> str:
+    phenomenon = next((own.phenomenon for own in found.ranking if own.effect == effect), "")
+    return f"{plain_name(phenomenon)} by {effect}" if phenomenon else effect

@@ -1,0 +1,67 @@
+"""Choosing recordings, damper, map and models."""
+
+from dash import Dash, Input, Output, State, no_update
+
+from damper_estimator.errors import InputError
+from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.sessions import Sessions
+from damper_estimator.studio.stage import Choice, dampers_in
+
+
+def connect(app: Dash, sessions: Sessions) -> None:
+    """Dampers follow the recordings; Open reads."""
+
+    @app.callback(
+        Output("damper", "options"),
+        Output("open-told", "children", allow_duplicate=True),
+        Input("recordings", "value"),
+        Input("map", "value"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def dampers(recordings, signals, page):
+        try:
+            return dampers_in(sessions.of(page).folder, recordings or [], signals or ""), ""
+        except InputError as error:
+            return [], str(error)
+
+    @app.callback(
+        *CHANGES,
+        Output("open-told", "children", allow_duplicate=True),
+        Input("open", "n_clicks"),
+        State("recordings", "value"),
+        State("unseen", "value"),
+        State("damper", "value"),
+        State("map", "value"),
+        State("models", "value"),
+        State("start", "value"),
+        State("stop", "value"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def open_(_, recordings, unseen, damper, signals, models, start, stop, page):
+        choice = Choice(tuple(recordings or ()), tuple(unseen or ()), damper or "", signals or "", start, stop)
+        return answered(sessions, page, lambda session: session.open(choice, list(models or ())))
+
+    @app.callback(
+        Output("chooser", "open"),
+        Output("opened", "children"),
+        Output("recording", "options"),
+        Output("recording", "value"),
+        Output("recording-place", "hidden"),
+        Output("work", "className"),
+        Input("generation", "data"),
+        State("page", "data"),
+        State("opened", "children"),
+    )
+    def show_choice(_, page, before):
+        session = opened(sessions, page)
+        if session is None:
+            return True, "Data and models", [], None, True, "empty"
+        stage = session.stage
+        names = " and ".join(model.name for model in (session.history.versions[0].step.model, *session.others))
+        told = f"{', '.join(stage.names)} · {stage.damper} · {names}"
+        options = [{"label": name, "value": i} for i, name in enumerate(stage.names)]
+        if told == before:
+            return (no_update,) * 6
+        return False, told, options, 0, len(options) < 2, ""

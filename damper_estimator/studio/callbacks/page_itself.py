@@ -1,0 +1,81 @@
+"""The page's own life: its theme, its tabs, the work that goes on, its leaving."""
+
+from dash import ALL, ClientsideFunction, Dash, Input, Output, State, no_update
+
+from damper_estimator.errors import InputError
+from damper_estimator.studio.callbacks.common import CHANGES, answered
+from damper_estimator.studio.job import Job
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.sessions import Sessions
+
+_PLACES = {"opening": 0, "diagnosing": 1, "improving": 1, "identifying": 2}  # where a work's failure is told
+
+
+def connect(app: Dash, sessions: Sessions) -> None:
+    """Theme and tabs need no server; the work is looked at twice a second, which is the page's sign of life."""
+
+    def own(name: str, *arguments: object) -> None:
+        app.clientside_callback(ClientsideFunction("studio", name), *arguments)
+
+    own("theme", Output("theme", "data"), Input("theme-button", "n_clicks"), State("theme", "data"))
+    own("introduce", Output("studio", "data-page"), Input("page", "data"))
+    panels = {"type": "panel", "name": ALL}
+    own("tab", Output(panels, "hidden"), Input("tab", "value"), State(panels, "id"))
+
+    @app.callback(
+        *CHANGES,
+        Output("job", "children"),
+        Output("cancel", "hidden"),
+        Output("running", "data"),
+        Output("open-told", "children", allow_duplicate=True),
+        Output("learn-told", "children", allow_duplicate=True),
+        Output("change-told", "children", allow_duplicate=True),
+        Input("tick", "n_intervals"),
+        State("page", "data"),
+        State("generation", "data"),
+        State("rebuilt", "data"),
+        State("running", "data"),
+        prevent_initial_call=True,
+    )
+    def look(_, page, generation, rebuilt, running):
+        try:
+            session = sessions.of(page)
+        except InputError as error:
+            return no_update, no_update, str(error), True, False, *[no_update] * 3
+        changes = (
+            session.generation if session.generation != generation else no_update,
+            session.rebuilt if session.rebuilt != rebuilt else no_update,
+        )
+        return *changes, *_work(session, bool(running))
+
+    @app.callback(*CHANGES, Output("job", "children", allow_duplicate=True), Input("cancel", "n_clicks"),
+                  State("page", "data"), prevent_initial_call=True)  # fmt: skip
+    def cancel(_, page):
+        return answered(sessions, page, lambda session: session.job and session.job.cancel())
+
+    @app.callback(*CHANGES, Output("job", "children", allow_duplicate=True), Input("undo", "n_clicks"),
+                  State("page", "data"), prevent_initial_call=True)  # fmt: skip
+    def undo(_, page):
+        return answered(sessions, page, Session.undo)
+
+    @app.callback(*CHANGES, Output("job", "children", allow_duplicate=True), Input("redo", "n_clicks"),
+                  State("page", "data"), prevent_initial_call=True)  # fmt: skip
+    def redo(_, page):
+        return answered(sessions, page, Session.redo)
+
+
+def _work(session: Session, was_running: bool) -> list[object]:
+    """How far the work is, and, once, why it failed."""
+    job, told = session.job, [no_update] * 3
+    if job is None or not (job.running or was_running):
+        return [no_update] * 3 + told
+    if job.running:
+        return [f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)", False, True, *told]
+    told[_PLACES[job.name]] = job.error
+    return [_ended(job), True, False, *told]
+
+
+def _ended(job: Job) -> str:
+    return {"done": f"{job.name}: done ({job.seconds:.0f} s)", "cancelled": f"{job.name}: cancelled"}.get(
+        job.state, f"{job.name}: failed"
+    )

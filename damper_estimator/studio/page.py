@@ -1,0 +1,218 @@
+"""The page's skeleton: what stands where. What is in it comes from ``callbacks``."""
+
+from collections.abc import Sequence
+
+from dash import dcc, html
+
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.model import library_models
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.view import MOTIONS
+
+TICK = 500  # ms between two looks at how far the work is
+_GRAPH = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["autoScale2d", "zoomIn2d", "zoomOut2d"]}
+_PLAIN = _GRAPH | {"displayModeBar": False}
+_TABS = {"fails": "Where it fails", "learn": "What is missing", "change": "Model", "steps": "Steps", "save": "Save"}
+EMPTY = {"data": [], "layout": {"xaxis": {"visible": False}, "yaxis": {"visible": False}}}
+
+
+def layout(page: str, folder: Folder) -> html.Div:
+    """The whole page for a session's id."""
+    stores = {
+        "page": page,
+        "generation": 0,
+        "rebuilt": 0,
+        "view": {},
+        "hovered": "",
+        "tried": None,
+        "theme": None,
+        "running": False,
+        "dragged": None,
+    }
+    return html.Div(
+        [
+            *(dcc.Store(id=name, data=value) for name, value in stores.items()),
+            dcc.Interval(id="tick", interval=TICK),
+            _header(folder),
+            html.Details(
+                [html.Summary("Data and models", id="opened"), html.Div(_chooser(folder), className="choices")],
+                id="chooser",
+                open=True,
+            ),
+            html.Main([_left(), _right()], id="work", className="empty"),
+        ],
+        id="studio",
+    )
+
+
+def _header(folder: Folder) -> html.Header:
+    return html.Header(
+        [
+            html.H1(["damper studio ", html.Small(str(folder.root))]),
+            html.Div(id="job", role="status", **{"aria-live": "polite"}),
+            html.Button("cancel", id="cancel", hidden=True),
+            html.Button("undo", id="undo", disabled=True, title="Ctrl+Z"),
+            html.Button("redo", id="redo", disabled=True, title="Ctrl+Y"),
+            html.Button("◐", id="theme-button", **{"aria-label": "switch between light and dark"}),
+        ]
+    )
+
+
+def _chooser(folder: Folder) -> list:
+    recordings, maps = folder.recordings(), folder.maps()
+    models = [*folder.models(), *library_models()]
+    hint = (
+        "Choose a recording and a model, then open them."
+        if recordings
+        else f"There is no recording in {folder.root}. Put an .mcap file or a rosbag2 folder there, or start the "
+        "studio on another folder, then load this page again."
+    )
+    window = [_number("start", "from, s"), _number("stop", "to, s")]
+    return [
+        _labelled("recordings", dcc.Dropdown(recordings, id="recordings", multi=True, placeholder="what to look at")),
+        _labelled("judge on", dcc.Dropdown(recordings, id="unseen", multi=True, placeholder="the last 40 %")),
+        _labelled("damper", dcc.Dropdown([], id="damper", placeholder="the first", clearable=True)),
+        _labelled("signal map", dcc.Dropdown(maps, id="map", placeholder="default topics", clearable=True)),
+        _labelled("models", dcc.Dropdown(models, id="models", multi=True, placeholder="the first is worked on")),
+        html.Div([html.Span("window", className="label"), html.Div(window, className="pair-of-numbers")]),
+        html.Button("Open", id="open", className="primary"),
+        html.P(hint, id="open-told", className="told-here"),
+    ]
+
+
+def _left() -> html.Section:
+    tools = dcc.RadioItems(
+        [{"label": "zoom", "value": "zoom"}, {"label": "pan", "value": "pan"}, {"label": "mark", "value": "select"}],
+        "zoom", id="tool", inline=True, className="choice",
+    )  # fmt: skip
+    bar = html.Div(
+        [
+            html.H2("Force over time"),
+            html.Div(dcc.Dropdown([], id="recording", clearable=False), id="recording-place", hidden=True),
+            tools,
+            html.Button("all", id="all", title="the whole recording"),
+            html.Button("unmark", id="unmark", title="take the marks away"),
+            html.Span("", id="marked-told", className="hint"),
+        ],
+        className="title",
+    )
+    time = html.Section([bar, _graph("time"), html.P("", id="draw-told", className="told-here")], className="card")
+    clouds = [html.Section([html.H2(f"Force over {m}"), _graph(m)], className="card") for m in MOTIONS]
+    table = html.Div(id="measures")
+    return html.Section([table, time, html.Div(clouds, className="three")], id="left")
+
+
+def _graph(name: str) -> dcc.Graph:
+    config = _GRAPH | {"scrollZoom": name == "time"}
+    return dcc.Graph(id={"type": "linked", "name": name}, figure=EMPTY, config=config, className=f"figure {name}")
+
+
+def _right() -> html.Section:
+    panels = {"fails": _fails(), "learn": _learn(), "change": _change(), "steps": _steps(), "save": _save()}
+    tabs = dcc.RadioItems(
+        [{"label": label, "value": name} for name, label in _TABS.items()], "fails", id="tab", inline=True,
+        className="choice tabs",
+    )  # fmt: skip
+    return html.Section(
+        [
+            tabs,
+            *(
+                html.Section(panel, id={"type": "panel", "name": name}, className="panel", hidden=name != "fails")
+                for name, panel in panels.items()
+            ),
+        ],
+        id="right",
+    )
+
+
+def _fails() -> list:
+    return [
+        html.Div(id="verdict"),
+        html.Div(id="regions"),
+        html.H2("Error over velocity and displacement"),
+        _plain("error-map"),
+        html.H2("Data quality"),
+        html.Div(id="quality"),
+    ]
+
+
+def _learn() -> list:
+    modes = [
+        {"label": "both ways", "value": "both"},
+        {"label": "parameters kept", "value": "kept"},
+        {"label": "refitted", "value": "refit"},
+    ]
+    return [
+        html.Div(
+            [
+                html.Button("Diagnose", id="diagnose", className="primary"),
+                html.Button("Improve", id="improve", title="diagnose, add, refit, until nothing more is justified"),
+                dcc.RadioItems(modes, "both", id="mode", inline=True, className="choice"),
+            ],
+            className="title",
+        ),
+        html.P("", id="learn-told", className="told-here"),
+        html.Div(id="findings"),
+        html.Div([_plain("ranking"), html.Div(id="candidates")], id="ranked", hidden=True),
+        html.Div(
+            [html.H2("", id="looked-name"), _plain("explained"), html.Div(id="equation")], id="looked", hidden=True
+        ),
+    ]
+
+
+def _change() -> list:
+    effects = [name for name, own in all_effects().items() if own.kind not in ("channel", "path")]
+    return [
+        html.Div(
+            [
+                html.Button("Refit", id="refit", className="primary", title="identify the free parameters"),
+                dcc.Dropdown(effects, id="effect", placeholder="another effect"),
+                html.Button("Add", id="add-effect"),
+            ],
+            className="title",
+        ),
+        html.P("", id="change-told", className="told-here"),
+        html.Div(id="parameters"),
+    ]
+
+
+def _steps() -> list:
+    return [_plain("waterfall"), html.Div(id="steps"), html.P("", id="steps-told", className="told-here")]
+
+
+def _save() -> list:
+    kinds = {
+        "model": "model",
+        "map": "signal map",
+        "comparison": "report: comparison",
+        "diagnosis": "report: diagnosis",
+    }
+    return [
+        dcc.RadioItems(
+            [{"label": text, "value": kind} for kind, text in kinds.items()], "model", id="kind", className="choice"
+        ),
+        _labelled("name in the folder", dcc.Input(id="name", type="text", value="model.yaml", className="wide")),
+        html.Button("Save", id="save", className="primary"),
+        html.Button("Replace it", id="replace", hidden=True),
+        html.P("", id="save-told", className="told-here"),
+    ]
+
+
+def _plain(name: str) -> dcc.Graph:
+    return dcc.Graph(id=name, figure=EMPTY, config=_PLAIN, className=f"figure {name}")
+
+
+def _labelled(label: str, piece: object) -> html.Div:
+    return html.Div([html.Span(label, className="label"), piece], className="field")
+
+
+def _number(name: str, hint: str) -> dcc.Input:
+    return dcc.Input(id=name, type="number", min=0, placeholder=hint, debounce=True)
+
+
+def names_of(models: Sequence, changed: bool) -> list[str]:
+    """Names of the models on view; the one that is worked on and the same as given are told apart."""
+    names = [own.name for own in models]
+    if changed:
+        names[1] = f"{names[1]} as given"
+    return names

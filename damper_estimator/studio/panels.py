@@ -1,0 +1,173 @@
+"""What the page says beside the figures: agreement, regions, data quality, what is missing."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from dash import html
+
+from damper_estimator.diagnosis import Diagnosis
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.report.diagnosis_wording import finding_text, moved_rows, plain_name, rejected_rows
+from damper_estimator.report.verdict_figures import ranked
+from damper_estimator.report.wording import MEASURES, finding_rows, headline, measure_text, quality_rows
+from damper_estimator.studio.shown import Shown
+from damper_estimator.validation import Comparison
+
+Piece = html.Div
+
+
+def measures_table(models: Sequence[Shown], names: Sequence[str]) -> Piece:
+    """Agreement of each model over all samples."""
+    head = html.Thead(
+        html.Tr(
+            [html.Th("model", scope="col")]
+            + [
+                html.Th([name, html.Small(f" {unit}")] if unit else name, scope="col", title=meaning)
+                for _, name, unit, meaning in MEASURES
+            ]
+        )
+    )
+    rows = []
+    for i, (own, name) in enumerate(zip(models, names, strict=True)):
+        record = own.measures.record()
+        key = html.I(className=f"key model{i % 5}")
+        cells = [html.Td(measure_text(measure, record[measure])) for measure, *_ in MEASURES]
+        rows.append(html.Tr([html.Th([key, name], scope="row"), *cells]))
+    return html.Table([head, html.Tbody(rows)], className="measures")
+
+
+def verdict(comparison: Comparison, note: str) -> Piece:
+    """The comparison in one sentence, and mistakes of the recordings first."""
+    warned = [html.P(text, className="warning") for text in comparison.warnings]
+    data = [
+        html.Li([row["sentence"], html.Br(), html.Small(f"mend: {row['mend']}")]) for row in finding_rows(comparison)
+    ]
+    if data:
+        warned.append(html.Section([html.H2("Data before physics"), html.Ul(data)], className="warning findings"))
+    noted = [html.P(note, className="hint")] if note else []
+    return html.Div([html.P(headline([comparison]), className="told"), *warned, *noted])
+
+
+def regions(comparison: Comparison) -> Piece:
+    """Where the model fails: one button per region."""
+    if not comparison.regions:
+        return html.P("The error is spread evenly: no region of operation carries much more of it than of the time.")
+    rows = []
+    for i, region in enumerate(comparison.regions):
+        error, samples = 100.0 * region.share_of_squared_error, 100.0 * region.share_of_samples
+        bars = html.Span(
+            [
+                html.Span(className="bar error", style={"width": f"{error:.1f}%"}),
+                html.Span(className="bar samples", style={"width": f"{samples:.1f}%"}),
+            ],
+            className="bars",
+        )
+        words = [html.Span(region.where, className="where"), html.Span(region.what, className="what")]
+        share = html.Span(f"{error:.0f} %", className="share")
+        rows.append(html.Li(html.Button([*words, bars, share], id={"type": "region", "index": i}, className="region")))
+    hint = [html.I(className="bar error"), " share of the squared error ", html.I(className="bar samples")]
+    return html.Div(
+        [
+            html.P([*hint, " share of the time; choose one to go there"], className="hint"),
+            html.Ol(rows, className="regions"),
+        ]
+    )
+
+
+def quality(comparison: Comparison) -> Piece:
+    """What is wrong with the recording."""
+    rows = [
+        html.Tr([html.Th(row["name"], scope="row"), html.Td(row["text"] + (" ⚠" if row["bad"] else ""))],
+                className="bad" if row["bad"] else "")
+        for row in quality_rows(comparison)
+    ]  # fmt: skip
+    return html.Table(html.Tbody(rows), className="quality")
+
+
+def findings(found: Diagnosis, stale: bool) -> Piece:
+    """The verdict and the effects that are missing, each with a button that adds it."""
+    told: list[Piece] = [html.P(found.sentence, className="told")]
+    if stale:
+        told.append(
+            html.P("The model was changed since: run the diagnosis again to see what is left.", className="warning")
+        )
+    told += [_finding(finding, i) for i, finding in enumerate(found.findings)]
+    moved = moved_rows(found)
+    if moved:
+        text = "; ".join(f"{row['name']} {row['before']} → {row['after']} {row['unit']}" for row in moved)
+        told.append(html.P(f"Parameters that moved: {text}. Identify anew under Model."))
+    if found.structure is not None:
+        told.append(html.P(f"What nothing accounts for: {found.structure.words}"))
+    return html.Div(told)
+
+
+def _finding(finding, index: int) -> Piece:
+    text = finding_text(finding)
+    facts = [
+        ("confidence", text["confidence"]),
+        ("of the explainable error", text["share"]),
+        ("unseen error", text["errors"]),
+    ]
+    where = "mend the signal map" if finding.is_channel else "add and refit"
+    tied = [html.P(f"These data cannot tell it from {text['tied']}.", className="tied")] if text["tied"] else []
+    remark = [html.P(text["remark"])] if text["remark"] else []
+    return html.Section(
+        [
+            html.Div(
+                [
+                    html.H2([text["name"], html.Small(f" by {finding.effect}")]),
+                    html.Button(
+                        where, id={"type": "add", "effect": finding.effect, "from": "finding"}, className="primary"
+                    ),
+                ],
+                className="title",
+            ),
+            html.Ul([html.Li([html.B(value), html.Span(name)]) for name, value in facts], className="facts"),
+            *tied,
+            html.P(text["evidence"]),
+            *remark,
+            html.P([html.Span("to be sure", className="label"), text["test"]]),
+        ],
+        className="finding",
+        **{"data-effect": finding.effect},
+    )
+
+
+def candidates(found: Diagnosis) -> Piece:
+    """Every phenomenon that was tried: hovering shows what it would explain, the button adds it."""
+    rows = []
+    for own in ranked(found.ranking, found.findings):
+        best = max((way for way in (own.kept, own.refitted) if way is not None), key=lambda way: way.gain)
+        gain = f"{100.0 * best.gain:.0f} % ({100.0 * best.low:.0f} to {100.0 * best.high:.0f})"
+        button = html.Button(
+            "add", id={"type": "add", "effect": own.effect, "from": "ranking"}, title=f"add {own.effect} and refit"
+        )
+        name = html.Th(
+            html.Span([plain_name(own.phenomenon), html.Small(f" {own.effect}")], tabIndex="0", className="looked"),
+            scope="row",
+        )
+        cells = [name, html.Td(gain), html.Td(own.reason or "found", className="reason"), html.Td(button)]
+        rows.append(html.Tr(cells, **{"data-effect": own.effect}))
+    untried = [row for row in rejected_rows((), found.untestable)]
+    more = [html.Details([html.Summary(f"{len(untried)} could not be tried"), html.Ul(
+        [html.Li(f"{row['effect']}: {row['reason'].removeprefix('not tried: ')}") for row in untried])])]  # fmt: skip
+    head = html.Thead(html.Tr([html.Th("phenomenon"), html.Th("explains"), html.Th("verdict"), html.Th("")]))
+    return html.Div([html.Table([head, html.Tbody(rows)], className="reasons"), *(more if untried else [])])
+
+
+def equation(effect: str) -> Piece:
+    """What an effect is, in its author's words: the equation, symbols, source."""
+    own = all_effects()[effect]
+    shows = [html.P([html.Span("shows as", className="label"), own.shows])] if own.shows else []
+    return html.Div([html.Pre(own.description.strip(), className="equation"), *shows])
+
+
+def steps_list(errors: Sequence[float], names: Sequence[str], at: int) -> Piece:
+    """The steps in words; those that were undone are pale."""
+    rows = []
+    for i, (error, name) in enumerate(zip(errors, names, strict=True)):
+        told = f"{error:.4g} N" if np.isfinite(error) else "–"
+        rows.append(
+            html.Li([html.B(name), f" {told} unseen"], className="undone" if i > at else "now" if i == at else "")
+        )
+    return html.Ol(rows, className="history")

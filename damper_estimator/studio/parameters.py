@@ -1,0 +1,62 @@
+"""The list of a model's parameters: a slider, a number, bounds, unit, and whether identification may move it."""
+
+import numpy as np
+from dash import dcc, html
+
+from damper_estimator.model import DamperModel
+from damper_estimator.model.damper_model import Slot
+from damper_estimator.model.element import labels
+from damper_estimator.report.wording import number
+from damper_estimator.studio.scale import to_place
+
+_MOST = 60  # sliders; the numbers of a longer model (a force surface) are told, not moved by hand
+_UNITS = {"1": "", "m/s^2": "m/s²", "deg C": "°C"}
+
+
+def parameter_list(model: DamperModel) -> list:
+    """One group per entry of the model, in order."""
+    groups = []
+    errors = dict(model.fit.get("standard_errors") or {})
+    movable = len(model.slots) <= _MOST
+    for index, (label, element) in enumerate(labels(model.effects)):
+        slots = [slot for slot in model.slots if slot.entry == index]
+        title = [html.H3(label, title=element.effect.description.strip().partition("\n")[0])]
+        if len(model.effects) > 1:
+            title.append(
+                html.Button("take out", id={"type": "remove", "label": label}, title=f"take {label} out of the model")
+            )
+        rows = [_row(slot, float(errors.get(slot.address, "nan"))) for slot in slots] if movable else [_told(slots)]
+        groups.append(html.Section([html.Div(title, className="title"), *rows], className="entry"))
+    return groups
+
+
+def _told(slots: list[Slot]) -> html.P:
+    return html.P(f"{len(slots)} numbers: too many to move by hand; identify them anew instead.", className="hint")
+
+
+def _row(slot: Slot, error: float) -> html.Div:
+    low, high = slot.parameter.lower, slot.parameter.upper
+    unit = _UNITS.get(slot.parameter.unit, slot.parameter.unit)
+    name = slot.address.partition(".")[2]
+    told = f"{slot.parameter.meaning}; {low:g} to {high:g} {unit}"
+    at_bound = not slot.fixed and min(slot.value - low, high - slot.value) <= 1e-6 * (high - low)
+    certain = f"± {number(error, 2)}" if np.isfinite(error) else "at its bound" if at_bound else ""
+    return html.Div(
+        [
+            html.Label([name, html.Small(f" {unit}")], title=told),
+            dcc.Slider(
+                0.0, 1.0, value=to_place(slot.value, slot.value, low, high), step=0.0025, marks=None,
+                updatemode="mouseup", allow_direct_input=False, id={"type": "slider", "address": slot.address},
+            ),
+            dcc.Input(
+                type="number", value=float(f"{slot.value:.6g}"), debounce=True, step="any",
+                id={"type": "number", "address": slot.address}, className="value",
+            ),
+            dcc.Checklist(
+                [{"label": "free", "value": slot.address}], [] if slot.fixed else [slot.address],
+                id={"type": "free", "address": slot.address},
+            ),
+            html.Small(f"{low:g} … {high:g}  {certain}", className="bounds"),
+        ],
+        className="parameter",
+    )  # fmt: skip

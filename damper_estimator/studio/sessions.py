@@ -1,0 +1,72 @@
+"""The pages that are open: found by a number that nobody guesses, let go when they are left."""
+
+import secrets
+import threading
+from time import monotonic
+
+from damper_estimator.errors import InputError
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.session import Session
+
+MOST = 8  # pages at a time
+SILENCE = 90.0  # s without a sign of life; browsers slow hidden pages down to one a minute
+
+
+class Sessions:
+    """All pages of one server; final."""
+
+    def __init__(self, folder: Folder, silence: float = SILENCE) -> None:
+        self.folder = folder
+        self._silence = silence
+        self._open: dict[str, tuple[Session, float]] = {}
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._sweeper = threading.Thread(target=self._sweep, name="sweeper", daemon=True)
+        self._sweeper.start()
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def new(self) -> str:
+        """A page more; of too many the one that was silent for longest is let go."""
+        page = secrets.token_urlsafe(16)
+        with self._lock:
+            left = sorted(self._open, key=lambda own: self._open[own][1])[: max(len(self._open) - MOST + 1, 0)]
+            self._open[page] = (Session(self.folder), monotonic())
+        for own in left:
+            self.leave(own)
+        return page
+
+    def of(self, page: object) -> Session:
+        """The session of a page, which thereby shows that it is there.
+
+        Raises:
+            InputError: where there is none any longer.
+        """
+        with self._lock:
+            if not isinstance(page, str) or page not in self._open:
+                raise InputError("the studio does not know this page any longer; load it again")
+            session, _ = self._open[page]
+            self._open[page] = (session, monotonic())
+        return session
+
+    def leave(self, page: str) -> None:
+        """The page has gone: its work ends."""
+        with self._lock:
+            session, _ = self._open.pop(page, (None, 0.0))
+        if session is not None:
+            session.close()
+
+    def close(self) -> None:
+        """All pages are let go."""
+        self._stop.set()
+        for page in list(self._open):
+            self.leave(page)
+
+    def _sweep(self) -> None:
+        while not self._stop.wait(min(self._silence / 4.0, 5.0)):
+            now = monotonic()
+            with self._lock:
+                silent = [page for page, (_, seen) in self._open.items() if now - seen > self._silence]
+            for page in silent:
+                self.leave(page)

@@ -1,0 +1,98 @@
+"""What is on view in the figures: which recording, which stretch of time, what is marked."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.studio.rows import Mark
+from damper_estimator.studio.shown import Shown
+
+MOTIONS = ("velocity", "displacement", "acceleration")
+SCALES = {"velocity": 1.0, "displacement": 1e3, "acceleration": 1.0}  # m/s, mm, m/s^2
+_MOST_CORNERS = 2000
+
+
+@dataclass(frozen=True)
+class View:
+    """What is on view.
+
+    Attributes:
+        recording: index.
+        start, stop: s since its first sample; None for all.
+        mark: what was marked by hand, if anything.
+    """
+
+    recording: int = 0
+    start: float | None = None
+    stop: float | None = None
+    mark: Mark | None = None
+
+
+def parsed_view(data: object, recordings: int) -> View:
+    """A view from what the page holds of it.
+
+    Raises:
+        InputError: for what no page of ours sends.
+    """
+    try:
+        own = dict(data or {})
+        view = View(int(own.get("recording", 0)), _number(own.get("start")), _number(own.get("stop")), _mark(own))
+    except (TypeError, ValueError, KeyError):
+        raise InputError("the page asked for a view that does not exist; load it again") from None
+    if not 0 <= view.recording < recordings:
+        raise InputError("the page asked for a recording that is not open; load it again")
+    return view
+
+
+def _number(value: object) -> float | None:
+    number = None if value is None else float(value)
+    if number is not None and not np.isfinite(number):
+        raise ValueError(value)
+    return number
+
+
+def _mark(own: Mapping) -> Mark | None:
+    mark = own.get("mark")
+    if not mark:
+        return None
+    x, y = (tuple(_number(v) for v in mark[name]) for name in "xy")
+    if mark["figure"] not in ("time", *MOTIONS) or not 1 < len(x) == len(y) < _MOST_CORNERS:
+        raise ValueError(mark)
+    return Mark(mark["figure"], x, y)
+
+
+def mark_of(figure: str, change: Mapping) -> dict[str, object] | None:
+    """What a figure's own event says was marked in it, as the page holds it; None where all marks were taken away.
+
+    Args:
+        change: plotly's relayout event with ``selections``.
+    """
+    drawn = change.get("selections") or []
+    if not drawn:
+        return None
+    last = drawn[-1]
+    if last.get("type") == "path":
+        corners = [part.split(",") for part in last["path"].strip("MZ").split("L")]
+        x, y = ([float(corner[i]) for corner in corners] for i in (0, 1))
+    else:
+        x0, x1, y0, y1 = (float(last[name]) for name in ("x0", "x1", "y0", "y1"))
+        x, y = [x0, x1, x1, x0], [y0, y0, y1, y1]
+    return {"figure": figure, "x": x, "y": y}
+
+
+def place(shown: Shown, recording: int, motion: str) -> np.ndarray:
+    """(n,) a motion in the figures' units."""
+    kinematics = shown.traces[recording].measurement.kinematics
+    return SCALES[motion] * getattr(kinematics, motion)
+
+
+def marked(shown: Shown, view: View) -> np.ndarray | None:
+    """(n,) bool: the samples of the recording that are marked; None where nothing is."""
+    if view.mark is None:
+        return None
+    own = shown.traces[view.recording]
+    x = own.time - own.time[0] if view.mark.figure == "time" else place(shown, view.recording, view.mark.figure)
+    inside = view.mark.inside(x, own.measured)
+    return inside | view.mark.inside(x, own.modelled) if view.mark.figure != "time" else inside
