@@ -20,6 +20,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.node.commands import COMMAND_TYPE
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.inputs import Inputs
+from damper_estimator.node.meanwhile import meanwhile
 from damper_estimator.node.outputs import CommandOutputs
 from damper_estimator.node.process import collect_garbage, tame_garbage_collector
 from damper_estimator.node.recorder import Recorder
@@ -226,9 +227,15 @@ class EstimatorNode(LifecycleNode):
         settings = read_settings(self, changed)
         if changed.keys() <= LIGHT:
             return self.estimation.changed(settings)
-        estimation = Estimation(settings, make_roster(settings))
+        estimation = meanwhile(lambda: Estimation(settings, make_roster(settings)), self._serve)
         self.inputs.check(estimation)
         return estimation
+
+    def _serve(self) -> bool:
+        """What the executor would do now: messages and the look for inputs that have stopped."""
+        if time.monotonic() - self._watched >= self._watch_period:
+            self._watch()
+        return self.inputs.take_waiting()
 
     def _take_parameters(self, _: list[Parameter]) -> None:
         if self._candidate is not None:

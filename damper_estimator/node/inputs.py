@@ -77,6 +77,17 @@ class Inputs:
         for topic, type_name in wanted - self._subscriptions.keys():
             self._subscriptions[topic, type_name] = self._subscription(topic, type_name)
 
+    def take_waiting(self) -> bool:
+        """Answers the messages that wait, where the executor cannot; whether there were any."""
+        found = False
+        for subscription in list(self._subscriptions.values()):
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            if taken is not None:
+                found = True
+                subscription.callback(taken[0])
+        return found
+
     def now(self) -> float:
         """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace."""
         return self._node.get_clock().now().nanoseconds / 1e9 if self.is_simulated else time.monotonic()

@@ -171,7 +171,7 @@ class Driver:
         if ended:
             raise InputError(f"{ended[0]} has ended; it said why")
         if time.monotonic() > end:
-            raise InputError(f"waited too long for a current; do estimator and controller hear each other?")
+            raise InputError("waited too long for a current; do estimator and controller hear each other?")
 
     def close(self) -> None:
         """Leaves the ROS graph."""

@@ -13,14 +13,13 @@ from threading import Event, Thread
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.meanwhile import SWITCH
 from damper_estimator.recordings import LiveBagWriter
 
 PERIOD = 0.5  # s between chunks
 PATIENCE = 10.0  # s after which a disk that was full is tried again
 MOST_WAITING = 100_000  # messages; more are not kept
 PREFIX = "damper_estimator_"
-# A thread that waits for the interpreter gets it after this time, s; the usual 5 ms would be seen in the latency.
-_SWITCH = 0.0005
 
 
 class Recorder:
@@ -52,7 +51,7 @@ class Recorder:
 
     def start(self) -> None:
         """Begins a new file with the next message."""
-        sys.setswitchinterval(_SWITCH)
+        sys.setswitchinterval(SWITCH)
         self._end.clear()
         self._thread = Thread(target=self._run, name="recorder", daemon=True)
         self._thread.start()
