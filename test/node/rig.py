@@ -35,11 +35,16 @@ class Rig:
 
     def publisher(self, topic: str = "/suspension/displacement", kind: str = "sensor_msgs/msg/JointState"):
         """A publisher that the node has heard of."""
+        publisher = self.publisher_unmatched(topic, kind)
+        self.wait(lambda: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
+        return publisher
+
+    def publisher_unmatched(self, topic: str, kind: str):
+        """A publisher of which perhaps nobody has heard yet."""
         from damper_estimator.node.inputs import message_type
 
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(message_type(kind), topic, self._quality)
-            self.wait(lambda: self._publishers[topic].get_subscription_count() > 0, f"a subscriber of {topic}")
         return self._publishers[topic]
 
     def ready(self) -> None:
