@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test demo pictures bench bench-diagnosis real-data soak fuzz clean
+.PHONY: help env test demo pictures bench bench-diagnosis real-data bench-node soak fuzz clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -30,8 +30,11 @@ pictures: env ## the pictures of docs/hidden_effect.md (needs chromium)
 real-data: env ## the tables of docs/real_data.md, where the recordings are there
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
-bench: env ## measure speed and print it
+bench: env ## measure speed and print it, 15 minutes (bench-node: the full bars of the node)
 	@for file in $(filter-out %/bench_diagnosis.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
+
+bench-node: env ## the node against a relay as the bars want it: 60 s, five rounds, 35 minutes on a quiet machine
+	@$(BIN)/python benchmarks/bench_node.py --full
 
 bench-diagnosis: env ## hide effects in simulated dampers and see whether they are found (FULL=1: all there is)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_diagnosis.py -o docs/diagnosis_bench.md
