@@ -71,7 +71,12 @@ def nothing(null: Null) -> tuple[Errors, Errors]:
     free_fit = np.hstack([null.found_fit, null.base_fit])
     free_unseen = np.hstack([null.found_unseen, null.base_unseen])
     refitted = first_order(null.residual_fit, free_fit, null.residual_unseen, free_unseen)
-    return errors(blocks, *kept), errors(blocks, *refitted)
+    return _sane(errors(blocks, *kept), errors(blocks, *refitted))
+
+
+def _sane(kept: Errors, refitted: Errors) -> tuple[Errors, Errors]:
+    """Both, where derivatives lead astray twice the kept one: a refit that harms unseen data tells nothing."""
+    return kept, refitted if refitted.square <= kept.square else kept
 
 
 def with_effects(null: Null, attempts: Sequence[Attempt], base: bool) -> Errors:
@@ -104,10 +109,7 @@ def tallies(null: Null, attempts: Sequence[Attempt], mode: str) -> list[Tally]:
     drawn = draws(without_kept.blocks.size)
     judged = []
     for attempt in attempts:
-        kept = with_effects(null, [attempt], base=False)
-        refitted = with_effects(null, [attempt], base=True)
-        if refitted.square > kept.square:  # derivatives that lead astray say nothing
-            refitted = kept
+        kept, refitted = _sane(with_effects(null, [attempt], base=False), with_effects(null, [attempt], base=True))
         left_kept = kept.square / max(without_kept.square, 1e-300)
         left_refitted = refitted.square / max(without_refitted.square, 1e-300)
         judged.append(

@@ -27,7 +27,8 @@ SECOND_OPINION = 0.85  # of the error may be left, geometric mean of kept and re
 GENERAL_MARGIN = 0.05  # of the error: what a general explanation must be better by than a specific one
 MOST_TIED = 3  # others
 _ADDS = 0.01  # of the error: what adds less adds nothing
-_CLOSE = 0.04  # of the error
+_CLOSE = 0.06  # of the error
+_MUCH = 1.5  # times what the model's own identification left
 _BEHIND = 0.15  # of the error: an explanation that is worse by more is no tie
 
 
@@ -97,7 +98,9 @@ class Round:
         return ""
 
     def tied(self, best: Tally) -> tuple[str, ...]:
-        """Other phenomena that these data cannot tell from the best: it adds nothing where one of them is in."""
+        """Other phenomena that these data cannot tell from the best: they explain about as much, be it in some of the
+        bootstrap's replicates, or the best adds nothing where one of them is in.
+        """
         names: list[str] = []
         rivals = [t for t in self.tallies if t.attempt.phenomenon != best.attempt.phenomenon]
         drawn = draws(self.kept.blocks.size)
@@ -109,7 +112,7 @@ class Round:
                 continue
             if rival.error > best.error + _BEHIND * (1.0 - best.error) or 1.0 - rival.error < GAIN:
                 continue
-            if self._disputed(best, rival):
+            if self._as_good(best, rival) or self._disputed(best, rival):
                 names.append(rival.attempt.phenomenon)
                 continue
             both = with_effects(self.null, [best.attempt, rival.attempt], base=False)
@@ -119,14 +122,20 @@ class Round:
                 names.append(rival.attempt.phenomenon)
         return tuple(names)
 
+    def _as_good(self, best: Tally, rival: Tally) -> bool:
+        own, other = (t.refitted_gains if self.mode == "refit" else t.kept_gains for t in (best, rival))
+        return rival.error - best.error < _ADDS or float(np.mean(other >= own)) > LOW / 100.0
+
     def _disputed(self, best: Tally, rival: Tally) -> bool:
         """Whether the two are close with the model's parameters kept, and change places when they are refitted.
 
-        Refitted, little may be left of what was missing; the order then only tells how the model errs by itself.
+        Only while much is left: of a residual that the model always had, the order tells nothing.
         """
-        close = rival.score <= best.score + _CLOSE
-        turned = best.refitted.square - rival.refitted.square > _ADDS * self.kept.square
-        return self.mode == "both" and close and turned
+        close = rival.error <= best.error + _CLOSE
+        turned = rival.refitted.square < best.refitted.square
+        usual = float(self.null.model.fit.get("residual_stddev", 0.0) or 0.0)
+        much = rmse(self.null, best.refitted) > _MUCH * usual
+        return self.mode == "both" and close and turned and much
 
     def confidence(self, group: Sequence[str]) -> float:
         """Share of the bootstrap's replicates in which one of these phenomena comes first."""
