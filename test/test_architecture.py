@@ -27,7 +27,7 @@ ALLOWED = {
     "control": {"model"},
     "plant": set(),
     "vehicle": {"model", "plant", "control"},
-    "report": {"validation", "diagnosis", "characterization"},
+    "report": {"validation", "diagnosis", "characterization", "vehicle"},
     # The vehicle for the simulated ride over DDS.
     "node": {"signals", "model", "validation", "control", "recordings", "vehicle"},
     "studio": {"report", "recordings", "signals", "effects", "model", "identification", "validation", "diagnosis"},

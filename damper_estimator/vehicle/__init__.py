@@ -12,6 +12,7 @@ from damper_estimator.vehicle.quarter_car import CORNERS, QuarterCar, RunningCar
 from damper_estimator.vehicle.ride_measures import RideMeasures, ride_measures
 from damper_estimator.vehicle.road import CLASSES, bump_height, pothole_height, profile_spectrum, road_height
 from damper_estimator.vehicle.scenarios import CORNER_CASES, LIMITS, REST, SURFACES, Corner, Surface, surface_height
+from damper_estimator.vehicle.single_curve import single_curve
 from damper_estimator.vehicle.weighting import wk_gain, wk_weighted
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "ride",
     "ride_measures",
     "road_height",
+    "single_curve",
     "surface_height",
     "suspension_travel",
     "sweep",

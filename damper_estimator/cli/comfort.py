@@ -1,0 +1,139 @@
+"""What a damper model does to the ride: a car on four posts, swept from 0.5 to 6 Hz, against another model.
+
+The posts move together at each of several amplitudes. The transfer functions from post to body above the front and
+above the rear axle are compared between the model and a second one: without --against, its own single curve, force over
+velocity, as it is taken from peaks of sines on a test bench. Where they differ, and at which amplitudes, is printed.
+After Gao et al., section 5; the page shows the transfer functions and the dampers' loops.
+"""
+
+import argparse
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from damper_estimator.cli.common import STANDARD_OUTPUT, add_html, add_json, progress, write_json
+from damper_estimator.errors import InputError
+from damper_estimator.files import write_text
+from damper_estimator.model import DamperModel, load_model
+from damper_estimator.vehicle import FullCar, load_car, single_curve
+from damper_estimator.vehicle.comfort import AMPLITUDES, AXLES, ComfortRun, comfort_run, differences, resonance
+
+BAND = (0.5, 6.0)
+"""Hz."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the verb's arguments."""
+    default = "renault_modified_bouc_wen"
+    parser.add_argument(
+        "-m", "--model", default=default, metavar="MODEL",
+        help=f"of the dampers: a name, a file, or a folder with front.yaml and rear.yaml ({default})",
+    )  # fmt: skip
+    parser.add_argument("--against", metavar="MODEL", help="what it is compared with, likewise (its own single curve)")
+    parser.add_argument("--vehicle", default="compact_car", metavar="CAR", help="a name or a car's file (compact_car)")
+    parser.add_argument(
+        "--amplitude", nargs="+", type=float, metavar="MM", default=[1e3 * a for a in AMPLITUDES],
+        help="of the posts, mm (" + " ".join(f"{1e3 * a:g}" for a in AMPLITUDES) + ")",
+    )  # fmt: skip
+    parser.add_argument("--seconds", type=float, default=60.0, help="that a sweep takes (60)")
+    add_json(parser)
+    add_html(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Sweeps both models at every amplitude, prints, writes."""
+    if not all(0.0 < a <= 50.0 for a in arguments.amplitude) or not 10.0 <= arguments.seconds <= 600.0:
+        raise InputError("--amplitude must lie between 0 and 50 mm and --seconds between 10 and 600; nothing was done")
+    car = load_car(arguments.vehicle)
+    models = _by_axle(arguments.model)
+    others = {axle: single_curve(own) for axle, own in models.items()} if not arguments.against else None
+    others = others or _by_axle(arguments.against)
+    amplitudes = sorted({1e-3 * a for a in arguments.amplitude})
+    runs = _runs(car, models, amplitudes, arguments.seconds)
+    other_runs = _runs(car, others, amplitudes, arguments.seconds)
+    if arguments.json != STANDARD_OUTPUT:
+        print(_text(car, models, others, runs, other_runs))
+    write_json(arguments.json, _record(car, models, others, runs, other_runs))
+    if arguments.html:
+        from damper_estimator.report.comfort_page import comfort_page
+
+        names = [_named(own) for own in (models, others)]
+        write_text(arguments.html, comfort_page(car.name, names, runs, other_runs))
+        progress(f"wrote {arguments.html}")
+    return 0
+
+
+def _by_axle(name: str) -> dict[str, DamperModel]:
+    return {axle: load_model(name, axle) for axle in AXLES}
+
+
+def _named(models: Mapping[str, DamperModel]) -> str:
+    return " / ".join(dict.fromkeys(own.name for own in models.values()))
+
+
+def _runs(
+    car: FullCar, models: Mapping[str, DamperModel], amplitudes: Sequence[float], seconds: float
+) -> list[ComfortRun]:
+    found = []
+    for amplitude in amplitudes:
+        progress(f"{_named(models)}: {1e3 * amplitude:g} mm")
+        try:
+            found.append(comfort_run(car, models, amplitude, BAND, seconds))
+        except FloatingPointError as error:
+            raise InputError(f"{_named(models)} on {car.name}: {error}") from error
+    return found
+
+
+def _text(
+    car: FullCar,
+    models: Mapping[str, DamperModel],
+    others: Mapping[str, DamperModel],
+    runs: Sequence[ComfortRun],
+    other_runs: Sequence[ComfortRun],
+) -> str:
+    """The result for people."""
+    rms = differences(runs, other_runs)
+    lines = [
+        f"{car.name} on four posts, {BAND[0]:g} to {BAND[1]:g} Hz: {_named(models)} against {_named(others)}",
+        "  body over post; difference: rms of the complex difference over the band, of the second one's rms",
+        "  posts mm   axle    difference %   resonance Hz    times     second: Hz    times",
+    ]
+    for k, (one, other) in enumerate(zip(runs, other_runs, strict=True)):
+        for axle in AXLES:
+            mine, its = resonance(one.transfer[axle]), resonance(other.transfer[axle])
+            lines.append(
+                f"  {1e3 * one.amplitude:8.3g}   {axle:<6}  {100 * rms[axle][k]:12.1f}   {mine[0]:12.2f} {mine[1]:8.2f}"
+                f"   {its[0]:12.2f} {its[1]:8.2f}"
+            )
+    return "\n".join(lines)
+
+
+def _record(
+    car: FullCar,
+    models: Mapping[str, DamperModel],
+    others: Mapping[str, DamperModel],
+    runs: Sequence[ComfortRun],
+    other_runs: Sequence[ComfortRun],
+) -> dict[str, object]:
+    rms = differences(runs, other_runs)
+
+    def curves(run: ComfortRun) -> dict[str, object]:
+        return {
+            axle: {"frequency_hz": own.frequency, "gain": np.abs(own.value), "phase_rad": np.angle(own.value)}
+            for axle, own in run.transfer.items()
+        }
+
+    return {
+        "vehicle": car.name,
+        "model": _named(models),
+        "against": _named(others),
+        "sweeps": [
+            {
+                "amplitude_m": one.amplitude,
+                "difference": {axle: rms[axle][k] for axle in AXLES},
+                "model": curves(one),
+                "against": curves(other),
+            }
+            for k, (one, other) in enumerate(zip(runs, other_runs, strict=True))
+        ],
+    }
