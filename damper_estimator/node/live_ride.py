@@ -64,6 +64,7 @@ START = 1_000 * NANOSECONDS  # of the simulated time
 STEP = 2_000_000  # ns between the samples before the ride, at rest
 SETTLED = 250  # of those, until the estimates are good
 STARTING = 300.0  # s of the wall's clock until the first current; machine code may have to be made first
+FIRST_PAUSE, QUIET = 0.1, 1.0  # s between the first samples, and after them
 PATIENCE = 60.0  # s until each of the others
 DEPTH = 100
 TOPICS = {
@@ -106,7 +107,7 @@ class Driver:
         }
         self._currents = self._answers = 0
         self._current = 0.0
-        self._wanted = float("nan")
+        self._wanted, self._wished_at = float("nan"), 0
         self._node.create_subscription(Float64, f"suspension/{DAMPER}/current_command", self._take_current, quality)
         for topic in ("damper_estimator/desired_force", "damper_controller/wished_force"):
             self._node.create_subscription(JointState, topic, self._take_wish, quality)
@@ -117,6 +118,7 @@ class Driver:
 
     def _take_wish(self, message: JointState) -> None:
         self._wanted = message.effort[0]
+        self._wished_at = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
 
     def drive(self, scenario: Scenario, processes: Sequence[subprocess.Popen]) -> Ride:
         """The ride, once estimator and controller answer.
@@ -134,26 +136,29 @@ class Driver:
     def _stand(self, processes: Sequence[subprocess.Popen]) -> int:
         """Stands at rest until currents come and the estimates are good; the stamp of the ride's first sample."""
         stamp, end = START, time.monotonic() + STARTING
-        while not self._answers:
+        while not self._answers or self._wished_at < stamp - STEP:
             self._check(processes, end)
             self._send(stamp, 0.0, 0.0, 0.0)
-            self._executor.spin_once(timeout_sec=0.02)
+            self._listen(FIRST_PAUSE)
             stamp += STEP
-        settle = time.monotonic() + 0.5
-        while time.monotonic() < settle:
-            self._executor.spin_once(timeout_sec=0.02)
+        self._listen(QUIET)  # whatever answers these samples
         for _ in range(SETTLED):
             self._send(stamp, 0.0, 0.0, 0.0)
             self._answer(processes)
             stamp += STEP
         return stamp
 
+    def _listen(self, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+
     def _send(self, stamp: int, travel: float, felt: float, current: float) -> None:
         """One sample of all sensors; the displacement, which is answered, last."""
         at = np.array([stamp])
         clock = Clock()
         clock.clock.sec, clock.clock.nanosec = divmod(stamp, NANOSECONDS)
-        self._awaited = self._answers + 1
+        self._awaited = self._answers + 1, stamp
         self._publishers["clock"].publish(clock)
         self._publishers["acceleration"].publish(accelerations(at, np.array([felt]))[0])
         self._publishers["current"].publish(float_message(current))
@@ -161,7 +166,8 @@ class Driver:
 
     def _answer(self, processes: Sequence[subprocess.Popen]) -> float:
         end = time.monotonic() + PATIENCE
-        while self._answers < self._awaited:
+        count, stamp = self._awaited
+        while self._answers < count or self._wished_at < stamp:
             self._check(processes, end)
             self._executor.spin_once(timeout_sec=0.05)
         return self._current

@@ -60,6 +60,24 @@ def start() -> Iterator[Callable[..., subprocess.Popen]]:
         stop(process)
 
 
+@pytest.fixture(scope="module")
+def shared(domain) -> Iterator[Callable[..., None]]:
+    """One estimator for all tests of a module: it is started once, and brought to each test's parameters while it runs.
+
+    Models and filters begin anew with every change; counts of messages go on.
+    """
+    defaults = {"model": "coulomb", "dampers": ["left"], "signals": "", "stale_after": 60.0, "wish_timeout": 0.1}
+    process = subprocess.Popen([EXECUTABLE, "--ros-args", "-p", "model:=coulomb", "-p", "dampers:=[left]"])
+
+    def bring(rig, **parameters: object) -> None:
+        taken, reason = rig.set(**defaults | parameters)
+        assert taken, reason
+
+    yield bring
+    process.terminate()
+    assert process.wait(STOPPED_WITHIN) == 0
+
+
 def stop(process: subprocess.Popen) -> None:
     """Ends a process that a test started, and reads what it said."""
     process.terminate()

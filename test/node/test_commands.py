@@ -1,6 +1,7 @@
 """Wishes in, currents out: the inverse behind the running node, its safe current, and what it says of itself."""
 
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from damper_estimator.recordings import floats, joint_states
 SAFE = 0.25
 CURRENT, JOINT_STATE, FLOAT = "/suspension/left/current", "sensor_msgs/msg/JointState", "std_msgs/msg/Float64"
 WISH = "/damper_estimator/desired_force"
-GOOD, DEACTIVATE = 0, 4
+GOOD, ACTIVATE, DEACTIVATE = 0, 3, 4
 
 
 @pytest.fixture
@@ -29,8 +30,8 @@ def semi_active(tmp_path) -> dict[str, object]:
     (tmp_path / "signals").mkdir()
     (tmp_path / "signals" / "map.yaml").write_text(yaml.safe_dump(signals))
     return {
-        "model": tmp_path, "signals": tmp_path / "signals" / "map.yaml", "safe_current": SAFE, "stale_after": 60.0,
-        "wish_timeout": 10.0,
+        "model": str(tmp_path), "signals": str(tmp_path / "signals" / "map.yaml"), "dampers": ["left", "right"],
+        "safe_current": SAFE, "wish_timeout": 10.0, "command_extrapolating": False,
     }  # fmt: skip
 
 
@@ -50,7 +51,7 @@ class Commanded:
         rig.publisher(WISH, JOINT_STATE)
         rig.wait(lambda: rig.node.count_publishers("/suspension/left/current_command") > 0, "the currents")
         rig.send_raw(floats(np.array([0.5]))[0], CURRENT)
-        rig.listen(0.1)
+        rig.listen(0.5)
 
     def drive(self, count: int) -> None:
         """Good samples of both dampers, and all that answers them."""
@@ -80,8 +81,8 @@ class Commanded:
         self.rig.wait(lambda: len(self.currents) >= self._expected, "the currents")
 
 
-def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active, start, rig):
-    start(**semi_active)
+def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active, shared, rig):
+    shared(rig, **semi_active)
     node = Commanded(rig)
     node.drive(300)
     assert node.currents == []  # nobody wished
@@ -103,8 +104,8 @@ def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active,
     assert told.force_min[left] < told.force[left] < told.force_max[left]
 
 
-def test_samples_that_come_faster_than_wishes_are_answered_with_the_wish_that_holds(semi_active, start, rig):
-    start(**semi_active)
+def test_samples_that_come_faster_than_wishes_are_answered_with_the_wish_that_holds(semi_active, shared, rig):
+    shared(rig, **semi_active)
     node = Commanded(rig)
     node.drive(250)
     first = node.wish(500.0)
@@ -114,8 +115,8 @@ def test_samples_that_come_faster_than_wishes_are_answered_with_the_wish_that_ho
     assert first != SAFE and SAFE not in node.currents
 
 
-def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_active, start, rig):
-    start(**semi_active)
+def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_active, shared, rig):
+    shared(rig, **semi_active)
     node = Commanded(rig)
     assert node.wish(500.0) == SAFE  # no sample yet
     node.drive(50)
@@ -139,10 +140,11 @@ def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_ac
     assert node.wish(500.0) != 0.75
     assert rig.transition(DEACTIVATE)
     rig.wait(lambda: node.currents[-1] == 0.75, "the safe current at the end")
+    assert rig.transition(ACTIVATE)
 
 
-def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_active, start, rig):
-    start(**semi_active)
+def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_active, shared, rig):
+    shared(rig, **semi_active)
     node = Commanded(rig)
     node.send_wish(200.0, "right")
     rig.wait(lambda: rig.status(": right command") is not None, "the report")
@@ -150,11 +152,11 @@ def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_acti
     assert rig.status(": right command").level == b"\x01" and node.currents == []
 
 
-def test_outside_the_region_of_the_fit_wishes_are_followed_only_where_that_is_set(semi_active, start, rig):
-    path = semi_active["model"] / "left.yaml"
+def test_outside_the_region_of_the_fit_wishes_are_followed_only_where_that_is_set(semi_active, shared, rig):
+    path = Path(semi_active["model"]) / "left.yaml"
     narrow = {"fit": {"region": {"command": [0.0, 0.4], "velocity": [-2.0, 2.0]}, "residual_stddev": 10.0}}
     path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | narrow))
-    start(**semi_active)
+    shared(rig, **semi_active)
     node = Commanded(rig)  # its current is 0.5
     node.drive(250)
     assert node.wish(500.0) == SAFE

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from damper_estimator.errors import InputError
 from damper_estimator.recordings import joint_states
 from damper_estimator.signals import load_signal_map
 
@@ -49,7 +50,32 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("parameters, content, reason", REFUSED)
-def test_what_it_cannot_run_with_is_refused_in_one_line(parameters, content, reason, start, tmp_path, monkeypatch):
+def test_what_it_cannot_run_with_is_refused_with_the_reason(parameters, content, reason, domain, tmp_path, monkeypatch):
+    """In this process; the next test holds that a refusal is one line and ends the node's own."""
+    import rclpy
+
+    from damper_estimator.node.estimator_node import EstimatorNode
+    from damper_estimator.node.settings import check_words
+
+    (tmp_path / "broken.yaml").write_text(content)
+    monkeypatch.chdir(tmp_path)
+    rclpy.init(args=["test", "--ros-args", *(w for n, v in parameters.items() for w in ("-p", f"{n}:={v}"))])
+    node = None
+    try:
+        with pytest.raises(InputError, match=reason) as refusal:
+            node = EstimatorNode()
+            check_words(node)
+            node.start()
+    finally:
+        if node is not None:
+            node.destroy_node()
+        rclpy.shutdown()
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("parameters, content, reason", [REFUSED[i] for i in (0, 3, 8, 12)])
+def test_what_it_cannot_run_with_ends_it_in_one_line(parameters, content, reason, start, tmp_path, monkeypatch):
+    """Refused before, while and after the parameters are declared."""
     (tmp_path / "broken.yaml").write_text(content)
     monkeypatch.chdir(tmp_path)
     process = start(**parameters)
