@@ -56,10 +56,10 @@ def diagnose(
     again = reidentified(found.rounds[0], stage) if mode != "kept" else None
     before = compare(model, *(own.measurement for own in stage.unseen))
     tell("done", 1.0)
-    return _told(found, again, stage, mode, before)
+    return _told(found, again, stage, before)
 
 
-def _told(found: Search, again: Reidentified | None, stage: Scene, mode: str, before: Comparison) -> Diagnosis:
+def _told(found: Search, again: Reidentified | None, stage: Scene, before: Comparison) -> Diagnosis:
     force, floor = before.measures.force_rms_n, before.noise_floor_n
     verdict, picture = verdict_on(found, again, force, floor)
     findings = tuple(finding_of(one, floor, again) for one in found.accepted)
@@ -73,13 +73,13 @@ def _told(found: Search, again: Reidentified | None, stage: Scene, mode: str, be
         model=before.model,
         verdict=verdict,
         sentence=sentence_of(verdict, findings, again, picture, before.measures.rmse_n, floor),
-        mode=mode,
+        mode=found.mode,
         rmse_n=before.measures.rmse_n,
         force_rms_n=force,
         noise_floor_n=floor,
         findings=findings,
         elements=elements,
-        ranking=judged_of(found, mode, force),
+        ranking=judged_of(found, force),
         untestable=found.untestable,
         moved=again.moved if again is not None and verdict == "parameters_changed" else (),
         rmse_refit_alone_n=again.rmse_n if again is not None else float("nan"),

@@ -66,21 +66,33 @@ class Round:
     def _general(self, tally: Tally) -> bool:
         return self.candidates[tally.attempt.effect].effect.general
 
+    @property
+    def refits(self) -> bool:
+        """Whether the model is refitted, with every effect and without any, before errors are compared."""
+        return self.mode == "refit"
+
+    @property
+    def without(self) -> Errors:
+        """What is left without any effect, as this round judges."""
+        return self.refitted if self.refits else self.kept
+
+    def left(self, tally: Tally) -> Errors:
+        """What is left with an effect, as this round judges."""
+        return tally.refitted if self.refits else tally.kept
+
+    def replicates(self, tally: Tally) -> np.ndarray:
+        """(replicates,) gain of an effect, as this round judges."""
+        return tally.refitted_gains if self.refits else tally.kept_gains
+
     def gain(self, tally: Tally) -> tuple[float, float, float]:
         """Gain on unseen data with the 5 and 95 % ends of its bootstrap, as this round judges."""
-        refit = self.mode == "refit"
-        replicates = tally.refitted_gains if refit else tally.kept_gains
-        without = self.refitted if refit else self.kept
-        left = (tally.refitted if refit else tally.kept).square
-        low, high = np.percentile(replicates, [LOW, HIGH])
-        return 1.0 - left / max(without.square, 1e-300), float(low), float(high)
+        low, high = np.percentile(self.replicates(tally), [LOW, HIGH])
+        return 1.0 - self.left(tally).square / max(self.without.square, 1e-300), float(low), float(high)
 
     def reason_against(self, tally: Tally, force_rms: float) -> str:
         """Why the data do not support an effect by itself; "" where they do."""
         gain, low, _ = self.gain(tally)
-        before, after = rmse(self.null, self.kept), rmse(self.null, tally.kept)
-        if self.mode == "refit":
-            before, after = rmse(self.null, self.refitted), rmse(self.null, tally.refitted)
+        before, after = rmse(self.null, self.without), rmse(self.null, self.left(tally))
         if gain <= 0.02:
             return "explains nothing on unseen data"
         if gain < GAIN:
@@ -115,15 +127,15 @@ class Round:
             if self._as_good(best, rival) or self._disputed(best, rival):
                 names.append(rival.attempt.phenomenon)
                 continue
-            both = with_effects(self.null, [best.attempt, rival.attempt], base=False)
-            alone = with_effects(self.null, [rival.attempt], base=False)
-            adds = gains(drawn, both, self.kept) - gains(drawn, alone, self.kept)
+            both = with_effects(self.null, [best.attempt, rival.attempt], base=self.refits)
+            alone = with_effects(self.null, [rival.attempt], base=self.refits)
+            adds = gains(drawn, both, self.without) - gains(drawn, alone, self.without)
             if np.percentile(adds, LOW) < _ADDS:
                 names.append(rival.attempt.phenomenon)
         return tuple(names)
 
     def _as_good(self, best: Tally, rival: Tally) -> bool:
-        own, other = (t.refitted_gains if self.mode == "refit" else t.kept_gains for t in (best, rival))
+        own, other = self.replicates(best), self.replicates(rival)
         return rival.error - best.error < _ADDS or float(np.mean(other >= own)) > LOW / 100.0
 
     def _disputed(self, best: Tally, rival: Tally) -> bool:
@@ -139,7 +151,7 @@ class Round:
 
     def confidence(self, group: Sequence[str]) -> float:
         """Share of the bootstrap's replicates in which one of these phenomena comes first."""
-        replicates = [t.refitted_gains if self.mode == "refit" else t.kept_gains for t in self.tallies]
+        replicates = [self.replicates(t) for t in self.tallies]
         scores = np.array(
             [1.0 - own + PENALTY * t.attempt.size for own, t in zip(replicates, self.tallies, strict=True)]
         )

@@ -12,8 +12,8 @@ from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import Finding, Judged, Judgement, Structure
 from damper_estimator.diagnosis.search import Accepted, Search
 from damper_estimator.diagnosis.settle import standard_errors
-from damper_estimator.effects.contract import Effect
 from damper_estimator.identification import FittedParameter
+from damper_estimator.model import Element
 
 _SHOWN = 0.05  # gain from which on it is kept what a candidate explains
 
@@ -25,8 +25,8 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None) -> Findi
     gain, low, high = one.gain
     floor_square = floor**2 if np.isfinite(floor) else 0.0
     explainable = max(one.before_n**2 - floor_square, 1e-12)
-    without = own.refitted if own.mode == "refit" else own.kept
-    with_it = one.tally.refitted if own.mode == "refit" else one.tally.kept
+    without = own.without
+    with_it = own.left(one.tally)
     return Finding(
         effect=effect.name,
         phenomenon=effect.phenomenon,
@@ -41,7 +41,7 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None) -> Findi
         evidence=evidence(own.null, effect, without, with_it),
         test_to_separate=confirming(effect, one.tied, one.tally),
         remark=_remark(one, again),
-        parameters=parameters_of(effect, one.tally.attempt, own),
+        parameters=parameters_of(one.element, one.tally.attempt, own),
         is_channel=effect.kind == "channel",
     )
 
@@ -64,11 +64,12 @@ def _remark(one: Accepted, again: Reidentified | None) -> str:
     return ""
 
 
-def parameters_of(effect: Effect, attempt: Attempt, own: Round) -> tuple[FittedParameter, ...]:
-    """The effect's fitted values; standard errors from the bootstrap-free normal equations, inflated for memory."""
+def parameters_of(element: Element, attempt: Attempt, own: Round) -> tuple[FittedParameter, ...]:
+    """The effect's values; standard errors from the bootstrap-free normal equations, inflated for memory."""
+    effect = element.effect
     flat = [
         (name if np.ndim(value) == 0 else f"{name}[{k}]", float(number), effect.parameter(name))
-        for name, value in attempt.values.items()
+        for name, value in element.parameters.items()
         for k, number in enumerate(np.atleast_1d(value))
     ]
     errors = _standard_errors(attempt, own)
@@ -91,13 +92,13 @@ def _standard_errors(attempt: Attempt, own: Round) -> np.ndarray:
     return standard_errors(columns, residual) * attempt.sizes
 
 
-def judged_of(found: Search, mode: str, force_rms: float) -> tuple[Judged, ...]:
+def judged_of(found: Search, force_rms: float) -> tuple[Judged, ...]:
     """The first round's candidates, best first."""
     own = found.rounds[0]
     accepted = {one.element.effect.name for one in found.accepted}
     best = own.best
     order = sorted(own.tallies, key=lambda tally: tally is not best)
-    rows = [_judged(own, tally, mode, force_rms, accepted) for tally in order]
+    rows = [_judged(own, tally, force_rms, accepted) for tally in order]
     hidden = [
         _hidden(own, name, next((one for one in found.accepted if one.element.effect.name == name), None))
         for name in own.hidden
@@ -105,7 +106,7 @@ def judged_of(found: Search, mode: str, force_rms: float) -> tuple[Judged, ...]:
     return tuple(rows + hidden)
 
 
-def _judged(own: Round, tally: Tally, mode: str, force_rms: float, accepted: set[str]) -> Judged:
+def _judged(own: Round, tally: Tally, force_rms: float, accepted: set[str]) -> Judged:
     name = tally.attempt.effect
     effect = own.candidates[name].effect
     reason = "" if name in accepted else own.reason_against(tally, force_rms) or "another explains more"
@@ -115,9 +116,9 @@ def _judged(own: Round, tally: Tally, mode: str, force_rms: float, accepted: set
     return Judged(
         effect=name,
         phenomenon=effect.phenomenon,
-        kept=None if mode == "refit" else judgement(own, tally.kept, tally.kept_gains, own.kept),
-        refitted=None if mode == "kept" else judgement(own, tally.refitted, tally.refitted_gains, own.refitted),
-        parameters=parameters_of(effect, tally.attempt, own),
+        kept=None if own.refits else judgement(own, tally.kept, tally.kept_gains, own.kept),
+        refitted=None if own.mode == "kept" else judgement(own, tally.refitted, tally.refitted_gains, own.refitted),
+        parameters=parameters_of(tally.attempt.element(own.candidates[name]), tally.attempt, own),
         reason=reason,
         explains=explains,
     )

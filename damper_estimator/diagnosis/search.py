@@ -7,17 +7,21 @@ import numpy as np
 
 from damper_estimator.diagnosis.attempt import Attempt, Null, attempt, null
 from damper_estimator.diagnosis.candidates import Candidate, candidates
-from damper_estimator.diagnosis.judge import Tally, rmse
+from damper_estimator.diagnosis.judge import Tally, nothing, rmse
 from damper_estimator.diagnosis.pool import attempts
 from damper_estimator.diagnosis.ranking import GAIN, Round, round_of
 from damper_estimator.diagnosis.scene import Scene
+from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification import Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.start import candidates as start_sizes
 from damper_estimator.model import DamperModel, Element
+from damper_estimator.model.element import walk
 
 MOST = 4  # findings
 _WORTH = 0.03  # of the squared error: what explains less by itself is not looked at further
+_POOR = 0.05  # of the force's rms: where a model errs by less, its parameters are kept
+_USUAL = 0.5  # of the error now
 _AGAINST_FIRST = 0.15  # of what the first one explained: less is a flaw of its form, not another effect
 
 Progress = Callable[[str, float], None]
@@ -44,19 +48,28 @@ class Accepted:
 
 @dataclass(frozen=True)
 class Search:
-    """All rounds; ``model`` has the accepted effects in it, ``found`` are their positions in its slots."""
+    """All rounds; ``model`` has the accepted effects in it, ``found`` are their positions in its slots.
+
+    Attributes:
+        mode: how they judge.
+    """
 
     rounds: tuple[Round, ...]
     accepted: tuple[Accepted, ...]
     model: DamperModel
     found: tuple[int, ...]
     untestable: dict[str, str]
+    mode: str
 
 
 def search(
     model: DamperModel, scene: Scene, mode: str, skip: Collection[str], workers: int, progress: Progress
 ) -> Search:
-    """Adds effects one after the other, until nothing more is justified."""
+    """Adds effects one after the other, until nothing more is justified.
+
+    With ``both`` a model's parameters are kept, for it may take over part of an effect that came since; where it was
+    never right, or where nothing is found so, they are refitted with every effect.
+    """
     tried, untestable = candidates(model, scene.ranges)
     tried = [c for c in tried if c.effect.name not in skip]
     force_rms = float(np.sqrt(np.mean(np.concatenate([own.target for own in scene.unseen]) ** 2)))
@@ -64,23 +77,46 @@ def search(
     accepted: list[Accepted] = []
     current = null(model, scene)
     found: tuple[int, ...] = ()
+    poor = rmse(current, nothing(current)[0]) > _POOR * force_rms
+    if mode == "both" and poor and _never_better(current):
+        mode = "refit"
     while len(accepted) < MOST:
         worth = 0.0 if mode == "refit" else _WORTH
         done = attempts(current, tried, worth, workers, _told(progress, len(accepted), len(tried)))
         own = round_of(current, tried, done, mode)
-        rounds.append(own)
         best = own.best
-        if best is None or own.reason_against(best, force_rms) or not _counts(own, best, rounds[0]):
+        if best is None or own.reason_against(best, force_rms) or not _counts(own, best, (*rounds, own)[0]):
+            if mode == "both" and poor and not accepted:
+                mode = "refit"
+                continue
+            rounds.append(own)
             break
+        rounds.append(own)
         accepted.append(_accepted(own, best))
         model, found = _with(current.model, found, own.candidates[best.attempt.effect], best.attempt)
-        model = _settled(model, found, scene)
-        current = _next(current, model, scene, found)
+        if own.refits:
+            model = settled(model, [rows.measurement for rows in scene.fit], zero_free=True)
+            accepted[-1] = replace(accepted[-1], element=_entry(model, best.attempt.effect))
+            current = null(model, scene, found)
+        else:
+            model = _settled(model, found, scene)
+            current = _next(current, model, scene, found)
         still, _ = candidates(model, scene.ranges)
         names = {c.effect.name for c in still} - {best.attempt.effect}
         tried = [_resumed(c, done) for c in tried if c.effect.name in names]
     zero = _zero(rounds, accepted, scene, mode)
-    return Search(tuple(rounds), tuple(accepted + zero), model, found, untestable)
+    return Search(tuple(rounds), tuple(accepted + zero), model, found, untestable, mode)
+
+
+def _entry(model: DamperModel, effect: str) -> Element:
+    """The last entry of an effect."""
+    return [element for element in walk(model.effects) if element.effect.name == effect][-1]
+
+
+def _never_better(current: Null) -> bool:
+    """Whether the model was about as wrong when it was identified: then its parameters have no standing."""
+    usual = float(current.model.fit.get("residual_stddev", 0.0) or 0.0)
+    return usual > _USUAL * rmse(current, nothing(current)[0])
 
 
 def _resumed(candidate: Candidate, done: Sequence[Attempt]) -> Candidate:
@@ -101,13 +137,12 @@ def _counts(own: Round, best: Tally, first: Round) -> bool:
     """Whether a later finding is more than a flaw in the form of the first one."""
     if own is first:
         return True
-    explained = first.kept.square - own.kept.square
-    return own.kept.square - best.kept.square >= _AGAINST_FIRST * explained
+    explained = first.without.square - own.without.square
+    return own.without.square - own.left(best).square >= _AGAINST_FIRST * explained
 
 
 def _accepted(own: Round, best: Tally) -> Accepted:
     tied = own.tied(best)
-    refit = own.mode == "refit"
     return Accepted(
         round=own,
         tally=best,
@@ -115,8 +150,8 @@ def _accepted(own: Round, best: Tally) -> Accepted:
         tied=tied,
         confidence=own.confidence((best.attempt.phenomenon, *tied)),
         gain=own.gain(best),
-        before_n=rmse(own.null, own.refitted if refit else own.kept),
-        after_n=rmse(own.null, best.refitted if refit else best.kept),
+        before_n=rmse(own.null, own.without),
+        after_n=rmse(own.null, own.left(best)),
     )
 
 

@@ -35,8 +35,8 @@ def verdict_on(
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
-    left = rmse(first.null, last.kept)
-    own = max(floor, _residual_before(first.null.model))
+    left = rmse(first.null, last.without)
+    own = max(floor, min(_residual_before(first.null.model), _NOTABLE * force_n))
     if left > max(_NOTABLE * force_n, _ABOVE * own):
         picture, gain, low = structure(first.null, first.kept)
         if gain >= _STRUCTURED and low > 0.0:
