@@ -127,7 +127,7 @@ def _judged(own: Round, tally: Tally, force_rms: float, accepted: set[str]) -> J
 def _hidden(own: Round, name: str, one: Accepted | None) -> Judged:
     effect = own.candidates[name].effect
     reason = "" if one else "changes nothing that is compared"
-    parameters = parameters_of(effect, one.tally.attempt, one.round) if one else ()
+    parameters = parameters_of(one.element, one.tally.attempt, one.round) if one else ()
     kept = judgement(one.round, one.tally.kept, one.tally.kept_gains, one.round.kept) if one else None
     return Judged(name, effect.phenomenon, kept, None, parameters, reason)
 
