@@ -62,7 +62,7 @@ from damper_estimator.vehicle import (
 DAMPER = "corner"
 START = 1_000 * NANOSECONDS  # of the simulated time
 STEP = 2_000_000  # ns between the samples before the ride, at rest
-SETTLED = 250  # of those, until the estimates are good
+PAUSE = NANOSECONDS  # ns before the ride, more than a gap may last
 STARTING = 300.0  # s of the wall's clock until the first current; machine code may have to be made first
 FIRST_PAUSE, QUIET = 0.1, 1.0  # s between the first samples, and after them
 PATIENCE = 60.0  # s until each of the others
@@ -130,11 +130,11 @@ class Driver:
         stamp = self._stand(processes)
         while (sensed := running.sense()) is not None:
             self._send(stamp + sensed.stamp, sensed.travel, sensed.felt, sensed.current)
-            running.act(Action(self._wanted, self._answer(processes)))
+            running.act(self._answer(processes))
         return running.ride()
 
     def _stand(self, processes: Sequence[subprocess.Popen]) -> int:
-        """Stands at rest until currents come and the estimates are good; the stamp of the ride's first sample."""
+        """Stands at rest until samples are answered; the stamp of the ride's first one."""
         stamp, end = START, time.monotonic() + STARTING
         while not self._answers or self._wished_at < stamp - STEP:
             self._check(processes, end)
@@ -142,11 +142,7 @@ class Driver:
             self._listen(FIRST_PAUSE)
             stamp += STEP
         self._listen(QUIET)  # whatever answers these samples
-        for _ in range(SETTLED):
-            self._send(stamp, 0.0, 0.0, 0.0)
-            self._answer(processes)
-            stamp += STEP
-        return stamp
+        return stamp + PAUSE  # filter, model and law begin anew, as they do off line
 
     def _listen(self, seconds: float) -> None:
         end = time.monotonic() + seconds
@@ -164,13 +160,13 @@ class Driver:
         self._publishers["current"].publish(float_message(current))
         self._publishers["displacement"].publish(joint_states([DAMPER], at, position=np.array([[travel]]))[0])
 
-    def _answer(self, processes: Sequence[subprocess.Popen]) -> float:
+    def _answer(self, processes: Sequence[subprocess.Popen]) -> Action:
         end = time.monotonic() + PATIENCE
         count, stamp = self._awaited
         while self._answers < count or self._wished_at < stamp:
             self._check(processes, end)
             self._executor.spin_once(timeout_sec=0.05)
-        return self._current
+        return Action(self._wanted, self._current)
 
     def _check(self, processes: Sequence[subprocess.Popen], end: float) -> None:
         ended = [process.args[0] for process in processes if process.poll() is not None]

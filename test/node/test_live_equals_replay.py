@@ -7,13 +7,13 @@ import pytest
 import yaml
 
 from damper_estimator.cli.main import main
-from damper_estimator.recordings import BagWriter, floats, joint_states, temperatures
+from damper_estimator.recordings import BagWriter, Stream, accelerations, floats, joint_states, temperatures
 from damper_estimator.signals import load_signal_map
 
 START = 1_700_000_000_000_000_000
 STEP = 2_000_000  # ns, 500 Hz
 NAMES = ["front_left", "front_right", "rear"]
-GOOD = 0
+GOOD, DEGRADED = 0, 3
 TOPIC, JOINT_STATE = "/suspension/displacement", "sensor_msgs/msg/JointState"
 
 
@@ -146,6 +146,40 @@ def test_signal_map_and_slow_channels_act_live_as_they_do_off_line(start, player
     outcome = rehearsed(player, output, tmp_path / "map.yaml")
     assert outcome.replayed == 1200
     assert outcome.is_equal, outcome
+
+
+def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line(start, player, tmp_path):
+    """The accelerometer falls silent on the way."""
+    stamps, position = motion(500)
+    current = "/suspension/left/current"
+    signals = {
+        "filter": {"cutoff": 60.0, "fusion": {"acceleration_noise": 0.5}},
+        "dampers": {"left": {"command": {"topic": current, "limits": [0.0, 1.8]}}},
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(signals))
+    felt = stamps[:400:4] - 1000
+    vertical = -0.02 * 81.0 * np.sin((felt - START) / 1e9 * 9.0) + 0.3
+    with BagWriter(tmp_path / "bag.mcap") as writer:
+        writer.write_streams([
+            Stream(current, "std_msgs/msg/Float64", stamps[10::100] - 500, floats(0.3 * np.arange(5))),
+            Stream(
+                "/suspension/left/acceleration", "geometry_msgs/msg/AccelStamped", felt, accelerations(felt, vertical)
+            ),
+            Stream(TOPIC, JOINT_STATE, stamps, joint_states(["left"], stamps, position=position[:, :1])),
+        ])  # fmt: skip
+    output = replayed(tmp_path / "bag.mcap", "semi_active_on_mount", "-s", str(tmp_path / "map.yaml"))
+    start(model="semi_active_on_mount", signals=tmp_path / "map.yaml")
+    outcome = rehearsed(player, output, tmp_path / "map.yaml")
+    assert outcome.replayed == 500
+    assert outcome.is_equal, outcome
+    # It is fused: at once where the motion is, and degraded after the accelerometer has fallen silent.
+    time = (stamps - START) / 1e9
+    velocity = np.array([message.velocity[0] for message in player.forces])
+    assert np.sqrt(np.mean((velocity - 0.18 * np.cos(9.0 * time))[200:390] ** 2)) < 0.01
+    status = [message.status[0] for message in player.forces]
+    assert set(status[300:390]) == {GOOD} and status[-1] == DEGRADED
+    reach = np.array([[m.force_min[0], m.force_max[0], m.dforce_dcurrent[0]] for m in player.forces[30:]])
+    assert np.isfinite(reach).all() and np.all(reach[:, 0] <= reach[:, 1]) and np.ptp(reach[:, 1]) > 100.0
 
 
 def test_a_difference_is_seen():
