@@ -102,9 +102,10 @@ def _left() -> html.Section:
     return html.Section([table, time, html.Div(clouds, className="three")], id="left")
 
 
-def _graph(name: str) -> dcc.Graph:
+def _graph(name: str) -> html.Div:
     config = _GRAPH | {"scrollZoom": name == "time"}
-    return dcc.Graph(id={"type": "linked", "name": name}, figure=EMPTY, config=config, className=f"figure {name}")
+    graph = dcc.Graph(id={"type": "linked", "name": name}, figure=EMPTY, config=config, style={"height": "100%"})
+    return html.Div(graph, className=f"figure {name}")
 
 
 def _right() -> html.Section:
@@ -198,8 +199,9 @@ def _save() -> list:
     ]
 
 
-def _plain(name: str) -> dcc.Graph:
-    return dcc.Graph(id=name, figure=EMPTY, config=_PLAIN, className=f"figure {name}")
+def _plain(name: str) -> html.Div:
+    graph = dcc.Graph(id=name, figure=EMPTY, config=_PLAIN, style={"height": "100%"})
+    return html.Div(graph, className=f"figure {name}")
 
 
 def _labelled(label: str, piece: object) -> html.Div:

@@ -1,5 +1,7 @@
 """Puts page, guard and callbacks together, and serves them."""
 
+import logging
+import traceback
 from collections.abc import Callable
 
 from dash import Dash, set_props
@@ -57,8 +59,6 @@ def application(folder: Folder, door: Door, silence: float = SILENCE) -> tuple[D
 
 def _told(error: Exception) -> None:
     """A bug of ours in a callback is told on the page, and its traceback on the terminal."""
-    import traceback
-
     traceback.print_exception(error)
     set_props("job", {"children": f"this should not have happened: {type(error).__name__}: {error}"})
 
@@ -74,6 +74,7 @@ def serve(folder: Folder, door_at: Callable[[int], Door], host: str, port: int, 
         OSError: where the port is taken.
     """
     apart.prepare()
+    logging.getLogger("werkzeug").setLevel(logging.WARNING)  # no line per request
     listening: BaseWSGIServer = make_server(host, port, _nothing, threaded=True)
     door = door_at(listening.server_port)
     app, sessions = application(folder, door)

@@ -7,9 +7,11 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.report.diagnosis_wording import step_name
-from damper_estimator.report.verdict_figures import waterfall_figure
+from damper_estimator.report.plots import Figure
+from damper_estimator.report.verdict_figures import error_bars, waterfall_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.history import History
 from damper_estimator.studio.paint import painted
 from damper_estimator.studio.parameters import parameter_list
 from damper_estimator.studio.scale import from_place, to_place
@@ -160,7 +162,15 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
             raise PreventUpdate
         history = session.history
         floor = session.comparison(session.shown(session.model)).noise_floor_n
-        done = SimpleNamespace(steps=[own.step for own in history.done], noise_floor_n=floor)
         errors = [own.step.rmse_unseen_n for own in history.versions]
         listed = panels.steps_list(errors, [step_name(own.step) for own in history.versions], history.at)
-        return painted(waterfall_figure(done), theme), listed, not history.at, history.at + 1 == len(history.versions)
+        drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n)
+        return painted(drawn, theme), listed, not history.at, history.at + 1 == len(history.versions)
+
+
+def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:
+    """The error of the model as given, or what each step took off it."""
+    steps = [own.step for own in history.done]
+    if len(steps) == 1:
+        return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor_n, force_n)
+    return waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n))

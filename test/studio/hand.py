@@ -1,0 +1,109 @@
+"""A hand in the browser: starts the studio on a folder, opens its page in the system's Chromium, and works with it."""
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
+PATIENCE = 600.0  # s; a slow machine compiles kernels anew
+
+
+@contextmanager
+def served(folder: Path, *options: str) -> Iterator[tuple[subprocess.Popen, str]]:
+    """The process and address of a studio on a folder, started as users do."""
+    words = [sys.executable, "-m", "damper_estimator", "studio", str(folder), "--port", "0", "--no-browser", *options]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            told = process.stderr.readline()
+            found = re.search(r"http://\S+", told)
+            assert found, told + process.stderr.read()
+            yield process, found.group(0)
+        finally:
+            process.terminate()
+
+
+class Hand:
+    """Works with one page; final."""
+
+    def __init__(self, page, url: str) -> None:
+        self.page = page
+        self.faults: list[str] = []
+        self.foreign: list[str] = []
+        page.set_default_timeout(1000.0 * PATIENCE)
+        page.on("pageerror", lambda error: self.faults.append(str(error)))
+        page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
+        page.on(
+            "request",
+            lambda sent: None if sent.url.startswith((url, "data:", "blob:")) else self.foreign.append(sent.url),
+        )
+        page.goto(url)
+        page.wait_for_selector("#recordings")
+
+    def choose(self, dropdown: str, *names: str) -> None:
+        """Chooses in a dropdown, as with the mouse."""
+        self.page.click(f"#{dropdown}")
+        for name in names:
+            self.page.locator(".dash-dropdown-content").get_by_text(name, exact=True).click()
+        self.page.keyboard.press("Escape")
+
+    def open(
+        self, recordings: list[str], models: list[str], unseen: tuple[str, ...] = (), stop: float | None = None
+    ) -> None:
+        """Opens recordings and models, and waits for the first picture."""
+        self.choose("recordings", *recordings)
+        if unseen:
+            self.choose("unseen", *unseen)
+        self.choose("models", *models)
+        if stop is not None:
+            self.page.fill("#stop", str(stop))
+            self.page.keyboard.press("Enter")
+        self.page.click("#open")
+        self.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
+        self.done("opening")
+
+    def done(self, work: str, how: str = "done") -> None:
+        """Waits for the end of a work."""
+        self.until(lambda: self.told("job").startswith(f"{work}: {how}"))
+
+    def until(self, reached: Callable[[], bool]) -> None:
+        """Waits for something on the page."""
+        end = monotonic() + PATIENCE
+        while not reached():
+            assert monotonic() < end, f"waited in vain; the page says: {self.told('studio')[:600]}"
+            self.page.wait_for_timeout(100)
+
+    def tab(self, name: str) -> None:
+        """Turns to a panel."""
+        self.page.locator("#tab").get_by_text(name, exact=True).click()
+
+    def rms(self, row: int = 0) -> str:
+        """The rms error that the table of agreement shows."""
+        return self.page.locator("#measures tbody tr").nth(row).locator("td").first.inner_text()
+
+    def seen(self) -> tuple[float, float]:
+        """From and to of the time on view, s."""
+        return tuple(self.page.evaluate("document.querySelector('.figure.time .js-plotly-plot').layout.xaxis.range"))
+
+    def told(self, place: str) -> str:
+        """The words at a place."""
+        return self.page.locator(f"#{place}").inner_text()
+
+
+@contextmanager
+def hand(url: str, width: int = 1280, height: int = 720, scheme: str = "light") -> Iterator[Hand]:
+    """A hand on a page of a fresh browser."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
+        try:
+            page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+            yield Hand(page, url)
+        finally:
+            browser.close()
