@@ -24,7 +24,7 @@ BAND = (0.5, 6.0)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""
-    default = "renault_modified_bouc_wen"
+    default = "renault_modified_bouc_wen_point_3"
     parser.add_argument(
         "-m", "--model", default=default, metavar="MODEL",
         help=f"of the dampers: a name, a file, or a folder with front.yaml and rear.yaml ({default})",

@@ -7,6 +7,7 @@ answer = inverse.solve(sample, wanted=800.0)      # current, force_min, force_ma
 from damper_estimator.control.coil import CoilCurve, coil_curve
 from damper_estimator.control.corner import (
     Action,
+    Command,
     ConstantCommand,
     CornerController,
     InverseCommand,
@@ -22,6 +23,7 @@ __all__ = [
     "Action",
     "BodyVelocity",
     "CoilCurve",
+    "Command",
     "ConstantCommand",
     "CornerController",
     "CurrentTable",

@@ -23,7 +23,7 @@ from damper_estimator.vehicle.four_posts import (
 )
 from damper_estimator.vehicle.full_car import FullCar
 
-AMPLITUDES = (0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01)
+AMPLITUDES = (0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.04)
 """m, of the posts."""
 
 AXLES = ("front", "rear")

@@ -1,0 +1,59 @@
+"""What ``ride`` learns of a damper: a model and a table from recordings of the simulated one with stepped currents."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from damper_estimator.cli.common import progress
+from damper_estimator.cli.synth_files import write_record
+from damper_estimator.control import CurrentTable, table_from_samples
+from damper_estimator.identification import fit
+from damper_estimator.model import DamperModel
+from damper_estimator.plant import Sensors, Setup, current_steps, record
+from damper_estimator.recordings import open_bag
+from damper_estimator.signals import Measurement, SignalMap, measure
+from damper_estimator.signals.layout import COMMAND, T, V
+from damper_estimator.vehicle import LIMITS, Corner, drive
+
+EXCITATIONS = ("random10", "road_c", "road_d")
+SETTLED = 0.1
+"""s after a step of the current from which a sample counts for the table."""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """A model and a table of one damper, from the same recordings; ``rmse_n`` is the model's error on them."""
+
+    model: DamperModel
+    table: CurrentTable
+    rmse_n: float
+
+
+def learn(name: str, corner: Corner, start: DamperModel, folder: Path, seconds: float, seed: int) -> Learnt:
+    """Records the damper on the bench and in its corner, identifies ``start`` and makes a table of the same samples."""
+    measured = [_recorded(name, corner, kind, folder, seconds, seed + k) for k, kind in enumerate(EXCITATIONS)]
+    progress(f"{name}: identifying {start.name}")
+    found = fit(start, measured, seed=seed)
+    return Learnt(found.model, _table(measured), found.rmse_n)
+
+
+def _recorded(name: str, corner: Corner, kind: str, folder: Path, seconds: float, seed: int) -> Measurement:
+    """A recording as a logger writes it, read back as any other."""
+    progress(f"{name}: recording {kind}")
+    motion = drive(kind, corner.damper, seconds, seed, current_steps(seconds, seed, highest=LIMITS[1]), corner.car)
+    path = folder / f"{name}_{kind}.mcap"
+    write_record(path, {name: record(Setup(corner.damper, Sensors()), motion, seed)}, with_current=True)
+    with open_bag(path) as bag:
+        return measure(bag, SignalMap(), name)
+
+
+def _table(measured: list[Measurement]) -> CurrentTable:
+    parts = []
+    for own in measured:
+        block = own.kinematics.block
+        changed = np.concatenate([[True], np.diff(block[COMMAND]) != 0.0])
+        since = block[T] - np.maximum.accumulate(np.where(changed, block[T], -np.inf))
+        good = own.judged & (since > SETTLED)
+        parts.append(np.stack([block[V], block[COMMAND], own.force])[:, good])
+    return table_from_samples(*np.concatenate(parts, axis=1))

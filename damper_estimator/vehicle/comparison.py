@@ -1,0 +1,60 @@
+"""One drive, several ways to set the current: what each makes of the same road, wish and sensors."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.control import Command, CornerController, Law
+from damper_estimator.model import load_model
+from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.plant import STEP
+from damper_estimator.vehicle.closed_loop import Ride, RunningRide, attainable, ride
+from damper_estimator.vehicle.ride_measures import RideMeasures, ride_measures
+from damper_estimator.vehicle.scenarios import LIMITS, REST, Corner, Surface, surface_height
+
+CUTOFF, MAX_GAP = 60.0, 0.1
+"""Hz and s, of the filter before every controller."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A ride, what the damper could have given on its motion ((2, n) N), and its measures."""
+
+    ride: Ride
+    attainable: np.ndarray
+    measures: RideMeasures
+
+
+def compare_commands(
+    corner: Corner,
+    surface: Surface,
+    commands: Mapping[str, Command],
+    seconds: float,
+    seed: int,
+    law: Law | None = None,
+    step: float = STEP,
+) -> dict[str, Trial]:
+    """Drives the corner over the surface once with each command, by name; all from the same seed.
+
+    Args:
+        commands: fresh ones; they remember.
+        seconds: of the drive, its first second at rest and not judged.
+        law: instead of the corner's own.
+    """
+    road = surface_height(surface, seconds, seed, step)
+    found = {}
+    for name, command in commands.items():
+        rest_force = RunningRide(corner.car, corner.damper, road, step=step).rest_force
+        controller = CornerController(law or corner.law, command, rest_force)
+        # Only the filter in it is used here: every controller sees the same kinematics.
+        estimator = DamperEstimator(load_model("linear_viscous"), CUTOFF, MAX_GAP)
+        run = ride(corner.car, corner.damper, road, controller, estimator, seed=seed, step=step)
+        limits = attainable(corner.damper, run.travel, LIMITS, step)
+        found[name] = Trial(run, limits, ride_measures(run, limits, REST))
+    return found
+
+
+def tracking_ratio(trials: Mapping[str, Trial], one: str = "model", other: str = "table") -> float:
+    """The tracking error of one command over that of another."""
+    return trials[one].measures.tracking_n / trials[other].measures.tracking_n
