@@ -50,7 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--law", choices=[*(name for name in LAWS if name != "passive"), "mixed"], default="mixed",
         help="skyhook, groundhook, or mixed as it suits the corner (mixed)",
     )  # fmt: skip
-    parser.add_argument("--surfaces", type=int, default=len(SURFACES), help="only the first so many of the surfaces")
+    parser.add_argument(
+        "--surface", dest="surfaces", choices=sorted({own.kind for own in SURFACES}), action="append", default=[],
+        help="only ISO 8608 class B, C or D, bumps or potholes; may be repeated (all)",
+    )  # fmt: skip
     parser.add_argument("--seconds", type=float, default=12.0, help="length of a drive (12)")
     parser.add_argument("--training", type=float, default=40.0, help="length of each recording to learn from, s (40)")
     parser.add_argument("--seed", type=int, default=1, help="roads and noise are reproduced from it (1)")
@@ -92,8 +95,6 @@ def _check(arguments: argparse.Namespace) -> None:
         culprits.append(f"--seconds {arguments.seconds:g} is not between 5 and 600")
     if not 8.0 <= arguments.training <= 600.0:
         culprits.append(f"--training {arguments.training:g} is not between 8 and 600")
-    if not 1 <= arguments.surfaces <= len(SURFACES):
-        culprits.append(f"--surfaces {arguments.surfaces} is not between 1 and {len(SURFACES)}")
     if arguments.seed < 0:
         culprits.append(f"--seed {arguments.seed} is negative")
     if culprits:
@@ -109,7 +110,9 @@ def _law(corner: Corner, name: str) -> Law:
 
 def _driven(name: str, learnt: Learnt, arguments: argparse.Namespace) -> dict[str, dict[str, Trial]]:
     corner, found = CORNER_CASES[name], {}
-    for surface in SURFACES[: arguments.surfaces]:
+    for surface in SURFACES:
+        if arguments.surfaces and surface.kind not in arguments.surfaces:
+            continue
         progress(f"{name}: {surface.name}")
         commands = {
             "passive": ConstantCommand(PASSIVE_CURRENT),

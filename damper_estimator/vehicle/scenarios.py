@@ -63,10 +63,7 @@ class Surface:
         return f"{what}, {3.6 * self.speed:.0f} km/h"
 
 
-SURFACES = (
-    Surface("B", 30.0), Surface("C", 20.0), Surface("C", 12.0), Surface("D", 10.0), Surface("bump", 8.0),
-    Surface("pothole", 14.0),
-)  # fmt: skip
+SURFACES = (Surface("B", 30.0), Surface("C", 20.0), Surface("D", 10.0), Surface("bump", 8.0), Surface("pothole", 14.0))
 """Roads at the speeds that are driven on them, and single events."""
 
 

@@ -1,0 +1,48 @@
+"""`comfort`: one command from any model to the figure and its numbers."""
+
+import json
+
+import numpy as np
+import pytest
+
+from damper_estimator.cli.main import main
+
+SHORT = ["--seconds", "10", "--amplitude", "20", "0.5"]
+
+
+def test_the_modified_bouc_wen_differs_from_its_curve_at_small_excitation_and_agrees_at_large(tmp_path, capsys):
+    assert main(["comfort", *SHORT, "--json", str(tmp_path / "c.json"), "--html", str(tmp_path / "c.html")]) == 0
+    found = json.loads((tmp_path / "c.json").read_text())
+    small, large = found["sweeps"]
+    assert (small["amplitude_m"], large["amplitude_m"]) == (0.0005, 0.02)
+    for axle in ("front", "rear"):
+        assert small["difference"][axle] > 4.0 * large["difference"][axle]
+        gain = np.array(small["model"][axle]["gain"])
+        assert gain.shape == np.shape(small["model"][axle]["frequency_hz"])
+        assert gain[0] == pytest.approx(1.0, abs=0.5)
+    printed = capsys.readouterr().out
+    assert "compact_car" in printed
+    assert f"{100 * small['difference']['front']:.1f}" in printed
+    page = (tmp_path / "c.html").read_text(encoding="utf-8")
+    assert "body over post" in page
+    assert "renault_modified_bouc_wen_point_3" in page
+
+
+def test_any_model_can_be_put_in_and_a_curve_is_its_own_single_curve(capsys):
+    assert main(["comfort", "-m", "linear_viscous", *SHORT, "--json", "-"]) == 0
+    for sweep in json.loads(capsys.readouterr().out)["sweeps"]:
+        assert max(sweep["difference"].values()) < 0.005
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--vehicle", "hovercraft"], "neither a file nor a car's name"),
+        (["--amplitude", "0"], "--amplitude must lie between 0 and 50 mm"),
+        (["-m", "nothing"], "neither a model file nor a model's name"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_in_one_line(words, said, capsys):
+    assert main(["comfort", *words]) == 1
+    told = capsys.readouterr().err.strip().splitlines()
+    assert said in told[-1]

@@ -1,0 +1,80 @@
+"""A ride with a controller in the loop: what it records and how it is judged."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from damper_estimator.control import ConstantCommand
+from damper_estimator.vehicle import CORNER_CASES, LIMITS, REST, SURFACES, Ride, Surface, ride_measures, wk_weighted
+from damper_estimator.vehicle.comparison import compare_commands, tracking_ratio
+
+CORNER = CORNER_CASES["semi_active"]
+BUMP = Surface("bump", 8.0)
+
+
+@pytest.fixture(scope="module")
+def trials():
+    commands = {
+        "low": ConstantCommand(LIMITS[0]),
+        "again": ConstantCommand(LIMITS[0]),
+        "high": ConstantCommand(LIMITS[1]),
+    }
+    return compare_commands(CORNER, BUMP, commands, 4.0, seed=1)
+
+
+def made(force, wanted) -> Ride:
+    zero = np.zeros(force.size)
+    return Ride(1e-3, zero, force, wanted, zero, zero, zero, 5000.0)
+
+
+def test_there_are_at_least_twelve_scenarios():
+    assert len(CORNER_CASES) * len(SURFACES) >= 12
+    assert len({own.name for own in SURFACES}) == len(SURFACES)
+
+
+def test_the_same_command_on_the_same_seed_is_the_same_ride(trials):
+    assert np.array_equal(trials["low"].ride.force, trials["again"].ride.force)
+    assert tracking_ratio(trials, "low", "again") == 1.0
+
+
+def test_a_steady_current_gives_an_edge_of_what_is_attainable(trials):
+    """The lag is out of play: the damper on the road and the one on the same motion alone agree."""
+    own = trials["low"]
+    nearest = np.min(np.abs(own.attainable - own.ride.force), axis=0)
+    assert np.sqrt(np.mean(nearest**2)) < 0.01 * own.ride.force.std()
+    width = np.ptp(own.attainable, axis=0)
+    assert width.max() > 500.0
+
+
+def test_more_current_means_less_stroke(trials):
+    assert trials["high"].measures.stroke < trials["low"].measures.stroke
+
+
+def test_the_wish_counts_as_far_as_it_could_be_given():
+    count = 4000
+    force = np.full(count, 100.0)
+    limits = np.stack([np.full(count, -50.0), np.full(count, 130.0)])
+    wanted = np.where(np.arange(count) % 2, 1000.0, 120.0)
+    found = ride_measures(made(force, wanted), limits, start=REST)
+    assert found.tracking_n == pytest.approx(np.sqrt(np.mean([30.0**2, 20.0**2])))
+    assert found.tracking_raw_n == pytest.approx(np.sqrt(np.mean([900.0**2, 20.0**2])))
+    assert found.wanted_n == pytest.approx(5.0)
+
+
+def test_measures_are_those_of_the_judged_part():
+    step = 1e-3
+    time = step * np.arange(4000)
+    late = time >= 1.0
+    shaking = np.where(late, np.sin(2.0 * np.pi * 5.0 * time), 50.0)
+    own = replace(
+        made(np.zeros(4000), np.zeros(4000)), body_acceleration=shaking, tyre_force=np.where(late, -2500.0, 9000.0),
+        travel=np.where(late, 0.01, 0.5),
+    )  # fmt: skip
+    found = ride_measures(own, np.zeros((2, 4000)), start=1.0)
+    assert found.acceleration == pytest.approx(np.sqrt(0.5), rel=1e-6)
+    assert found.weighted_acceleration == pytest.approx(np.sqrt(np.mean(wk_weighted(shaking, step)[late] ** 2)))
+    assert found.tyre_load == pytest.approx(0.5)
+    assert found.lowest_tyre_load == pytest.approx(0.5)
+    assert found.stroke == pytest.approx(0.0, abs=1e-12)
+    assert found.peak_stroke == pytest.approx(0.01)
