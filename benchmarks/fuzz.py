@@ -157,8 +157,7 @@ def maps(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     """Signal maps and column maps."""
     from damper_estimator.errors import InputError
     from damper_estimator.recordings import load_column_maps
-    from damper_estimator.signals import load_signal_map
-    from damper_estimator.signals import parse_signal_map, signal_map_yaml
+    from damper_estimator.signals import load_signal_map, parse_signal_map, signal_map_yaml
 
     path = folder / "x.yaml"
 
@@ -174,12 +173,12 @@ def maps(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         again = parse_signal_map(yaml.safe_load(signal_map_yaml(signal_map)), signal_map.where)
         assert again == signal_map, "the map does not survive being written"
 
-    own = b"""filter: {cutoff: 60.0, band: none}
+    own = b"""filter: {cutoff: 60.0, band: none, fusion: {displacement_noise: 1.0e-5, offset_drift: 0.1}}
 dampers:
   a:
     displacement: {topic: /x, field: "position[a]", scale: 2.0, offset: 0.1, skew: 0.001}
     force: {topic: /f, field: "effort[0]", spring_rate: 28000.0, preload: -3000.0}
-    command: {table: {raw: [0, 1], value: [0.0, 2.0]}, unit: A}
+    command: {table: {raw: [0, 1], value: [0.0, 2.0]}, unit: A, limits: [0.0, 1.8]}
 use: [{from: 0.0, to: 9.0}]
 """
     return run, [own, *yaml_examples("signals"), *yaml_examples("columns")]

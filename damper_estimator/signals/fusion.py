@@ -6,10 +6,12 @@ accelerations at both ends,
     x <- x + dt v + dt^2 / 2 (a - b),      v <- v + dt (a - b),      b <- b
 
 The noise of the acceleration enters x and v as a does, the offset wanders; the displacement is measured with white
-noise. Source: R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960).
+noise. A displacement that lies far from where the accelerations lead tells of an outlier in one of them: the filter
+begins anew. Source: R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960).
 """
 
 from dataclasses import astuple, dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -21,6 +23,8 @@ FUSION_SIZE = 11
 NOISES = 3
 _START_SPEED = 0.1  # m/s, how far the velocity may be off at a start
 _START_OFFSET = 1.0  # m/s^2, how large the offset may be
+_ABSURD = 1e4  # m/s^2, no suspension does this
+_FAR, _SLACK = 6.0, 1e-3  # standard deviations, and m on top
 
 
 @dataclass(frozen=True)
@@ -46,18 +50,22 @@ def fuse(noises, dt, raw, felt, state, x, v, a, alone):
         raw: (n,) m; ``felt``: (n,) m/s^2, NaN where none is there.
         state: (FUSION_SIZE,), carried.
         x, v, a: (n,) the low-pass's displacement, velocity and acceleration, overwritten.
-        alone: (n,) uint8 output, 1 where there was no acceleration and they stayed.
+        alone: (n,) uint8 output, 1 where there was no acceleration, or a sensor's outlier, and they stayed.
     """
     for i in range(raw.size):
-        alone[i] = 1 if np.isnan(felt[i]) else 0
+        alone[i] = 0 if abs(felt[i]) < _ABSURD else 1  # NaN is not
+        if alone[i] == 0 and (dt[i] <= 0.0 or state[RUNS] == 0.0):
+            _begin(noises, raw[i], v[i], felt[i], state)
+        elif alone[i] == 0:
+            _advance(noises, dt[i], felt[i], state)
+            off = abs(raw[i] - state[PLACE])
+            if off < _FAR * sqrt(state[XX] + noises[0] ** 2) + _SLACK:
+                _correct(noises, raw[i], state)
+            else:
+                alone[i] = 1
         if alone[i]:
             state[RUNS] = 0.0
             continue
-        if dt[i] <= 0.0 or state[RUNS] == 0.0:
-            _begin(noises, raw[i], v[i], felt[i], state)
-        else:
-            _advance(noises, dt[i], felt[i], state)
-            _correct(noises, raw[i], state)
         x[i], v[i], a[i] = state[PLACE], state[SPEED], felt[i] - state[OFFSET]
 
 

@@ -202,7 +202,11 @@ def _frequency(chosen: dict, name: str, default: float, faults: list[str]) -> fl
 def _fusion(entry: object, faults: list[str]) -> Fusion:
     given = _mapping(entry or {}, "filter.fusion", tuple(f.name for f in fields(Fusion)), faults)
     values = {key: _number(value, f"filter.fusion.{key}", faults) for key, value in given.items()}
-    faults += [f"filter.fusion.{key} = {value:g} must be above 0" for key, value in values.items() if value <= 0.0]
+    faults += [
+        f"filter.fusion.{key} = {value:g} must lie between 1e-9 and 1e6"
+        for key, value in values.items()
+        if not 1e-9 <= value <= 1e6
+    ]
     return Fusion(**{key: value for key, value in values.items() if key in Fusion.__dataclass_fields__})
 
 

@@ -41,12 +41,12 @@ def test_the_velocity_is_at_once_what_the_low_pass_gives_late():
 
 
 def test_it_is_the_kalman_filter_of_the_textbook():
-    stamp, _, displacement, felt = sensed(300, 2)
+    chosen = np.cumsum(np.random.default_rng(3).choice([1, 3], 300))  # uneven steps
+    stamp, _, displacement, felt = (values[..., chosen] for values in sensed(900, 2))
     state, out, alone = np.zeros(FUSION_SIZE), np.zeros((3, 1)), np.zeros(1, np.uint8)
     mean, spread, before = np.zeros(3), np.zeros((3, 3)), 0.0
-    steps = np.random.default_rng(3).choice([0.001, 0.003], 300)
-    for i, dt in enumerate(steps):
-        own = np.array([dt if i else 0.0]), displacement[i : i + 1], felt[i : i + 1]
+    for i, dt in enumerate(np.diff(stamp, prepend=stamp[0]) / 1e9):
+        own = np.array([dt]), displacement[i : i + 1], felt[i : i + 1]
         fuse(FUSION.noises(), *own, state, out[0], out[1], out[2], alone)
         if i == 0:
             mean, spread = np.array([displacement[0], 0.0, 0.0]), np.diag([2e-5**2, 0.1**2, 1.0])
@@ -86,6 +86,27 @@ def test_without_an_acceleration_the_motion_is_that_of_the_low_pass():
     assert np.array_equal(fused[:, 200:400], late[:, 200:400], equal_nan=True)
     assert differentiator.alone.tolist() == [0] * 200 + [1] * 200 + [0] * 200
     assert np.isfinite(fused[[X, V, A]]).all() and rms(fused[V, 450:] - late[V, 450:]) > 0.01
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, 1e300, 3000.0, -800.0])
+def test_an_outlier_of_the_accelerometer_is_told_and_forgotten(value):
+    stamp, truth, displacement, felt = sensed(1200, 5)
+    felt[600] = value
+    differentiator = Differentiator(60.0, 0.1, FUSION)
+    block = differentiator.block(stamp, displacement, acceleration=felt)[0].block
+    assert np.isfinite(block[[X, V, A]]).all()
+    told = np.flatnonzero(differentiator.alone)
+    assert 600 <= told[0] <= 605 and told[-1] < 620
+    assert rms((block[V] - truth[1])[900:]) < 0.1 * rms(truth[1])
+
+
+def test_a_jump_of_the_displacement_is_told_and_forgotten():
+    stamp, truth, displacement, felt = sensed(1200, 6)
+    displacement[600] += 0.1
+    differentiator = Differentiator(60.0, 0.1, FUSION)
+    block = differentiator.block(stamp, displacement, acceleration=felt)[0].block
+    assert np.flatnonzero(differentiator.alone)[0] == 600
+    assert rms((block[V] - truth[1])[900:]) < 0.1 * rms(truth[1])
 
 
 def test_a_held_acceleration_counts_as_long_as_its_stamp_is_near():

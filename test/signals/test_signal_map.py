@@ -101,7 +101,10 @@ def test_a_saved_map_loads_again(tmp_path):
     ("text", "faults"),
     [
         ("filter: {cutof: 3}", ["'cutof' in filter"]),
-        ("filter: {fusion: {displacement_noise: 0, noise: 1}}", ["displacement_noise = 0 must be above 0", "'noise'"]),
+        (
+            "filter: {fusion: {displacement_noise: 0, noise: 1}}",
+            ["displacement_noise = 0 must lie between 1e-9 and 1e6", "'noise'"],
+        ),
         ("dampers: {a: {command: {limits: [2, 0]}}}", ["2 is not below 0"]),
         ("dampers: {a: {command: {limits: 2}}}", ["limits must be two numbers"]),
         ("dampers: {a: {force: {limits: [0, 2]}}}", ["'limits'"]),
