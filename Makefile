@@ -28,6 +28,7 @@ pictures: env ## the pictures of docs/hidden_effect.md (needs chromium)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/pictures
 
 real-data: env ## the tables of docs/real_data.md, where the recordings are there
+	@$(BIN)/python benchmarks/real_story.py -o docs/real_data.md
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
 bench: env ## measure speed and print it, 15 minutes (bench-node: the full bars of the node)

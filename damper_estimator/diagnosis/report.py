@@ -157,9 +157,14 @@ def sentence_of(
     again: Reidentified | None,
     picture: Structure | None,
     rmse_n: float,
+    left_n: float,
     floor_n: float,
 ) -> str:
-    """The verdict in one sentence."""
+    """The verdict in one sentence.
+
+    Args:
+        left_n: what is left without the gauge's zero and drift in each recording.
+    """
     if verdict == "missing":
         names = " and ".join(_named(finding) for finding in findings)
         last = findings[-1]
@@ -179,7 +184,8 @@ def sentence_of(
         )
     if verdict == "unexplained":
         return f"The error of {rmse_n:.3g} N has a structure that no known effect accounts for: {picture.words}."
-    return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left, noise makes {floor_n:.3g} N."
+    own = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
+    return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{own}, noise makes {floor_n:.3g} N."
 
 
 def _named(finding: Finding) -> str:
