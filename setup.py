@@ -22,7 +22,7 @@ setup(
     description="Damper force estimation in real time on ROS 2, and the reasons why an estimate is wrong",
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={"": ["*.html", "*.css", "*.js", "*.yaml"]},
+    package_data={"": ["*.html", "*.css", "*.js", "*.yaml", "assets/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -44,7 +44,8 @@ setup(
     ],
     extras_require={
         "evolutionary": ["pymoo>=0.6.1,<0.7"],
-        "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7"],
+        "studio": ["dash>=4.1,<5", "tsdownsample>=0.1.4,<0.2"],
+        "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7", "playwright>=1.45,<2"],
     },
     entry_points={
         "console_scripts": [

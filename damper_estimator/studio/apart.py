@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
@@ -71,15 +72,21 @@ def _nothing() -> None:
 
 def _worked(pipe: Connection, function: Callable[..., Any], arguments: tuple) -> None:
     os.setsid()  # so that its own workers end with it
+    threading.Thread(target=_end_with, args=(pipe,), daemon=True).start()
     try:
         pipe.send(("done", function(*arguments, lambda text, share: pipe.send(("told", (text, share))))))
     except InputError as error:
         pipe.send(("refused", str(error)))
-    except BrokenPipeError:
-        pass  # the server has gone
     except Exception as error:  # told on the page; the traceback goes to the terminal
         pipe.send(("failed", f"{type(error).__name__}: {error}"))
         raise
+
+
+def _end_with(pipe: Connection) -> None:
+    """Waits until the server's end of the pipe is closed, by whatever ended the server, and ends all with it."""
+    with suppress(EOFError, OSError):
+        pipe.recv()
+    os.killpg(0, signal.SIGKILL)
 
 
 def _end(process: multiprocessing.Process) -> None:

@@ -11,7 +11,7 @@ from time import monotonic
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
-PATIENCE = 600.0  # s; a slow machine compiles kernels anew
+PATIENCE = 900.0  # s; a slow machine compiles kernels anew
 
 
 @contextmanager
