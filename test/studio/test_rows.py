@@ -1,0 +1,60 @@
+"""What is drawn of long signals: no peak is lost, marks hold what lies in them, sliders reach their bounds."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from damper_estimator.studio.rows import LINE_POINTS, Mark, cloud_rows, line_rows, span_of
+from damper_estimator.studio.scale import from_place, to_place
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 1000), size=st.integers(1, 40_000), holes=st.booleans())
+def test_no_peak_is_lost(seed, size, holes):
+    draw = np.random.default_rng(seed)
+    values = draw.standard_normal(size)
+    values[draw.integers(0, size, 3)] *= 100.0
+    if holes:
+        values[draw.integers(0, size, max(size // 3, 1))] = np.nan
+    first = int(draw.integers(0, size))
+    span = slice(first, int(draw.integers(first + 1, size + 1)))
+    rows = line_rows(values, span)
+    assert rows.size <= LINE_POINTS + 2 and np.all(np.diff(rows) > 0)
+    assert rows[0] == span.start and rows[-1] == span.stop - 1
+    if np.isfinite(values[span]).any():
+        assert np.nanmax(values[rows]) == np.nanmax(values[span])
+        assert np.nanmin(values[rows]) == np.nanmin(values[span])
+
+
+def test_a_cloud_keeps_its_outline():
+    draw = np.random.default_rng(1)
+    x, force = draw.standard_normal((2, 500_000))
+    rows = cloud_rows(x, force, slice(0, x.size))
+    assert rows.size < 5000
+    for own in (x, force):
+        assert own[rows].max() == own.max() and own[rows].min() == own.min()
+
+
+def test_a_span_has_a_neighbour_at_either_side():
+    time = np.arange(10.0)
+    assert span_of(time, 3.5, 5.5) == slice(3, 7)
+    assert span_of(time, None, None) == slice(0, 10)
+    assert span_of(time, 100.0, 200.0).stop - span_of(time, 100.0, 200.0).start >= 1
+
+
+def test_a_mark_holds_what_lies_in_its_polygon():
+    x, y = np.random.default_rng(2).uniform(-2.0, 2.0, (2, 5000))
+    diamond = Mark("velocity", (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0))
+    assert np.array_equal(diamond.inside(x, y), np.abs(x) + np.abs(y) < 1.0)
+    assert np.array_equal(Mark("time", (-1.0, 1.0), (9.0, 9.0)).inside(x, y), np.abs(x) <= 1.0)
+
+
+@given(low=st.floats(-1e6, 1e6), width=st.floats(1e-3, 1e9), where=st.floats(0.001, 0.999), place=st.floats(0.0, 1.0))
+def test_a_slider_reaches_both_bounds_and_its_middle_is_the_value(low, width, where, place):
+    high, centre = low + width, low + where * width
+    assert from_place(0.0, centre, low, high) == low and np.isclose(from_place(1.0, centre, low, high), high)
+    assert from_place(0.5, centre, low, high) == centre
+    value = from_place(place, centre, low, high)
+    assert low <= value <= high * (1 + 1e-12) or np.isclose(value, high)
+    back = from_place(to_place(value, centre, low, high), centre, low, high)
+    assert np.isclose(back, value, rtol=1e-6, atol=1e-6 * width)

@@ -1,0 +1,194 @@
+"""A page's session: verbs, steps back and forth, work that is refused, cancelled or goes wrong; and its end."""
+
+import time
+
+import numpy as np
+import pytest
+
+from damper_estimator.cli.main import main
+from damper_estimator.errors import InputError
+from damper_estimator.studio import apart
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.job import Job
+from damper_estimator.studio.saving import KINDS
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.sessions import MOST, Sessions
+from damper_estimator.studio.stage import Choice
+
+
+def error(session):
+    return session.shown(session.model).measures.rmse_n
+
+
+def test_the_agreement_is_that_of_the_comparison(session):
+    shown = session.shown(session.model)
+    assert shown.measures == session.comparison(shown).measures
+
+
+def test_adding_lowers_the_error_and_undo_brings_it_back(session):
+    before = error(session)
+    session.add("oil_spring")
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    after = error(session)
+    assert after < 0.5 * before
+    session.undo()
+    assert error(session) == before
+    session.redo()
+    assert error(session) == after
+    steps = [own.step.action for own in session.history.versions]
+    assert steps == ["start", "add"]
+    assert session.history.now.step.rmse_unseen_n < session.history.versions[0].step.rmse_unseen_n
+
+
+def test_a_parameter_moved_again_is_one_step_and_what_was_undone_is_forgotten(session):
+    address = session.model.slots[0].address
+    session.set(address, -900.0)
+    session.set(address, -950.0)
+    assert [own.step.action for own in session.history.versions] == ["start", "set"]
+    session.undo()
+    session.set(session.model.slots[1].address, -700.0)
+    assert len(session.history.versions) == 2
+    assert session.model.slots[0].value != -950.0
+
+
+def test_values_beyond_their_bounds_are_refused(session):
+    with pytest.raises(InputError, match="is outside"):
+        session.set(session.model.slots[0].address, 1e9)
+    with pytest.raises(InputError, match="no such parameter"):
+        session.set("coulomb.force", 1.0)
+
+
+def test_a_fixed_parameter_keeps_its_value_in_a_refit(session):
+    fixed = session.model.slots[0]
+    session.fix([fixed.address])
+    session.refit()
+    session.job.wait()
+    values = {slot.address: slot.value for slot in session.model.slots}
+    assert values[fixed.address] == fixed.value
+    assert sum(values[own.address] != own.value for own in session.history.versions[0].step.model.slots) > 5
+
+
+def test_a_mend_goes_to_the_map_and_not_into_the_model(session):
+    session.add("force_offset")
+    assert session.model.uses() == {"viscous_curve"}
+    assert session.here.signals != session.stage.signals
+
+
+def test_the_saved_model_and_map_give_the_same_error_on_the_command_line(session, folder, capsys):
+    session.add("force_offset")
+    session.set(session.model.slots[0].address, -950.0)
+    KINDS["model"].write(session, folder / "saved.yaml")
+    KINDS["map"].write(session, folder / "saved_map.yaml")
+    bags = [str(folder / name) for name in session.stage.names]
+    main(["compare", *bags, "-m", str(folder / "saved.yaml"), "-s", str(folder / "saved_map.yaml"), "--to", "6",
+          "--json", str(folder / "told.json")])  # fmt: skip
+    told = (folder / "told.json").read_text()
+    assert f'"rmse_n": {error(session):.6f}'[:16] in told
+
+
+def test_long_work_is_one_at_a_time_and_can_be_cancelled(session):
+    session.diagnose("kept")
+    with pytest.raises(InputError, match="goes on"):
+        session.refit()
+    session.job.cancel()
+    session.job.wait(30.0)
+    assert session.job.state == "cancelled"
+    assert session.diagnosis is None and error(session) > 0.0
+
+
+def test_what_goes_wrong_leaves_what_was_open(session, folder):
+    before = error(session)
+    (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:3000])
+    (folder / "wrong.yaml").write_text("dampers: {passenger_front: {force: {topic: /nowhere}}}\n")
+    (folder / "odd.yaml").write_text("name: odd\neffects:\n- no_such_effect\n")
+    (folder / "code.yaml").write_text("effects:\n- !!python/object/apply:os.system [touch hacked]\n")
+    cases = [
+        (Choice(("cut.mcap",)), ["before.yaml"], "cut off"),
+        (Choice(("hidden_fit.mcap",), signals="wrong.yaml"), ["before.yaml"], "mend the signal map"),
+        (Choice(("hidden_fit.mcap",)), ["odd.yaml"], "unknown effect"),
+        (Choice(("hidden_fit.mcap",)), ["code.yaml"], "not valid YAML"),
+        (Choice(("hidden_fit.mcap",), damper="nobody"), ["before.yaml"], "no damper"),
+        (Choice(("gone.mcap",)), ["before.yaml"], "no longer in"),
+        (Choice(("../hidden_fit.mcap",)), ["before.yaml"], "not a name"),
+        (Choice(("hidden_fit.mcap",)), ["../../etc/x.yaml"], "not a name"),
+        (Choice(("hidden_fit.mcap",)), ["bouc_wen_of_nobody"], "neither a model file nor"),
+    ]
+    for choice, models, said in cases:
+        session.open(choice, models)
+        session.job.wait()
+        assert session.job.state == "failed" and said in session.job.error and "\n" not in session.job.error
+        assert error(session) == before
+    assert not (folder / "hacked").exists()
+
+
+def test_nothing_can_be_done_before_something_is_open(folder):
+    own = Session(Folder(folder))
+    for verb in (own.refit, own.undo, own.redo, lambda: own.diagnose("kept"), lambda: own.add("coulomb")):
+        with pytest.raises(InputError, match="nothing is open yet"):
+            verb()
+    with pytest.raises(InputError, match="choose a model"):
+        own.open(Choice(("hidden_fit.mcap",)), [])
+
+
+def test_a_bug_in_a_work_is_told_and_does_not_hang(capsys):
+    job = Job("testing", lambda tell: 1 / 0)
+    job.wait()
+    assert job.state == "failed" and "ZeroDivisionError" in job.error
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_a_silent_page_is_let_go_and_its_work_ends(folder):
+    sessions = Sessions(Folder(folder), silence=0.4)
+    page = sessions.new()
+    session = sessions.of(page)
+
+    def endless(tell):
+        while True:
+            tell("on and on", 0.0)
+            time.sleep(0.01)
+
+    session.job = Job("testing", endless)
+    session.job.wait(5.0)
+    assert session.job.state == "cancelled" and len(sessions) == 0
+    with pytest.raises(InputError, match="load it again"):
+        sessions.of(page)
+    sessions.close()
+
+
+def test_of_too_many_pages_the_most_silent_is_let_go(folder):
+    sessions = Sessions(Folder(folder))
+    first, second = sessions.new(), sessions.new()
+    sessions.of(first)
+    for _ in range(MOST - 1):
+        sessions.new()
+    assert len(sessions) == MOST
+    sessions.of(first)
+    with pytest.raises(InputError):
+        sessions.of(second)
+    sessions.close()
+
+
+def refusing(tell):
+    raise InputError("not this way")
+
+
+def dying(tell):
+    import os
+
+    os._exit(3)
+
+
+def adding(array, tell):
+    tell("adding", 0.5)
+    return array + 1.0
+
+
+def test_work_in_a_process_of_its_own_gives_its_result_and_its_refusal():
+    told = []
+    done = apart.run_apart(adding, (np.zeros(3),), lambda text, share: told.append(text))
+    assert done.tolist() == [1.0, 1.0, 1.0] and "adding" in told
+    with pytest.raises(InputError, match="not this way"):
+        apart.run_apart(refusing, (), lambda text, share: None)
+    with pytest.raises(RuntimeError, match="has died"):
+        apart.run_apart(dying, (), lambda text, share: None)
