@@ -35,13 +35,11 @@ class Hand:
         self.page = page
         self.faults: list[str] = []
         self.foreign: list[str] = []
+        own = (url.partition("?")[0], "data:", "blob:")
         page.set_default_timeout(1000.0 * PATIENCE)
         page.on("pageerror", lambda error: self.faults.append(str(error)))
         page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
-        page.on(
-            "request",
-            lambda sent: None if sent.url.startswith((url, "data:", "blob:")) else self.foreign.append(sent.url),
-        )
+        page.on("request", lambda sent: None if sent.url.startswith(own) else self.foreign.append(sent.url))
         page.goto(url)
         page.wait_for_selector("#recordings")
 
@@ -89,6 +87,32 @@ class Hand:
     def seen(self) -> tuple[float, float]:
         """From and to of the time on view, s."""
         return tuple(self.page.evaluate("document.querySelector('.figure.time .js-plotly-plot').layout.xaxis.range"))
+
+    def figure(self, name: str) -> dict:
+        """What a linked figure draws: its traces' names and its layout."""
+        return self.page.evaluate(
+            "name => { const own = document.querySelector(`.figure.${name} .js-plotly-plot`);"
+            " return {data: own.data.map((trace) => ({name: trace.name})), layout: {dragmode: own.layout.dragmode}}; }",
+            name,
+        )
+
+    def drag(self, place: str, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Drags the mouse between two points of an element, given as shares of its width and height."""
+        target = self.page.locator(place).first
+        target.scroll_into_view_if_needed()
+        box = target.bounding_box()
+        corners = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (start, end)]
+        self.page.mouse.move(*corners[0])
+        self.page.mouse.down()
+        self.page.mouse.move(*corners[1], steps=8)
+        self.page.mouse.up()
+
+    def workers(self, server: subprocess.Popen) -> list[int]:
+        """Processes that work for the server: leaders of a session of their own below its process of forks."""
+        rows = subprocess.run(["ps", "-eo", "pid=,ppid=,sid="], capture_output=True, text=True).stdout.splitlines()
+        parents = {int(pid): (int(parent), int(sid)) for pid, parent, sid in map(str.split, rows)}
+        below = {pid for pid, (parent, _) in parents.items() if parent == server.pid}
+        return [pid for pid, (parent, sid) in parents.items() if parent in below and sid == pid]
 
     def told(self, place: str) -> str:
         """The words at a place."""

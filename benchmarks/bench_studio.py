@@ -1,0 +1,111 @@
+"""The studio on an hour at 1 kHz with four dampers: seconds to the first picture, redraws, memory of the server.
+
+The recording is made once (some minutes) and kept in out/. Redraws are counted from the zoom in a real browser to the
+figures that show it; without a browser the server's share alone is measured.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from time import perf_counter, process_time
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "test" / "studio"))
+
+from hand import BROWSER, Hand, hand, served  # noqa: E402
+from hour_bag import write_hour  # noqa: E402
+
+from damper_estimator.studio.figures import Scene, figures  # noqa: E402
+from damper_estimator.studio.folder import Folder  # noqa: E402
+from damper_estimator.studio.paint import painted  # noqa: E402
+from damper_estimator.studio.session import Session  # noqa: E402
+from damper_estimator.studio.stage import Choice  # noqa: E402
+from damper_estimator.studio.view import View  # noqa: E402
+
+MODEL = "linear_viscous"
+
+
+def memory(pid: int | str) -> float:
+    """The most memory that a process has had, GB."""
+    text = Path(f"/proc/{pid}/status").read_text()
+    return int(text.split("VmHWM:")[1].split()[0]) / 1e6
+
+
+def server_alone(folder: Path, name: str) -> None:
+    """Opening and drawing without a browser; processor time beside the clock, for machines that do other work."""
+    session = Session(Folder(folder))
+    began, worked = perf_counter(), process_time()
+    session.open(Choice((name,)), [MODEL])
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    drawn(session, View())
+    print(f"server: first picture {perf_counter() - began:.1f} s, processor {process_time() - worked:.1f} s")
+    draw = np.random.default_rng(0)
+    clock, processor = [], []
+    for _ in range(30):
+        width = float(10.0 ** draw.uniform(-0.5, 3.5))
+        start = float(draw.uniform(0.0, max(3600.0 - width, 1.0)))
+        began, worked = perf_counter(), process_time()
+        drawn(session, View(0, start, start + width))
+        clock.append(perf_counter() - began)
+        processor.append(process_time() - worked)
+    told = [f"{1e3 * np.median(v):.0f} ms median, {1e3 * np.max(v):.0f} ms most" for v in (clock, processor)]
+    print(f"server: redraw of all four figures {told[0]}; processor {told[1]}")
+    began, worked = perf_counter(), process_time()
+    session.comparison(session.shown(session.model))
+    print(f"server: regions and map {perf_counter() - began:.1f} s, processor {process_time() - worked:.1f} s")
+    print(f"server: memory at most {memory('self'):.2f} GB")
+
+
+def drawn(session: Session, view: View) -> dict:
+    """The figures as they go to the page."""
+    shown = session.shown(session.model)
+    return {name: painted(own, "light") for name, own in figures(Scene([shown], [MODEL], view)).items()}
+
+
+def in_browser(folder: Path, name: str) -> None:
+    """The same as a user sees it."""
+    with served(folder) as (process, url), hand(url) as own:
+        own.choose("recordings", name)
+        own.choose("models", MODEL)
+        began = perf_counter()
+        own.page.click("#open")
+        own.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
+        print(f"browser: first picture {perf_counter() - began:.1f} s")
+        own.until(lambda: own.told("regions"))
+        print(f"browser: regions, map and quality {perf_counter() - began:.1f} s")
+        took = [redraw(own, start, start + width) for start, width in ((100, 1800), (500, 300), (2000, 20), (3000, 2))]
+        print(f"browser: redraw {', '.join(f'{1e3 * seconds:.0f}' for seconds in took)} ms")
+        print(f"browser: memory of the server at most {memory(process.pid):.2f} GB")
+
+
+def redraw(own: Hand, start: float, stop: float) -> float:
+    """Seconds from a zoom to the figure that was drawn for it."""
+    zoom = """([start, stop]) => new Promise((done) => {
+        const figure = document.querySelector(".figure.time .js-plotly-plot"), began = performance.now();
+        let drawings = 0;
+        figure.on("plotly_afterplot", () => {
+            // The first drawing is the browser's own of what it has, the next what the server sent.
+            if (++drawings === 2) done((performance.now() - began) / 1000);
+        });
+        Plotly.relayout(figure, { "xaxis.range[0]": start, "xaxis.range[1]": stop });
+    })"""
+    return own.page.evaluate(zoom, [start, stop])
+
+
+def main() -> None:
+    """Makes the recording where it is missing, then measures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/studio"), help="where the recording is kept")
+    folder = parser.parse_args().output
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / "hour.mcap").exists():
+        write_hour(folder / "hour.mcap")
+    if BROWSER is not None:
+        in_browser(folder, "hour.mcap")
+    server_alone(folder, "hour.mcap")
+
+
+if __name__ == "__main__":
+    main()
