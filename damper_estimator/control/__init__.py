@@ -1,10 +1,9 @@
-"""Control of semi-active dampers: the inverse of a model, laws for the wanted force, and what drives the coil.
+"""Control of semi-active dampers: the inverse of a model, laws for the wanted force, look-up tables.
 
 inverse = InverseModel(model, (0.0, 2.0))
 answer = inverse.solve(sample, wanted=800.0)      # current, force_min, force_max, dforce_dcurrent
 """
 
-from damper_estimator.control.coil import CoilCurve, coil_curve
 from damper_estimator.control.corner import (
     Action,
     Command,
@@ -22,7 +21,6 @@ __all__ = [
     "LAWS",
     "Action",
     "BodyVelocity",
-    "CoilCurve",
     "Command",
     "ConstantCommand",
     "CornerController",
@@ -32,7 +30,6 @@ __all__ = [
     "InverseModel",
     "Law",
     "TableCommand",
-    "coil_curve",
     "groundhook",
     "influence",
     "load_table",

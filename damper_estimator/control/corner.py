@@ -12,11 +12,10 @@ from typing import Protocol
 
 import numpy as np
 
-from damper_estimator.control.coil import CoilCurve
-from damper_estimator.control.inverse import Inverse, InverseModel
+from damper_estimator.control.inverse import InverseModel
 from damper_estimator.control.laws import BodyVelocity, Law
 from damper_estimator.control.table import CurrentTable
-from damper_estimator.model.live_line import COMMAND, DT, V
+from damper_estimator.model.live_line import DT, V
 
 
 class Command(Protocol):
@@ -27,22 +26,14 @@ class Command(Protocol):
 
 
 class InverseCommand:
-    """By the inverse of a model; final. ``answer`` is the last one, in the model's unit of the command."""
+    """By the inverse of a model; final."""
 
-    def __init__(self, inverse: InverseModel, curve: CoilCurve | None = None):
-        """``curve`` where the model's command is the coil's effect and not its current."""
-        self.answer: Inverse | None = None
-        self._inverse, self._curve = inverse, curve
+    def __init__(self, inverse: InverseModel):
+        self._inverse = inverse
 
     def current(self, sample: np.ndarray, wanted: float) -> float:
         """See `Command`."""
-        if self._curve is None:
-            self.answer = self._inverse.solve(sample, wanted)
-            return self.answer.current
-        sample = sample.copy()
-        sample[COMMAND] = self._curve.effect_of(float(sample[COMMAND]))
-        self.answer = self._inverse.solve(sample, wanted)
-        return self._curve.current_for(self.answer.current)
+        return self._inverse.solve(sample, wanted).current
 
 
 class TableCommand:

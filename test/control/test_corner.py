@@ -5,7 +5,6 @@ import pytest
 from commanded_models import HIGHEST, LOWEST, commanded_models, entry, model_of, smooth_motion
 
 from damper_estimator.control import (
-    CoilCurve,
     ConstantCommand,
     CornerController,
     CurrentTable,
@@ -51,19 +50,3 @@ def test_without_an_answer_the_fallback_is_set():
     controller = CornerController(skyhook(1.0), InverseCommand(InverseModel(silent, (LOWEST, HIGHEST))), 0.0, 0.3)
     sample = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.2, np.nan, np.nan])
     assert controller.step(sample, 0.0).current == 0.3
-
-
-def test_a_coils_curve_stands_between_the_current_and_the_model():
-    """The model is told the effect; its answer comes back as the current that has it."""
-    curve = CoilCurve(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.6, 2.0]))
-    model = commanded_models()["beside friction with memory"]
-    command, plain = InverseCommand(InverseModel(model, (0.0, 2.0)), curve), InverseModel(model, (0.0, 2.0))
-    block = smooth_motion(60, 2)
-    currents = np.linspace(0.0, 2.0, 60)
-    for k, column in enumerate(block.T):
-        column[COMMAND] = currents[k]
-        answered = command.current(column, 700.0)
-        column[COMMAND] = curve.effect_of(currents[k])
-        answer = plain.solve(column, 700.0)
-        assert answered == pytest.approx(curve.current_for(answer.current))
-        assert command.answer.force == answer.force

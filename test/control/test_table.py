@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from damper_estimator.control import CurrentTable, coil_curve, load_table, table_from_samples
+from damper_estimator.control import CurrentTable, load_table, table_from_samples
 from damper_estimator.errors import InputError
 
 V, C = np.array([-1.0, -0.2, 0.0, 0.2, 1.0]), np.array([0.0, 1.0, 2.0])
@@ -49,14 +49,6 @@ def test_cells_without_samples_follow_their_neighbours():
 def test_too_few_samples_are_refused():
     with pytest.raises(InputError, match="3 samples are too few for a table of 5 x 3"):
         table_from_samples(np.zeros(3), np.zeros(3), np.zeros(3), V, C)
-
-
-def test_the_coils_curve_is_that_of_the_force_and_goes_both_ways():
-    curve = coil_curve(made())
-    assert curve.effect == pytest.approx([0.0, 1.4, 2.0])
-    assert curve.current_for(curve.effect_of(0.37)) == pytest.approx(0.37)
-    with pytest.raises(ValueError, match="more current must mean more"):
-        coil_curve(CurrentTable(V, C, np.zeros((5, 3))))
 
 
 def test_a_table_is_read_from_the_file_that_export_writes(tmp_path):
