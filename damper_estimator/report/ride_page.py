@@ -85,9 +85,9 @@ def _strongest(trial: Trial) -> float:
     """s, where the stretch with the largest wish begins; after the rest at the start."""
     own = trial.ride
     size = round(SHOWN / own.step)
-    power = np.convolve(own.wanted**2, np.ones(size), "valid")
+    summed = np.cumsum(own.wanted**2)
     first = round(1.0 / own.step)
-    return own.step * (first + int(np.argmax(power[first:])))
+    return own.step * (first + int(np.argmax(summed[first + size :] - summed[first:-size])))
 
 
 def _part(trial: Trial, start: float) -> slice:
