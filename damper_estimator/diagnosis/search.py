@@ -134,11 +134,15 @@ def _told(progress: Progress, round_number: int, count: int) -> Callable[[int], 
 
 
 def _counts(own: Round, best: Tally, first: Round) -> bool:
-    """Whether a later finding is more than a flaw in the form of the first one."""
+    """Whether a later finding is more than a flaw in the form of the first one, on either part of the data: a second
+    effect may show little on the recordings that happen to be unseen.
+    """
     if own is first:
         return True
-    explained = first.without.square - own.without.square
-    return own.without.square - own.left(best).square >= _AGAINST_FIRST * explained
+    before, between, after = first.without, own.without, own.left(best)
+    unseen = between.square - after.square >= _AGAINST_FIRST * (before.square - between.square)
+    sums = [float(np.sum(errors.fit**2)) for errors in (before, between, after)]
+    return unseen or sums[1] - sums[2] >= _AGAINST_FIRST * (sums[0] - sums[1])
 
 
 def _accepted(own: Round, best: Tally) -> Accepted:
