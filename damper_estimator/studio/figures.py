@@ -83,8 +83,8 @@ def time_figure(scene: Scene) -> Figure:
     ends = [scene.view.start, scene.view.stop] if scene.view.start is not None else [float(time[0]), float(time[-1])]
     layout = {
         "xaxis": axis("time in s", anchor="y2", range=ends),
-        "yaxis": axis("force in N", domain=[0.36, 1.0], fixedrange=True),
-        "yaxis2": axis("residual in N", domain=[0.0, 0.29], fixedrange=True),
+        "yaxis": axis("force in N", domain=[0.41, 1.0], fixedrange=True),
+        "yaxis2": axis("residual in N", domain=[0.0, 0.34], fixedrange=True),
         "hovermode": "x",
         "selectdirection": "h",
         "showlegend": True,

@@ -10,7 +10,7 @@ from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.view import MOTIONS
 
 TICK = 500  # ms between two looks at how far the work is
-_GRAPH = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["autoScale2d", "zoomIn2d", "zoomOut2d"]}
+_GRAPH = {"displaylogo": False, "responsive": True, "modeBarButtons": [["toImage", "resetScale2d"]]}
 _PLAIN = _GRAPH | {"displayModeBar": False}
 _TABS = {"fails": "Where it fails", "learn": "What is missing", "change": "Model", "steps": "Steps", "save": "Save"}
 EMPTY = {"data": [], "layout": {"xaxis": {"visible": False}, "yaxis": {"visible": False}}}
@@ -82,7 +82,7 @@ def _chooser(folder: Folder) -> list:
 
 def _left() -> html.Section:
     tools = dcc.RadioItems(
-        [{"label": "zoom", "value": "zoom"}, {"label": "pan", "value": "pan"}, {"label": "mark", "value": "select"}],
+        [{"label": "zoom", "value": "zoom"}, {"label": "pan", "value": "pan"}, {"label": "mark", "value": "select"}, {"label": "lasso", "value": "lasso"}],
         "zoom", id="tool", inline=True, className="choice",
     )  # fmt: skip
     bar = html.Div(
@@ -103,7 +103,7 @@ def _left() -> html.Section:
 
 
 def _graph(name: str) -> html.Div:
-    config = _GRAPH | {"scrollZoom": name == "time"}
+    config = _GRAPH | {"scrollZoom": True} if name == "time" else _PLAIN  # a bar would lie over the small figures
     graph = dcc.Graph(id={"type": "linked", "name": name}, figure=EMPTY, config=config, style={"height": "100%"})
     return html.Div(graph, className=f"figure {name}")
 

@@ -11,7 +11,7 @@ from damper_estimator.diagnosis.mend import mended_signals
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.identification import usable
-from damper_estimator.model import DamperModel, load_model
+from damper_estimator.model import DamperModel, Element, load_model
 from damper_estimator.studio.apart import Tell, run_apart
 from damper_estimator.studio.element import element_for
 from damper_estimator.studio.folder import Folder
@@ -19,7 +19,7 @@ from damper_estimator.studio.history import History, Version
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.shown import Shown, shown
 from damper_estimator.studio.stage import Choice, Stage, opened
-from damper_estimator.studio.work import Case, Deed, diagnosed, improved, judged, refitted
+from damper_estimator.studio.work import Case, Deed, diagnosed, identified_alone, improved, judged, refitted
 from damper_estimator.validation import Comparison
 
 _KEPT = 6  # models whose forces are kept
@@ -151,13 +151,11 @@ class Session:
 
     def add(self, name: str) -> None:
         """Puts an effect in and identifies all free parameters together; a mend goes to the signal map instead."""
-        effect, now = find_effect(name), self._now()
+        effect = find_effect(name)
+        self._now()
         element = element_for(effect, self.model, self.here.fit, self.diagnosis)
         if effect.mend is not None:
-            signals = mended_signals(now.signals, element)
-            stage = self.stage.mended(signals)
-            step = judged(Case(self.model, stage.fit, stage.unseen), Deed("mend", name, effect.phenomenon))
-            self._then(Version(step, signals))
+            self._mend(element, Deed("mend", name, effect.phenomenon))
             return
         model = self.model.with_effect(element)
         self._refit(model, Deed("add", name, effect.phenomenon or name))
@@ -220,6 +218,17 @@ class Session:
         def work(tell: Tell) -> None:
             step = run_apart(refitted, (Case(model, stage.fit, stage.unseen), deed), tell)
             self._then(Version(step, now.signals))
+
+        self._start("identifying", work)
+
+    def _mend(self, element: Element, deed: Deed) -> None:
+        now, case = self._now(), self._case()
+
+        def work(tell: Tell) -> None:
+            own = run_apart(identified_alone, (case, element), tell)
+            signals = mended_signals(now.signals, own)
+            stage = self.stage.mended(signals)
+            self._then(Version(judged(Case(case.model, stage.fit, stage.unseen), deed), signals))
 
         self._start("identifying", work)
 

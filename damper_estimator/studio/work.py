@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from damper_estimator.diagnosis import Diagnosis, Improvement, Step, diagnose, improve
 from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification import pooled_error
-from damper_estimator.model import DamperModel
+from damper_estimator.model import DamperModel, Element
+from damper_estimator.model.element import labels
 from damper_estimator.signals import Measurement
 from damper_estimator.studio.apart import Tell
 
@@ -45,6 +46,15 @@ def refitted(case: Case, deed: Deed, tell: Tell) -> Step:
     found = settled(case.model, case.fit)
     tell("judging", 0.9)
     return judged(Case(found, case.fit, case.unseen), deed)
+
+
+def identified_alone(case: Case, element: Element, tell: Tell) -> Element:
+    """An entry with its parameters identified beside a model that keeps its own."""
+    tell(f"identifying {element.effect.name}", 0.1)
+    model = case.model.with_effect(element)
+    label = [own for own, entry in labels(model.effects) if entry.effect is element.effect][-1]
+    found = settled(model, case.fit, free=[label], fix=["*"])
+    return dict(labels(found.effects))[label]
 
 
 def judged(case: Case, deed: Deed) -> Step:

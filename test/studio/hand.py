@@ -11,7 +11,8 @@ from time import monotonic
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
-PATIENCE = 900.0  # s; a slow machine compiles kernels anew
+PATIENCE = 900.0  # s, for works: a slow machine compiles kernels anew
+ACTION = 120.0  # s, for what the page does by itself
 
 
 @contextmanager
@@ -36,7 +37,7 @@ class Hand:
         self.faults: list[str] = []
         self.foreign: list[str] = []
         own = (url.partition("?")[0], "data:", "blob:")
-        page.set_default_timeout(1000.0 * PATIENCE)
+        page.set_default_timeout(1000.0 * ACTION)
         page.on("pageerror", lambda error: self.faults.append(str(error)))
         page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
         page.on("request", lambda sent: None if sent.url.startswith(own) else self.foreign.append(sent.url))
@@ -62,8 +63,8 @@ class Hand:
             self.page.fill("#stop", str(stop))
             self.page.keyboard.press("Enter")
         self.page.click("#open")
-        self.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
         self.done("opening")
+        self.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
 
     def done(self, work: str, how: str = "done") -> None:
         """Waits for the end of a work."""
@@ -99,7 +100,7 @@ class Hand:
     def drag(self, place: str, start: tuple[float, float], end: tuple[float, float]) -> None:
         """Drags the mouse between two points of an element, given as shares of its width and height."""
         target = self.page.locator(place).first
-        target.scroll_into_view_if_needed()
+        target.evaluate("own => own.scrollIntoView({block: 'center'})")
         box = target.bounding_box()
         corners = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (start, end)]
         self.page.mouse.move(*corners[0])

@@ -70,13 +70,18 @@ def test_a_fixed_parameter_keeps_its_value_in_a_refit(session):
 
 
 def test_a_mend_goes_to_the_map_and_not_into_the_model(session):
+    before = error(session)
     session.add("force_offset")
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    assert error(session) < before
     assert session.model.uses() == {"viscous_curve"}
     assert session.here.signals != session.stage.signals
 
 
 def test_the_saved_model_and_map_give_the_same_error_on_the_command_line(session, folder, capsys):
     session.add("force_offset")
+    session.job.wait()
     session.set(session.model.slots[0].address, -950.0)
     KINDS["model"].write(session, folder / "saved.yaml")
     KINDS["map"].write(session, folder / "saved_map.yaml")

@@ -141,8 +141,9 @@ def _drawn(session: Session, data: object, tried: dict | None, tool: str, theme:
     models = [session.shown(own) for own in session.models()]
     force = tried_force(models[0], tried["values"], view) if _is_tried(session, tried) else None
     drawn = figures(Scene(models, _names(session), view, force))
-    for own in drawn.values():
-        own["layout"] |= {"dragmode": tool, "uirevision": f"{session.opened} {view.start} {view.stop}"}
+    for name, own in drawn.items():
+        way = "select" if (name, tool) == ("time", "lasso") else tool  # of a passage only its ends count
+        own["layout"] |= {"dragmode": way, "uirevision": f"{session.opened} {view.start} {view.stop}"}
     return {name: painted(own, theme) for name, own in drawn.items()}, _told(models[0], view)
 
 
