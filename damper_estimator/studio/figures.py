@@ -51,6 +51,11 @@ class Scene:
         """(n,) N."""
         return self.models[0].traces[self.view.recording].measured
 
+    @property
+    def backwards(self) -> list[tuple[int, str]]:
+        """Index and name of each model, the one that is worked on last: it is drawn over the others."""
+        return list(enumerate(self.names))[::-1]
+
     def modelled(self, index: int) -> np.ndarray:
         """(n,) N, NaN where it is not judged."""
         own = self.models[index].traces[self.view.recording]
@@ -71,9 +76,9 @@ def time_figure(scene: Scene) -> Figure:
 
     data = [drawn(scene.measured, "measured", "@measured", width=2.2)]
     below = []
-    for i, name in enumerate(scene.names):
+    for i, name in scene.backwards:
         values = scene.modelled(i)
-        data.append(drawn(values, name, f"@model{i % 5}", width=1.3))
+        data.append(drawn(values, name, f"@model{i % 5}", width=1.3, legendrank=1001 + i))
         residual = values - scene.models[i].traces[scene.view.recording].measured
         below.append(drawn(residual, f"{name} - measured", f"@model{i % 5}", width=1.3, yaxis="y2", showlegend=False))
     inside = marked(scene.models[0], scene.view)
@@ -98,7 +103,7 @@ def cloud_figure(scene: Scene, motion: str) -> Figure:
     x = place(first, scene.view.recording, motion)
     rows = cloud_rows(x, scene.measured, span)
     data = [points(x[rows], scene.measured[rows], "measured", "@measured", 3.0)]
-    for i, name in enumerate(scene.names):
+    for i, name in scene.backwards:
         values = scene.modelled(i)
         data.append(points(x[rows], values[rows], name, f"@model{i % 5}", 2.6))
     inside = marked(first, scene.view)

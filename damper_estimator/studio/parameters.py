@@ -44,10 +44,7 @@ def _row(slot: Slot, error: float) -> html.Div:
     return html.Div(
         [
             html.Label([name, html.Small(f" {unit}")], title=told),
-            dcc.Slider(
-                0.0, 1.0, value=to_place(slot.value, slot.value, low, high), step=0.0025, marks=None,
-                updatemode="mouseup", allow_direct_input=False, id={"type": "slider", "address": slot.address},
-            ),
+            html.Div(_slider(slot), role="group", **{"aria-label": f"{slot.address}, {unit}"}),
             dcc.Input(
                 type="number", value=float(f"{slot.value:.6g}"), debounce=True, step="any",
                 id={"type": "number", "address": slot.address}, className="value",
@@ -59,4 +56,12 @@ def _row(slot: Slot, error: float) -> html.Div:
             html.Small(f"{low:g} … {high:g}  {certain}", className="bounds"),
         ],
         className="parameter",
+    )  # fmt: skip
+
+
+def _slider(slot: Slot) -> dcc.Slider:
+    place = to_place(slot.value, slot.value, slot.parameter.lower, slot.parameter.upper)
+    return dcc.Slider(
+        0.0, 1.0, value=place, step=0.0025, marks=None, updatemode="mouseup", allow_direct_input=False,
+        id={"type": "slider", "address": slot.address},
     )  # fmt: skip

@@ -37,6 +37,7 @@ def _side(centre: float, end: float, count: int) -> np.ndarray:
     size = abs(centre) or abs(way)
     if abs(way) <= _FAR * size:
         return np.linspace(centre, end, count)
-    # Equal ratios of the distance, from a hundredth of the centre's size on.
-    growth = np.geomspace(0.01 * size, 0.01 * size + abs(way), count) - 0.01 * size
+    # Steps that grow by equal ratios; the first is about half a percent of the centre's size.
+    first = 0.2 * size
+    growth = np.geomspace(first, first + abs(way), count) - first
     return centre + np.sign(way) * growth

@@ -104,11 +104,12 @@ def test_figures_are_linked_and_parameters_move_the_curves(folder):
         own.until(lambda: own.seen()[1] - own.seen()[0] > 0.9 * SECONDS)
 
         own.tab("Model")
-        before = own.rms()
+        before = page.locator("#parameters input.dash-input-element").nth(2).input_value()
         page.locator("#parameters [role=slider]").nth(2).focus()
         for _ in range(5):
             page.keyboard.press("ArrowRight")
-        own.until(lambda: own.rms() != before)
+        own.until(lambda: page.locator("#measures tbody tr").count() == 2)
+        assert page.locator("#parameters input.dash-input-element").nth(2).input_value() != before
         own.tab("Steps")
         own.until(lambda: page.locator("#steps li").count() == 2)
         page.locator("#theme-button").click()
