@@ -25,6 +25,9 @@ CLOSE = 0.007
 """Of the difference of both ends' forces: nearer to the wanted force nothing is searched for."""
 FLAT = 1e-3
 """Of the largest difference so far: below it the command has no influence at this motion."""
+NARROW = 0.5
+"""Of the largest difference so far: below it a wish out of reach is not worth the whole current, which a slow coil keeps
+for the time after; its share falls with the difference. Near reversals that halves what is lost (docs/control.md)."""
 SPEED = 1e-4
 """m/s, difference behind dF/dv."""
 _NEAR_END = 0.05
@@ -216,9 +219,18 @@ def _peak(a, force_a, m, force_m, b, force_b):
 
 @compiled
 def _beyond(machine, ahead, state, trial, limits, wanted, tolerance, low, high, memory, out):
-    """The wanted force lies beyond both ends: the nearer end, or an extremum inside where there is one."""
+    """The wanted force lies beyond both ends: the nearer end, or an extremum inside where there is one.
+
+    Where the command hardly matters at this motion and the better end is the stronger current, only a share of it.
+    """
     sign = 1.0 if wanted > max(low, high) else -1.0
     at_low = sign * low >= sign * high
+    useful = abs(high - low) / (NARROW * memory[SPAN])
+    if useful < 1.0 and abs(limits[0 if at_low else 1]) > abs(limits[1 if at_low else 0]):
+        share = 1.0 - useful if at_low else useful
+        force = _try(machine, ahead, state, trial, limits, share, out)
+        _answer(limits, share, force, high - low, memory, out)
+        return
     # Seen from the better end, heights upwards: a is on the better end's side of the best point m, b on the other's.
     start, way = (0.0, 1.0) if at_low else (1.0, -1.0)
     top, goal = sign * (low if at_low else high), sign * wanted

@@ -179,6 +179,23 @@ def test_a_wish_inside_a_dip_is_found_and_one_below_it_gets_the_bottom():
     assert below.expected == pytest.approx(deep, abs=0.01 * (max(forces.values()) - deep))
 
 
+def test_a_wish_out_of_reach_gets_current_as_far_as_current_helps():
+    """Near a reversal the command hardly matters, and a slow coil would keep its field for the time after."""
+    inverse = InverseModel(MODELS["without a lag"], (LOWEST, HIGHEST), 0.004, 0.0)
+    sample = np.array([0.0, 0.0, 0.0, 1.0, 0.0, np.nan, np.nan, np.nan])
+    assert inverse.solve(sample, 1e5).current == HIGHEST
+    sample[DT], currents = 0.002, []
+    for speed in (0.5, 0.004, 0.002, 0.001):
+        sample[V] = speed
+        assert inverse.solve(sample, -1e5).current == LOWEST
+        answer = inverse.again(1e5)
+        currents.append(answer.current)
+        assert not answer.reached
+        assert answer.force_min < answer.expected <= answer.force_max
+    assert currents[0] == HIGHEST
+    assert HIGHEST > currents[1] > currents[2] > currents[3] > LOWEST
+
+
 def test_where_no_command_changes_the_force_the_last_one_is_kept():
     """At standstill the yield force has no sign; any command gives the same, so it must not chatter."""
     model = MODELS["without a lag"]
