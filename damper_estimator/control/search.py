@@ -26,8 +26,8 @@ CLOSE = 0.007
 FLAT = 1e-3
 """Of the largest difference so far: below it the command has no influence at this motion."""
 NARROW = 0.5
-"""Of the largest difference so far: below it a wish out of reach is not worth the whole current, whose field a slow coil
-keeps for the time after the reversal; its share falls with the difference (docs/control.md)."""
+"""Of the largest difference so far: below it a wish out of reach is not worth the whole current, whose field a slow
+coil keeps for the time after the reversal; its share falls with the difference (docs/control.md)."""
 SPEED = 1e-4
 """m/s, difference behind dF/dv."""
 _NEAR_END = 0.05
