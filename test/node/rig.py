@@ -107,6 +107,11 @@ class Rig:
                     return status
         return None
 
+    def message(self, ending: str) -> str:
+        """Its message, "" before the first."""
+        status = self.status(ending)
+        return status.message if status else ""
+
     def values(self, ending: str) -> dict[str, str]:
         """Its values by key."""
         status = self.status(ending)

@@ -129,7 +129,7 @@ def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_ac
     before = len(node.currents)
     node.drive(20)
     assert set(node.currents[before:]) == {SAFE}  # the wish is old
-    rig.wait(lambda: "the wish was too old" in rig.status(": left command").message, "the report")
+    rig.wait(lambda: "the wish was too old" in rig.message(": left command"), "the report")
     assert rig.set(wish_timeout=10.0, safe_current=0.75) == (True, "")
     node.drive(2)
     assert node.wish(500.0) not in (SAFE, 0.75)
@@ -148,7 +148,7 @@ def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_acti
     node = Commanded(rig)
     node.send_wish(200.0, "right")
     rig.wait(lambda: rig.status(": right command") is not None, "the report")
-    assert "was not fitted on recordings with a command" in rig.status(": right command").message
+    assert "was not fitted on recordings with a command" in rig.message(": right command")
     assert rig.status(": right command").level == b"\x01" and node.currents == []
 
 

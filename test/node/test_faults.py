@@ -37,7 +37,7 @@ def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(ex
     stale = rig.forces[-1]
     assert list(stale.status) == [STALE, STALE] and list(stale.name) == ["left", "right"]
     assert stale.header.stamp == last.header.stamp and list(stale.force) == list(last.force)
-    rig.wait(lambda: "stopped" in rig.status(": left").message, "the report")
+    rig.wait(lambda: "stopped" in rig.message(": left"), "the report")
     # One of two goes missing: it alone is stale.
     rig.stamp += SECOND
     for _ in range(600):
@@ -178,10 +178,10 @@ def test_qualities_of_service_that_do_not_match_are_reported_on_both_sides(start
     rig.ready()
     wanting = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     rig.node.create_subscription(DamperForces, "/damper_estimator/force", lambda _: None, wanting)
-    rig.wait(lambda: "not offered" in rig.status("output").message, "the report of the output")
+    rig.wait(lambda: "not offered" in rig.message("output"), "the report of the output")
     rig.forget()
     rig.node.create_publisher(Float64, "/suspension/displacement", 10)
-    rig.wait(lambda: "another type" in rig.status("input /suspension/displacement").message, "the other type")
+    rig.wait(lambda: "another type" in rig.message("input /suspension/displacement"), "the other type")
 
 
 def test_a_full_disk_stops_recording_and_never_the_estimates(start, rig, tmp_path):
@@ -195,7 +195,7 @@ def test_a_full_disk_stops_recording_and_never_the_estimates(start, rig, tmp_pat
         rig.drive(100)
         if rig.status("recording") and rig.status("recording").level == b"\x02":
             break
-    assert "File too large" in rig.status("recording").message
+    assert "File too large" in rig.message("recording")
     assert int(rig.values("recording")["not recorded"]) > 0
     settle(rig)
 

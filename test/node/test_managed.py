@@ -34,11 +34,11 @@ def test_each_transition_does_its_part_and_impossible_ones_are_refused(start, ri
     process = start(model=models["broken"], autostart=False)
     assert rig.state() == "unconfigured"
     rig.wait(lambda: rig.status(": node") is not None, "diagnostics")
-    assert rig.status(": node").message == "not configured"
+    assert rig.message(": node") == "not configured"
     assert not rig.transition(ACTIVATE)
     assert not rig.transition(CONFIGURE)
     assert rig.state() == "unconfigured"
-    rig.wait(lambda: "rebound" in rig.status(": node").message, "the reason in the diagnostics")
+    rig.wait(lambda: "rebound" in rig.message(": node"), "the reason in the diagnostics")
     assert rig.set(model=models["soft"]) == (True, "")
     assert rig.transition(CONFIGURE) and rig.state() == "inactive"
     rig.ready()

@@ -120,5 +120,5 @@ def test_an_alarm_reaches_the_diagnostics(start, rig, tmp_path):
             stamp += 4 * MS
             if i % 40 == 0:
                 rig.listen(0.005)
-    rig.wait(lambda: "error grew" in rig.status(": left").message, "the alarm", 20.0)
+    rig.wait(lambda: "error grew" in rig.message(": left"), "the alarm", 20.0)
     assert rig.status(": left").level == b"\x01"
