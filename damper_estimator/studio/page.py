@@ -13,6 +13,7 @@ TICK = 500  # ms between two looks at how far the work is
 _GRAPH = {"displaylogo": False, "responsive": True, "modeBarButtons": [["toImage", "resetScale2d"]]}
 _PLAIN = _GRAPH | {"displayModeBar": False}
 _TABS = {"fails": "Where it fails", "learn": "What is missing", "change": "Model", "steps": "Steps", "save": "Save"}
+_TOOLS = {"zoom": "zoom", "pan": "pan", "select": "mark", "lasso": "lasso"}
 EMPTY = {"data": [], "layout": {"xaxis": {"visible": False}, "yaxis": {"visible": False}}}
 
 
@@ -26,7 +27,7 @@ def layout(page: str, folder: Folder) -> html.Div:
         "hovered": "",
         "tried": None,
         "theme": None,
-        "running": False,
+        "ended": 0,
         "dragged": None,
     }
     return html.Div(
@@ -82,8 +83,8 @@ def _chooser(folder: Folder) -> list:
 
 def _left() -> html.Section:
     tools = dcc.RadioItems(
-        [{"label": "zoom", "value": "zoom"}, {"label": "pan", "value": "pan"}, {"label": "mark", "value": "select"}, {"label": "lasso", "value": "lasso"}],
-        "zoom", id="tool", inline=True, className="choice",
+        [{"label": label, "value": tool} for tool, label in _TOOLS.items()], "zoom", id="tool", inline=True,
+        className="choice",
     )  # fmt: skip
     bar = html.Div(
         [

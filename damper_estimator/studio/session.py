@@ -31,7 +31,7 @@ class Session:
     Attributes:
         stage, history, others: None, None and () until something is open; ``others`` are models to look at beside.
         diagnosis: of which version of the model, and what was found; None until one was made.
-        job: the long work that goes on, or the last one.
+        job, jobs: the long work that goes on, or the last one, and how many there were.
         opened: counts what was opened.
         centres: value of every parameter by address when the list of parameters last changed: its slider's middle.
         generation: counts changes of what is on view.
@@ -45,6 +45,7 @@ class Session:
         self.others: tuple[DamperModel, ...] = ()
         self.diagnosis: Diagnosis | None = None
         self.job: Job | None = None
+        self.jobs = 0
         self.centres: dict[str, float] = {}
         self.opened = self.generation = self.rebuilt = 0
         self._lock = threading.RLock()
@@ -250,6 +251,7 @@ class Session:
         with self._lock:
             if self.job is not None and self.job.running:
                 raise InputError(f"{self.job.name} goes on; cancel it first, or wait")
+            self.jobs += 1
             self.job = Job(name, work)
 
     def _changed(self, rebuilt: bool = True) -> None:

@@ -46,7 +46,7 @@ def learn(own: Hand, out: Path) -> None:
     own.tab("What is missing")
     own.page.locator("#mode").get_by_text("parameters kept").click()
     own.page.click("#diagnose")
-    own.until(lambda: "trying" in own.told("job"))
+    own.until(lambda: "%" in own.told("job"))
     shot(own, out, "diagnosing")
     own.done("diagnosing")
     own.until(lambda: "oil compressibility" in own.told("findings"))

@@ -34,6 +34,9 @@
     if (button) { event.preventDefault(); document.getElementById(button).click(); }
   });
 
+  // A button that becomes disabled while it has the focus would swallow the next keys.
+  document.addEventListener("click", (event) => { const own = event.target.closest("#undo,#redo"); if (own) own.blur(); });
+
   window.addEventListener("pagehide", () => { if (page) navigator.sendBeacon("/leave", page); });
   // A page that comes back from the browser's memory has no session any longer.
   window.addEventListener("pageshow", (event) => { if (event.persisted) window.location.reload(); });

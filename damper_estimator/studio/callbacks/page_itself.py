@@ -26,7 +26,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         *CHANGES,
         Output("job", "children"),
         Output("cancel", "hidden"),
-        Output("running", "data"),
+        Output("ended", "data"),
         Output("open-told", "children", allow_duplicate=True),
         Output("learn-told", "children", allow_duplicate=True),
         Output("change-told", "children", allow_duplicate=True),
@@ -34,19 +34,19 @@ def connect(app: Dash, sessions: Sessions) -> None:
         State("page", "data"),
         State("generation", "data"),
         State("rebuilt", "data"),
-        State("running", "data"),
+        State("ended", "data"),
         prevent_initial_call=True,
     )
-    def look(_, page, generation, rebuilt, running):
+    def look(_, page, generation, rebuilt, ended):
         try:
             session = sessions.of(page)
         except InputError as error:
-            return no_update, no_update, str(error), True, False, *[no_update] * 3
+            return no_update, no_update, str(error), True, no_update, *[no_update] * 3
         changes = (
             session.generation if session.generation != generation else no_update,
             session.rebuilt if session.rebuilt != rebuilt else no_update,
         )
-        return *changes, *_work(session, bool(running))
+        return *changes, *_work(session, ended)
 
     @app.callback(*CHANGES, Output("job", "children", allow_duplicate=True), Input("cancel", "n_clicks"),
                   State("page", "data"), prevent_initial_call=True)  # fmt: skip
@@ -64,15 +64,15 @@ def connect(app: Dash, sessions: Sessions) -> None:
         return answered(sessions, page, Session.redo)
 
 
-def _work(session: Session, was_running: bool) -> list[object]:
-    """How far the work is, and, once, why it failed."""
+def _work(session: Session, ended: object) -> list[object]:
+    """How far the work is, and, once, how it ended; ``ended`` is the number of the last work whose end was told."""
     job, told = session.job, [no_update] * 3
-    if job is None or not (job.running or was_running):
+    if job is None or session.jobs == ended:
         return [no_update] * 3 + told
     if job.running:
-        return [f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)", False, True, *told]
+        return [f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)", False, no_update, *told]
     told[_PLACES[job.name]] = job.error
-    return [_ended(job), True, False, *told]
+    return [_ended(job), True, session.jobs, *told]
 
 
 def _ended(job: Job) -> str:
