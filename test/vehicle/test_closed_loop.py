@@ -48,7 +48,7 @@ def test_a_steady_current_gives_an_edge_of_what_is_attainable(trials):
 
 
 def test_more_current_means_less_stroke(trials):
-    assert trials["high"].measures.stroke < trials["low"].measures.stroke
+    assert trials["high"].measures.peak_stroke < trials["low"].measures.peak_stroke
 
 
 def test_the_wish_counts_as_far_as_it_could_be_given():
