@@ -13,6 +13,15 @@ EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
 STOPPED_WITHIN = 60.0  # s, far more than a node needs on a busy machine
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests that start an estimator of their own come first in each module: the shared one would answer beside it."""
+    places = [place for place, item in enumerate(items) if item.path.parent == Path(__file__).parent]
+    modules = {items[place].path: number for number, place in reversed(list(enumerate(places)))}
+    ordered = sorted((items[p] for p in places), key=lambda own: (modules[own.path], "shared" in own.fixturenames))
+    for place, item in zip(places, ordered, strict=True):
+        items[place] = item
+
+
 @pytest.fixture(scope="session", autouse=True)
 def ros() -> None:
     """ROS 2, or a skip; under ``make test`` its absence is a failure."""
