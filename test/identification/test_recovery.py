@@ -16,6 +16,7 @@ MODERATE, LARGE, VIOLENT = (0.005, 0.012), (0.02, 0.045), (0.03, 0.07)  # m rms,
 EXCITATION = {
     **{name: LARGE for name in ("carrera_akutain", "carrera_akutain_unfiltered", "renault_modified_bouc_wen")},
     **{f"renault_modified_bouc_wen_point_{k}": LARGE for k in (1, 2, 3)},
+    "semi_active_yield": VIOLENT,  # its curve goes to 1.2 m/s
     **{f"his_{kind}": VIOLENT for kind in ("piecewise", "non_hysteresis", "permanent_hysteresis")},
 }
 # What cannot be told, by the model's own nature.
