@@ -11,8 +11,8 @@ from time import monotonic
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
-PATIENCE = 900.0  # s, for works: a slow machine compiles kernels anew
-ACTION = 120.0  # s, for what the page does by itself
+PATIENCE = 240.0  # s, for works: a slow machine compiles kernels anew
+ACTION = 60.0  # s, for what the page does by itself
 
 
 @contextmanager
