@@ -21,6 +21,7 @@ _ABOUT = 1.0  # s before and after the worst moment of a region
 
 def connect(app: Dash, sessions: Sessions) -> None:
     """What is on view is one store, which figures and lists change and from which all figures are drawn."""
+    _connect_judgement(app, sessions)
 
     @app.callback(
         Output("view", "data"),
@@ -63,6 +64,10 @@ def connect(app: Dash, sessions: Sessions) -> None:
         except InputError as error:
             return [no_update] * len(wanted), str(error), ""
         return [drawn[name] for name in wanted], "", told
+
+
+def _connect_judgement(app: Dash, sessions: Sessions) -> None:
+    """How well the models agree, and where the one that is worked on fails."""
 
     @app.callback(Output("measures", "children"), Input("generation", "data"), State("page", "data"))
     def agree(_, page):
