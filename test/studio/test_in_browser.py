@@ -64,6 +64,7 @@ def test_the_whole_way(folder):
 
         page.click("#undo")
         own.until(lambda: own.rms() == before)
+        own.until(page.locator("#redo").is_enabled)
         page.keyboard.press("Control+y")
         own.until(lambda: own.rms() == after)
 

@@ -150,8 +150,6 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
     @app.callback(
         Output("waterfall", "figure"),
         Output("steps", "children"),
-        Output("undo", "disabled"),
-        Output("redo", "disabled"),
         Input("generation", "data"),
         Input("theme", "data"),
         State("page", "data"),
@@ -165,7 +163,7 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         errors = [own.step.rmse_unseen_n for own in history.versions]
         listed = panels.steps_list(errors, [step_name(own.step) for own in history.versions], history.at)
         drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n)
-        return painted(drawn, theme), listed, not history.at, history.at + 1 == len(history.versions)
+        return painted(drawn, theme), listed
 
 
 def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:

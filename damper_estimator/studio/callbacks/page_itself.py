@@ -3,7 +3,7 @@
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, no_update
 
 from damper_estimator.errors import InputError
-from damper_estimator.studio.callbacks.common import CHANGES, answered
+from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
@@ -62,6 +62,14 @@ def connect(app: Dash, sessions: Sessions) -> None:
                   State("page", "data"), prevent_initial_call=True)  # fmt: skip
     def redo(_, page):
         return answered(sessions, page, Session.redo)
+
+    @app.callback(Output("undo", "disabled"), Output("redo", "disabled"), Input("generation", "data"),
+                  State("page", "data"))  # fmt: skip
+    def ways(_, page):
+        session = opened(sessions, page)
+        if session is None:
+            return True, True
+        return not session.history.at, session.history.at + 1 == len(session.history.versions)
 
 
 def _work(session: Session, ended: object) -> list[object]:
