@@ -32,6 +32,16 @@ if COMPILED:
     _drop_stale_machine_code(Path(__file__).parent)
 
 
+def _where_there_is_room(save: Callable) -> Callable:
+    """Saving of machine code that a full disk does not turn into an error of the computation."""
+
+    def forgiving(*what: object) -> None:
+        with suppress(OSError):
+            save(*what)
+
+    return forgiving
+
+
 def compiled(function: Callable) -> Callable:
     """Decorator: the function in machine code, cached beside its file (or in the user's cache where that is
     read-only).
@@ -39,10 +49,12 @@ def compiled(function: Callable) -> Callable:
     if not COMPILED:
         return function
     try:
-        return njit(cache=True, error_model="numpy")(function)
+        dispatcher = njit(cache=True, error_model="numpy")(function)
     except RuntimeError:
         # A read-only installation and no home folder: nowhere to keep machine code, so every start compiles anew.
         return njit(error_model="numpy")(function)
+    dispatcher._cache.save_overload = _where_there_is_room(dispatcher._cache.save_overload)
+    return dispatcher
 
 
 def plain(function: Callable) -> Callable:

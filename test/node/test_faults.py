@@ -191,11 +191,8 @@ def test_a_full_disk_stops_recording_and_never_the_estimates(start, rig, tmp_pat
         before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000)),
     )  # fmt: skip
     rig.ready()
-    for _ in range(40):
-        rig.drive(100)
-        if rig.status("recording") and rig.status("recording").level == b"\x02":
-            break
-    assert "File too large" in rig.message("recording")
+    rig.wait(lambda: rig.drive(100) and "File too large" in rig.message("recording"), "the report of the full disk")
+    assert rig.status("recording").level == b"\x02"
     assert int(rig.values("recording")["not recorded"]) > 0
     settle(rig)
 
