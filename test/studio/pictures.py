@@ -1,8 +1,12 @@
-"""Takes the pictures of docs/studio.md: ``PYTHONPATH=. python test/studio/pictures.py -o docs/images``."""
+"""Takes the pictures of docs/studio.md, one per state of the page: ``python test/studio/pictures.py -o docs/images``.
+
+``--all`` takes every state on a small and a large screen, light and dark, to look at after a change of the page.
+"""
 
 import argparse
 import shutil
 import tempfile
+from itertools import product
 from pathlib import Path
 
 from hand import Hand, hand, served
@@ -10,74 +14,107 @@ from hand import Hand, hand, served
 from damper_estimator.cli.main import main as command
 
 BAGS = Path(__file__).parents[2] / "bags"
-LARGE = (1920, 1080)
+SMALL, LARGE = (1280, 720), (1920, 1080)
+SHOWN_LARGE = ("compare", "model")  # of which the documents show the dark picture of a large screen as well
 
 
-def pictures(url: str, out: Path) -> None:
-    """One picture per state, light at 1280 x 720; the last states dark and large."""
-    with hand(url) as own:
-        shot(own, out, "empty")
+class Camera:
+    """Takes pictures of one kind of screen; final."""
+
+    def __init__(self, out: Path, size: tuple[int, int], scheme: str, wanted: tuple[str, ...] = ()) -> None:
+        self.size, self.scheme = size, scheme
+        self._out, self._wanted = out, wanted
+        self._kind = ("_dark" if scheme == "dark" else "") + ("_large" if size == LARGE else "")
+
+    def shot(self, own: Hand, name: str) -> None:
+        """A picture when the page has come to rest; none of a state that is not wanted."""
+        if not self._wanted or name in self._wanted:
+            own.page.wait_for_timeout(1500)
+            own.page.screenshot(path=self._out / f"studio_{name}{self._kind}.png")
+
+
+def walk(url: str, camera: Camera) -> None:
+    """The whole way, and what can go wrong."""
+    with hand(url, *camera.size, camera.scheme) as own:
+        camera.shot(own, "empty")
         own.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",))
         own.until(lambda: own.told("regions"))
-        own.page.locator(".region").first.click()
-        own.until(lambda: own.seen()[1] - own.seen()[0] < 2.1)
-        shot(own, out, "compare")
-        own.page.locator("#tool").get_by_text("mark").click()
-        own.until(lambda: own.figure("velocity")["layout"]["dragmode"] == "select")
-        own.drag(".figure.velocity .nsewdrag", (0.35, 0.05), (0.65, 0.95))
-        own.until(lambda: "samples marked" in own.told("marked-told"))
-        shot(own, out, "marked")
-        own.page.click("#unmark")
-        learn(own, out)
-    with hand(url, *LARGE, scheme="dark") as own:
-        own.open(["hidden_fit.mcap"], ["before.yaml"], ("hidden_unseen.mcap",))
-        own.tab("Model")
-        shot(own, out, "model_dark_large")
-    with hand(url) as own:
+        camera.shot(own, "opened")
+        compare(own, camera)
+        learn(own, camera)
+        change(own, camera)
+    with hand(url, *camera.size, camera.scheme) as own:
         own.choose("recordings", "cut.mcap")
         own.choose("models", "linear_viscous")
         own.page.click("#open")
         own.until(lambda: "cut off" in own.told("open-told"))
-        shot(own, out, "error")
+        camera.shot(own, "error")
 
 
-def learn(own: Hand, out: Path) -> None:
-    """Diagnosis, evidence, the fall of the error, saving."""
+def compare(own: Hand, camera: Camera) -> None:
+    """The worst region, a band of velocities marked, the map of the error and the quality of the data."""
+    own.page.locator(".region").first.click()
+    own.until(lambda: own.seen()[1] - own.seen()[0] < 2.1)
+    camera.shot(own, "compare")
+    own.page.locator("#tool").get_by_text("mark").click()
+    own.until(lambda: own.figure("velocity")["layout"]["dragmode"] == "select")
+    own.drag(".figure.velocity .nsewdrag", (0.35, 0.05), (0.65, 0.95))
+    own.until(lambda: "samples marked" in own.told("marked-told"))
+    camera.shot(own, "marked")
+    own.page.click("#unmark")
+    own.page.locator("#quality").scroll_into_view_if_needed()
+    camera.shot(own, "map")
+
+
+def learn(own: Hand, camera: Camera) -> None:
+    """The diagnosis while it goes on, what it found, and what an effect would explain."""
     own.tab("What is missing")
     own.page.locator("#mode").get_by_text("parameters kept").click()
     own.page.click("#diagnose")
     own.until(lambda: "%" in own.told("job"))
-    shot(own, out, "diagnosing")
+    camera.shot(own, "diagnosing")
     own.done("diagnosing")
     own.until(lambda: "oil compressibility" in own.told("findings"))
-    shot(own, out, "diagnosis")
-    own.page.locator(".finding").first.hover()
-    own.until(lambda: "oil_spring" in own.told("looked-name"))
-    own.page.locator("#looked").scroll_into_view_if_needed()
-    shot(own, out, "evidence")
+    own.page.mouse.move(5, 300)
+    camera.shot(own, "diagnosis")
+    own.page.locator("#candidates tr[data-effect]").first.hover()
+    own.until(lambda: own.told("equation"))
+    camera.shot(own, "evidence")
+
+
+def change(own: Hand, camera: Camera) -> None:
+    """The error falls, sliders, saving; a value that is out of bounds and a file that is there."""
     own.page.locator(".finding button").first.click()
     own.done("identifying")
     own.tab("Steps")
     own.until(lambda: own.page.locator("#steps li").count() == 2)
-    shot(own, out, "steps")
+    camera.shot(own, "steps")
     own.tab("Model")
-    shot(own, out, "model")
+    camera.shot(own, "model")
+    value = own.page.locator("#parameters input.dash-input-element").first
+    value.fill("1e9")
+    value.press("Enter")
+    own.until(lambda: "is outside" in own.told("change-told"))
+    camera.shot(own, "refused")
     own.tab("Save")
-    shot(own, out, "save")
-
-
-def shot(own: Hand, out: Path, name: str) -> None:
-    """A picture when the page has come to rest."""
-    own.page.wait_for_timeout(2500)
-    own.page.screenshot(path=out / f"studio_{name}.png")
+    own.page.fill("#name", "before.yaml")
+    own.page.keyboard.press("Enter")
+    own.page.click("#save")
+    own.until(lambda: "exists already" in own.told("save-told"))
+    camera.shot(own, "save")
 
 
 def main() -> None:
     """Opens the studio on the shipped recordings and walks through it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/images"))
-    out = parser.parse_args().output
+    parser.add_argument("--all", action="store_true", help="every state on every kind of screen")
+    arguments = parser.parse_args()
+    out = arguments.output
     out.mkdir(parents=True, exist_ok=True)
+    kinds = [Camera(out, SMALL, "light"), Camera(out, LARGE, "dark", SHOWN_LARGE)]
+    if arguments.all:
+        kinds = [Camera(out, size, scheme) for size, scheme in product((SMALL, LARGE), ("light", "dark"))]
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "recordings"
         folder.mkdir()
@@ -86,7 +123,8 @@ def main() -> None:
         command(["fit", str(folder / "hidden_base.mcap"), "-m", "viscous_curve", "-o", str(folder / "before.yaml")])
         (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:4000])
         with served(folder) as (_, url):
-            pictures(url, out)
+            for camera in kinds:
+                walk(url, camera)
 
 
 if __name__ == "__main__":
