@@ -1,11 +1,28 @@
 """Whole pages: a template, styles, scripts, plotly and the data in one file that needs nothing else, no network."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from importlib import resources
+from pathlib import Path
 
 from jinja2 import Environment, PackageLoader
+
+from damper_estimator.files import write_text
+
+_plotly_address: ContextVar[str] = ContextVar("plotly_address", default="")
+
+
+@contextmanager
+def plotly_from(address: str) -> Iterator[None]:
+    """Pages rendered inside read plotly from a file at this address, relative to them, instead of holding its 5 MB."""
+    token = _plotly_address.set(address)
+    try:
+        yield
+    finally:
+        _plotly_address.reset(token)
 
 
 def render(
@@ -28,12 +45,18 @@ def render(
             sections=sections,
             style="".join(_asset(name) for name in styles),
             script=_asset(script),
-            plotly=_plotly(),
+            plotly="" if _plotly_address.get() else _plotly(),
+            plotly_address=_plotly_address.get(),
             # Inside a script element only "<" could end it early.
             data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
             **more,
         )
     )
+
+
+def save_plotly(path: Path) -> None:
+    """Writes the file that pages rendered inside ``plotly_from`` read."""
+    write_text(path, _plotly())
 
 
 @cache

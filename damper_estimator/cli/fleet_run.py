@@ -1,0 +1,143 @@
+"""One run of the fleet: workers, progress, and the table and the page at its end, however it ends."""
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+
+from damper_estimator.cli.common import progress
+from damper_estimator.cli.fleet_work import PLOTLY, work
+from damper_estimator.cli.work_line import WorkLine
+from damper_estimator.errors import InputError
+from damper_estimator.fleet.cluster import connected, dashboard_of, threads_of
+from damper_estimator.fleet.manifest import find_recordings
+from damper_estimator.fleet.rows import failures_of, write_rows
+from damper_estimator.fleet.run import Asked, Fleet, Tally
+from damper_estimator.model import load_model
+from damper_estimator.report.page import save_plotly
+
+_EVERY = 10.0  # s between two lines of progress where they cannot be written over
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of a run.
+
+    Attributes:
+        verb: what was done.
+        rows: of the dataset.
+        page: the fleet's.
+        seconds: that it took.
+        tally: how many tasks.
+        failures: recording, damper and reason of those that failed, sorted.
+    """
+
+    verb: str
+    rows: Path
+    page: Path
+    seconds: float
+    tally: Tally
+    failures: list[dict[str, str]]
+
+    @property
+    def summary(self) -> str:
+        """One line for people."""
+        t = self.tally
+        rate = f" ({t.done / self.seconds:.3g} a second)" if t.done and self.seconds > 0.0 else ""
+        return (
+            f"{t.known} tasks of {t.recordings} recordings: {t.kept} were done before, {t.done} done now{rate}; "
+            f"{t.failed} failed"
+        )
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "verb": self.verb,
+            "rows": self.rows,
+            "page": self.page,
+            "recordings": self.tally.recordings,
+            "tasks": self.tally.known,
+            "kept": self.tally.kept,
+            "done": self.tally.done,
+            "failed": self.tally.failed,
+            "seconds": self.seconds,
+            "failures": self.failures,
+        }
+
+
+class FleetProgress:
+    """Tells tallies on a work line, with rate and time left; elsewhere than on a terminal every ten seconds."""
+
+    def __init__(self, line: WorkLine) -> None:
+        self.line, self.begun, self.told = line, monotonic(), -_EVERY
+
+    def __call__(self, tally: Tally) -> None:
+        now = monotonic()
+        if not self.line.over and now - self.told < _EVERY:
+            return
+        self.told = now
+        rate = tally.done / max(now - self.begun, 1e-9)
+        left = tally.expected - tally.kept - tally.done
+        share = (tally.kept + tally.done) / max(tally.expected, 1.0)
+        text = f"{tally.kept + tally.done} of {tally.expected:.0f} tasks"
+        text += f", {rate:.3g} a second, {_duration(left / rate)} left" if tally.done else ""
+        text += f", {tally.failed} failed" if tally.failed else ""
+        self.line(text, min(share, 1.0))
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    if seconds < 6000.0:
+        return f"{seconds / 60.0:.0f} min"
+    return f"{seconds / 3600.0:.1f} h"
+
+
+def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
+    """Does what is missing; table and page are made at the end, also where the work was interrupted.
+
+    Raises:
+        InputError: where nothing can be begun, or results cannot be written.
+    """
+    began = monotonic()
+    recordings = find_recordings(arguments.sources, arguments.dampers, arguments.signals)
+    output = _folder(arguments.output)
+    asked = Asked(
+        arguments.work, words, _model(arguments.model), output, not arguments.no_pages, arguments.retry
+    )  # fmt: skip
+    with connected(arguments.scheduler, arguments.workers, arguments.memory) as client:
+        _tell_cluster(dashboard_of(client), threads_of(client))
+        with WorkLine(f"fleet {asked.verb}") as line:
+            fleet = Fleet(asked, recordings, work, FleetProgress(line))
+            try:
+                fleet.run(client)
+            finally:
+                rows = write_rows(output, asked.verb, fleet.tasks)
+    page = output / "index.html"
+    return Done(asked.verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows))
+
+
+def _folder(output: Path) -> Path:
+    output = output.absolute()
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        save_plotly(output / PLOTLY)
+    except OSError as error:
+        raise InputError(f"{output}: cannot be made ({error.strerror}); choose another place with -o") from error
+    return output
+
+
+def _model(named: str) -> str:
+    """The model as workers in any folder find it; refused before the work where it is none."""
+    path = Path(named).absolute()
+    if not path.is_dir():
+        load_model(named)
+    return str(path) if path.exists() else named
+
+
+def _tell_cluster(dashboard: str, threads: int) -> None:
+    where = f"; dashboard {dashboard}" if dashboard else ""
+    if threads:
+        progress(f"{threads} worker{'s' if threads > 1 else ''}{where}")
+    else:
+        progress(f"the scheduler has no worker yet; waiting for one{where}")

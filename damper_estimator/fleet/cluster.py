@@ -1,0 +1,71 @@
+"""The workers: a cluster on this machine, or one that is there."""
+
+import importlib.util
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from distributed import Client, LocalCluster
+
+from damper_estimator.errors import InputError
+
+_PATIENCE = 10  # s in which a scheduler must answer
+_LOOPBACK = "127.0.0.1"
+
+
+@contextmanager
+def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterator[Client]:
+    """A client of the scheduler at an address, or of workers that are started here and end with the block.
+
+    Workers of this machine are processes with one thread each, also in the linear algebra library, and listen on the
+    loopback address alone.
+
+    Args:
+        scheduler: such as ``tcp://10.0.0.1:8786``; None for this machine.
+        workers: how many are started here; None for one per core.
+        memory: limit of each worker started here, such as ``2GiB``; ``auto`` shares what there is. A worker over it is
+            started anew.
+
+    Raises:
+        InputError: where no scheduler answers, or the limit is no amount of memory.
+    """
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    if scheduler is None:
+        with _local(workers or os.cpu_count() or 1, memory) as cluster, Client(cluster) as client:
+            yield client
+        return
+    try:
+        client = Client(scheduler, timeout=_PATIENCE)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            f"{scheduler}: no scheduler answers there; start one (dask scheduler) or leave --scheduler out"
+        ) from error
+    with client:
+        yield client
+
+
+def _local(workers: int, memory: str) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host=_LOOPBACK,
+            dashboard_address=f"{_LOOPBACK}:0",
+            worker_dashboard_address=None,
+            memory_limit=memory,
+            silence_logs=logging.CRITICAL,
+        )
+    except ValueError as error:
+        raise InputError(f"--memory {memory}: is no amount of memory; write such as 2GiB, or auto") from error
+
+
+def dashboard_of(client: Client) -> str:
+    """Address of the page on which Dask shows its work; "" where it offers none: bokeh, which draws it, is missing."""
+    return client.dashboard_link if importlib.util.find_spec("bokeh") else ""
+
+
+def threads_of(client: Client) -> int:
+    """How many tasks the cluster does at a time; 0 while no worker is there."""
+    return sum(client.nthreads().values())
