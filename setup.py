@@ -45,6 +45,7 @@ setup(
     extras_require={
         "evolutionary": ["pymoo>=0.6.1,<0.7"],
         "studio": ["dash>=4.1,<5", "tsdownsample>=0.1.4,<0.2"],
+        "fleet": ["distributed>=2024.8,<2027", "pyarrow>=15.0,<27"],
         "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7", "playwright>=1.45,<2"],
     },
     entry_points={
