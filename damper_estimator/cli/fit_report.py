@@ -6,18 +6,16 @@ from pathlib import Path
 
 from damper_estimator.identification import Fit, FittedParameter, Front, JointFit
 from damper_estimator.identification.front import BEST
-from damper_estimator.model import DamperModel
-from damper_estimator.model.element import labels
 
 
 def table(damper: str, result: Fit, target: Path) -> str:
     """The result for people."""
     width = max(len(parameter.name) for parameter in result.parameters)
-    knots = _knots(result.model)
+    knots = result.model.knots
     lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
     for p in result.parameters:
         unit = p.unit if p.unit != "1" else ""
-        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {unit}{knots.get(p.name, '')}"
+        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {unit} {knots.get(p.name, '')}"
         lines.append(row.rstrip())
     lines += [
         f"  rms error  {result.rmse_before_n:.4g} N -> {result.rmse_n:.4g} N",
@@ -35,18 +33,6 @@ def _uncertainty(parameter: FittedParameter) -> str:
     return (
         f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
     )
-
-
-def _knots(model: DamperModel) -> dict[str, str]:
-    """Where on its curve each entry of a vector stands, by address."""
-    places = {}
-    elements = labels(model.effects)
-    for slot in model.slots:
-        _, element = elements[slot.entry]
-        if isinstance(slot.parameter.size, str):
-            unit = {setting.name: setting.unit for setting in element.effect.settings}[slot.parameter.size]
-            places[slot.address] = f" at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
-    return places
 
 
 def as_json(result: Fit, target: Path) -> dict[str, object]:

@@ -72,6 +72,17 @@ class DamperModel:
                     slots.append(Slot(address, float(number), parameter, entry, index, fixed))
         return tuple(slots)
 
+    @property
+    def knots(self) -> dict[str, str]:
+        """Where on its curve each entry of a vector parameter stands, such as ``at -0.15 m/s``, by address."""
+        places, elements = {}, labels(self.effects)
+        for slot in self.slots:
+            _, element = elements[slot.entry]
+            if isinstance(slot.parameter.size, str):
+                unit = {setting.name: setting.unit for setting in element.effect.settings}[slot.parameter.size]
+                places[slot.address] = f"at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
+        return places
+
     def __getstate__(self) -> dict[str, object]:
         """What goes to another process: what was declared; the compiled program is made there anew."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}

@@ -89,10 +89,11 @@ def time_figure(scene: Scene) -> Figure:
     layout = {
         "xaxis": axis("time in s", anchor="y2", range=ends),
         "yaxis": axis("force in N", domain=[0.41, 1.0], fixedrange=True),
-        "yaxis2": axis("residual in N", domain=[0.0, 0.34], fixedrange=True),
+        "yaxis2": axis("residual<br>in N", domain=[0.0, 0.34], fixedrange=True),
         "hovermode": "x",
         "selectdirection": "h",
         "showlegend": True,
+        "margin": {"l": 50, "r": 8, "t": 8, "b": 34},
     }
     return {"data": data + below, "layout": layout}
 
@@ -110,13 +111,9 @@ def cloud_figure(scene: Scene, motion: str) -> Figure:
     if inside is not None:
         chosen = np.flatnonzero(inside[span]) + span.start
         chosen = chosen[:: max(chosen.size // _MARKED_POINTS, 1)]
-        data.append(points(x[chosen], scene.measured[chosen], "marked", FOUND, 5.5) | {"marker": _ring()})
-    layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 38}}
+        data.insert(0, points(x[chosen], scene.measured[chosen], "marked", FOUND, 9.0) | {"opacity": 0.6})
+    layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
     return {"data": data, "layout": layout}
-
-
-def _ring() -> Figure:
-    return {"color": FOUND, "size": 6, "symbol": "circle-open", "line": {"width": 1.5}}
 
 
 def figures(scene: Scene) -> dict[str, Figure]:

@@ -13,6 +13,13 @@ TICK = 500  # ms between two looks at how far the work is
 _GRAPH = {"displaylogo": False, "responsive": True, "modeBarButtons": [["toImage", "resetScale2d"]]}
 _PLAIN = _GRAPH | {"displayModeBar": False}
 _TABS = {"fails": "Where it fails", "learn": "What is missing", "change": "Model", "steps": "Steps", "save": "Save"}
+_WAY = {
+    "Compare": "shows measured and modelled force, linked over time, velocity, displacement and acceleration.",
+    "Where it fails": "lists the regions of operation that carry the error; a click goes there.",
+    "What is missing": "tries every physical effect on data that the model was not fitted to, and ranks them.",
+    "Add": "puts an effect in and refits; the steps, down to the noise floor, can be undone.",
+    "Save": "writes the model, the signal map and the reports, for the command line and the node.",
+}
 _TOOLS = {"zoom": "zoom", "pan": "pan", "select": "mark", "lasso": "lasso"}
 EMPTY = {"data": [], "layout": {"xaxis": {"visible": False}, "yaxis": {"visible": False}}}
 
@@ -36,10 +43,14 @@ def layout(page: str, folder: Folder) -> html.Div:
             dcc.Interval(id="tick", interval=TICK),
             _header(folder),
             html.Details(
-                [html.Summary("Data and models", id="opened"), html.Div(_chooser(folder), className="choices")],
+                [
+                    html.Summary([html.Span("Data and models", id="opened"), html.Span(id="data-told")]),
+                    html.Div(_chooser(folder), className="choices"),
+                ],
                 id="chooser",
                 open=True,
             ),
+            _guide(folder),
             html.Main([_left(), _right()], id="work", className="empty"),
         ],
         id="studio",
@@ -50,7 +61,9 @@ def _header(folder: Folder) -> html.Header:
     return html.Header(
         [
             html.H1(["damper studio ", html.Small(str(folder.root))]),
+            html.Progress(id="progress", max="1", value="0", hidden=True, **{"aria-label": "how much is done"}),
             html.Div(id="job", role="status", **{"aria-live": "polite"}),
+            html.Div("The studio does not answer. Start it again, then load this page anew.", id="gone", role="alert"),
             html.Button("cancel", id="cancel", hidden=True),
             html.Button("undo", id="undo", disabled=True, title="Ctrl+Z"),
             html.Button("redo", id="redo", disabled=True, title="Ctrl+Y"),
@@ -62,12 +75,6 @@ def _header(folder: Folder) -> html.Header:
 def _chooser(folder: Folder) -> list:
     recordings, maps = folder.recordings(), folder.maps()
     models = [*folder.models(), *library_models()]
-    hint = (
-        "Choose a recording and a model, then open them."
-        if recordings
-        else f"There is no recording in {folder.root}. Put an .mcap file or a rosbag2 folder there, or start the "
-        "studio on another folder, then load this page again."
-    )
     window = [_number("start", "from, s"), _number("stop", "to, s")]
     return [
         _labelled("recordings", dcc.Dropdown(recordings, id="recordings", multi=True, placeholder="what to look at")),
@@ -77,8 +84,21 @@ def _chooser(folder: Folder) -> list:
         _labelled("models", dcc.Dropdown(models, id="models", multi=True, placeholder="the first is worked on")),
         html.Div([html.Span("window", className="label"), html.Div(window, className="pair-of-numbers")]),
         html.Button("Open", id="open", className="primary"),
-        html.P(hint, id="open-told", className="told-here"),
+        html.P("", id="open-told", className="told-here"),
     ]
+
+
+def _guide(folder: Folder) -> html.Section:
+    """What to do while nothing is open."""
+    if not folder.recordings():
+        missing = (
+            f"There is no recording in {folder.root}. Put an .mcap file or a rosbag2 folder there, or start the studio "
+            "on another folder, then load this page again."
+        )
+        way = "Files of a bench or a logger (CSV, text, MAT) become recordings with "
+        return html.Section([html.H2(missing), html.P([way, html.Code("damper-estimator import"), "."])], id="guide")
+    steps = [html.Li([html.B(name), f" {what}"]) for name, what in _WAY.items()]
+    return html.Section([html.H2("Choose a recording and a model above, then open them."), html.Ol(steps)], id="guide")
 
 
 def _left() -> html.Section:
@@ -93,14 +113,26 @@ def _left() -> html.Section:
             tools,
             html.Button("all", id="all", title="the whole recording"),
             html.Button("unmark", id="unmark", title="take the marks away"),
-            html.Span("", id="marked-told", className="hint"),
         ],
         className="title",
     )
-    time = html.Section([bar, _graph("time"), html.P("", id="draw-told", className="told-here")], className="card")
+    told = [html.Span("", id="marked-told", className="hint"), html.P("", id="draw-told", className="told-here")]
+    time = html.Section([bar, *told, _graph("time")], className="card")
     clouds = [html.Section([html.H2(f"Force over {m}"), _graph(m)], className="card") for m in MOTIONS]
-    table = html.Div(id="measures")
-    return html.Section([table, time, html.Div(clouds, className="three")], id="left")
+    below = html.Div([html.Div(clouds, className="three"), _looked()], className="below")
+    return html.Section([html.Div(id="measures"), time, below], id="left")
+
+
+def _looked() -> html.Section:
+    """What the effect that is pointed at would explain; it lies over the clouds, beside the list that is pointed at."""
+    title = [html.H2("", id="looked-name"), html.Button("×", id="unlook", **{"aria-label": "close", "title": "Esc"})]
+    parts = [_plain("explained"), html.Div(id="equation")]
+    return html.Section(
+        [html.Div(title, className="title"), html.Div(parts, className="two")],
+        id="looked",
+        className="card",
+        hidden=True,
+    )
 
 
 def _graph(name: str) -> html.Div:
@@ -156,9 +188,6 @@ def _learn() -> list:
         html.P("", id="learn-told", className="told-here"),
         html.Div(id="findings"),
         html.Div([_plain("ranking"), html.Div(id="candidates")], id="ranked", hidden=True),
-        html.Div(
-            [html.H2("", id="looked-name"), _plain("explained"), html.Div(id="equation")], id="looked", hidden=True
-        ),
     ]
 
 

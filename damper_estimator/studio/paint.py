@@ -34,6 +34,11 @@ def painted(figure: Mapping, theme: str) -> dict[str, object]:
     return {"data": _coloured(figure["data"], own), "layout": _base(own) | height | layout | axes}
 
 
+def as_tall_as(figure: Mapping) -> dict[str, str]:
+    """The style of a figure that brings its height with it, as it grows with its rows."""
+    return {"height": f"{figure['height']}px"}
+
+
 def _base(own: Mapping[str, str]) -> dict[str, object]:
     clear = "rgba(0,0,0,0)"
     return {

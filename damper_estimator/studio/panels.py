@@ -84,6 +84,17 @@ def quality(comparison: Comparison) -> Piece:
     return html.Table(html.Tbody(rows), className="quality")
 
 
+def quality_line(comparison: Comparison) -> list:
+    """The quality of the data in a line: how much there is, and all that is suspicious."""
+    rows = quality_rows(comparison)
+    told = [f"{row['text']} {row['name']}" for row in rows[:1]] + [row["text"] for row in rows[1:2]]
+    bad = [f"{row['name']} {row['text']}" for row in rows if row["bad"]]
+    if comparison.findings:
+        bad.append(f"{len(comparison.findings)} mistakes of the measurement, see Where it fails")
+    doubts = html.Span(f"⚠ {', '.join(bad)}", className="bad") if bad else "nothing suspicious"
+    return [f"data: {', '.join(told)}, ", doubts]
+
+
 def findings(found: Diagnosis, stale: bool) -> Piece:
     """The verdict and the effects that are missing, each with a button that adds it."""
     told: list[Piece] = [html.P(found.sentence, className="told")]
@@ -142,17 +153,17 @@ def candidates(found: Diagnosis) -> Piece:
         button = html.Button(
             "add", id={"type": "add", "effect": own.effect, "from": "ranking"}, title=f"add {own.effect} and refit"
         )
-        name = html.Th(
-            html.Span([plain_name(own.phenomenon), html.Small(f" {own.effect}")], tabIndex="0", className="looked"),
-            scope="row",
+        name = html.Span(
+            [html.B(plain_name(own.phenomenon)), html.Small(f" {own.effect}")], tabIndex="0", className="looked"
         )
-        cells = [name, html.Td(gain), html.Td(own.reason or "found", className="reason"), html.Td(button)]
-        rows.append(html.Tr(cells, **{"data-effect": own.effect}))
+        rows.append(
+            html.Li([name, button, html.Span(f"{gain}: {own.reason or 'found'}")], **{"data-effect": own.effect})
+        )
     untried = [row for row in rejected_rows((), found.untestable)]
     more = [html.Details([html.Summary(f"{len(untried)} could not be tried"), html.Ul(
         [html.Li(f"{row['effect']}: {row['reason'].removeprefix('not tried: ')}") for row in untried])])]  # fmt: skip
-    head = html.Thead(html.Tr([html.Th("phenomenon"), html.Th("explains"), html.Th("verdict"), html.Th("")]))
-    return html.Div([html.Table([head, html.Tbody(rows)], className="reasons"), *(more if untried else [])])
+    hint = html.P("Point at one, or reach it with Tab, to see its equation and what it explains.", className="hint")
+    return html.Div([hint, html.Ol(rows, className="candidates"), *(more if untried else [])])
 
 
 def equation(effect: str) -> Piece:
@@ -162,12 +173,12 @@ def equation(effect: str) -> Piece:
     return html.Div([html.Pre(own.description.strip(), className="equation"), *shows])
 
 
-def steps_list(errors: Sequence[float], names: Sequence[str], at: int) -> Piece:
-    """The steps in words; those that were undone are pale."""
+def steps_list(errors: Sequence[float], names: Sequence[str], files: Sequence[str], at: int) -> Piece:
+    """The steps in words, with the file that each was saved to; those that were undone are pale."""
     rows = []
-    for i, (error, name) in enumerate(zip(errors, names, strict=True)):
+    for i, (error, name, file) in enumerate(zip(errors, names, files, strict=True)):
         told = f"{error:.4g} N" if np.isfinite(error) else "–"
-        rows.append(
-            html.Li([html.B(name), f" {told} unseen"], className="undone" if i > at else "now" if i == at else "")
-        )
+        state = "undone" if i > at else ("now" if file or not i else "now unsaved") if i == at else ""
+        saved = [html.Small(f", saved as {file}")] if file else []
+        rows.append(html.Li([html.B(name), f" {told} unseen", *saved], className=state))
     return html.Ol(rows, className="history")

@@ -16,7 +16,7 @@ _UNITS = {"1": "", "m/s^2": "m/s²", "deg C": "°C"}
 def parameter_list(model: DamperModel) -> list:
     """One group per entry of the model, in order."""
     groups = []
-    errors = dict(model.fit.get("standard_errors") or {})
+    errors, places = dict(model.fit.get("standard_errors") or {}), model.knots
     movable = len(model.slots) <= _MOST
     for index, (label, element) in enumerate(labels(model.effects)):
         slots = [slot for slot in model.slots if slot.entry == index]
@@ -25,7 +25,8 @@ def parameter_list(model: DamperModel) -> list:
             title.append(
                 html.Button("take out", id={"type": "remove", "label": label}, title=f"take {label} out of the model")
             )
-        rows = [_row(slot, float(errors.get(slot.address, "nan"))) for slot in slots] if movable else [_told(slots)]
+        rows = [_row(slot, float(errors.get(slot.address, "nan")), places.get(slot.address, "")) for slot in slots]
+        rows = rows if movable else [_told(slots)]
         groups.append(html.Section([html.Div(title, className="title"), *rows], className="entry"))
     return groups
 
@@ -34,7 +35,7 @@ def _told(slots: list[Slot]) -> html.P:
     return html.P(f"{len(slots)} numbers: too many to move by hand; identify them anew instead.", className="hint")
 
 
-def _row(slot: Slot, error: float) -> html.Div:
+def _row(slot: Slot, error: float, place: str) -> html.Div:
     low, high = slot.parameter.lower, slot.parameter.upper
     unit = _UNITS.get(slot.parameter.unit, slot.parameter.unit)
     name = slot.address.partition(".")[2]
@@ -43,17 +44,18 @@ def _row(slot: Slot, error: float) -> html.Div:
     certain = f"± {number(error, 2)}" if np.isfinite(error) else "at its bound" if at_bound else ""
     return html.Div(
         [
-            html.Label([name, html.Small(f" {unit}")], title=told),
+            html.Label([name, html.Small(f" {place}")], title=told),
+            html.Small(f"{low:g} … {high:g} {unit}  {certain}", className="bounds"),
+            dcc.Checklist(
+                [{"label": "free", "value": slot.address}], [] if slot.fixed else [slot.address],
+                id={"type": "free", "address": slot.address},
+            ),
             html.Div(_slider(slot), role="group", **{"aria-label": f"{slot.address}, {unit}"}),
             dcc.Input(
                 type="number", value=float(f"{slot.value:.6g}"), debounce=True, step="any",
                 id={"type": "number", "address": slot.address}, className="value",
             ),
-            dcc.Checklist(
-                [{"label": "free", "value": slot.address}], [] if slot.fixed else [slot.address],
-                id={"type": "free", "address": slot.address},
-            ),
-            html.Small(f"{low:g} … {high:g}  {certain}", className="bounds"),
+            html.Small(unit, className="unit"),
         ],
         className="parameter",
     )  # fmt: skip

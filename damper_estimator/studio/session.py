@@ -51,6 +51,7 @@ class Session:
         self._lock = threading.RLock()
         self._shown: list[Shown] = []
         self._compared: list[tuple[Shown, Comparison]] = []
+        self._saved: list[tuple[Version, str]] = []
 
     @property
     def model(self) -> DamperModel:
@@ -111,7 +112,7 @@ class Session:
             views = [shown(model, stage) for model in (first, *others)]
             with self._lock:
                 self.stage, self.others, self.diagnosis = stage, tuple(others), None
-                self._shown, self._compared = views, []
+                self._shown, self._compared, self._saved = views, [], []
                 self.opened += 1
                 self.history = History((Version(step, stage.signals),))
                 self._changed()
@@ -203,12 +204,22 @@ class Session:
             self.history = self.history.redone()
             self._changed()
 
+    def saved(self, name: str) -> None:
+        """The model on view was written to a file of the folder."""
+        with self._lock:
+            self._saved = [*((own, file) for own, file in self._saved if file != name), (self._now(), name)]
+            self._changed(rebuilt=False)
+
+    def saved_as(self, version: Version) -> str:
+        """The file that a version's model was written to last; "" where there is none."""
+        return next((file for own, file in reversed(self._saved) if own is version), "")
+
     def close(self) -> None:
         """Ends the work that goes on and lets go of all that was read."""
         if self.job is not None:
             self.job.cancel()
         self.stage, self.history, self.diagnosis = None, None, None
-        self._shown, self._compared = [], []
+        self._shown, self._compared, self._saved = [], [], []
 
     def _case(self) -> Case:
         return Case(self.model, self.here.fit, self.here.unseen)

@@ -77,7 +77,7 @@ def learn(own: Hand, camera: Camera) -> None:
     own.until(lambda: "oil compressibility" in own.told("findings"))
     own.page.mouse.move(5, 300)
     camera.shot(own, "diagnosis")
-    own.page.locator("#candidates tr[data-effect]").first.hover()
+    own.page.locator("#candidates li").first.hover()
     own.until(lambda: own.told("equation"))
     camera.shot(own, "evidence")
 

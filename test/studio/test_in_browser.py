@@ -33,7 +33,7 @@ def unseen(text: str) -> float:
 def test_the_whole_way(folder):
     with served(folder) as (_, url), hand(url) as own:
         page = own.page
-        assert "Choose a recording and a model" in own.told("open-told")
+        assert "Choose a recording and a model" in own.told("guide")
         own.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",), SECONDS)
         own.until(lambda: own.told("regions"))
         assert page.locator("#measures tbody tr").count() == 2
@@ -165,5 +165,5 @@ def test_a_page_that_goes_takes_its_work_along_and_a_killed_server_loses_nothing
 
 def test_a_folder_without_recordings_says_what_to_do(tmp_path):
     with served(tmp_path, "--token") as (_, url), hand(url) as own:
-        assert "Put an .mcap file or a rosbag2 folder there" in own.told("open-told")
+        assert "Put an .mcap file or a rosbag2 folder there" in own.told("guide")
         assert not own.faults

@@ -11,7 +11,7 @@
       return dark ? "dark" : "light";
     },
     introduce(own) { page = own; return own; },
-    tab(chosen, ids) { return ids.map((id) => id.name !== chosen); },
+    tab(chosen, ids) { return [ids.map((id) => id.name !== chosen), chosen]; },
     // While a slider moves, the curves follow ten times a second.
     dragged() {
       const cause = window.dash_clientside.callback_context.triggered[0], now = Date.now();
@@ -25,10 +25,13 @@
     const row = event.target.closest && event.target.closest("[data-effect]");
     if (row && row.dataset.effect !== looked) { looked = row.dataset.effect; set("hovered", { data: looked }); }
   }
+  const unlook = () => { looked = ""; set("hovered", { data: "" }); };
   document.addEventListener("mouseover", look);
   document.addEventListener("focusin", look);
+  document.addEventListener("click", (event) => { if (event.target.closest("#unlook")) unlook(); });
 
   document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && looked) unlook();
     if (!(event.ctrlKey || event.metaKey) || event.target.closest("input,textarea")) return;
     const button = { z: "undo", y: "redo" }[event.key];
     if (button) { event.preventDefault(); document.getElementById(button).click(); }
@@ -37,6 +40,20 @@
   // A button that becomes disabled while it has the focus would swallow the next keys.
   document.addEventListener("click", (event) => { const own = event.target.closest("#undo,#redo"); if (own) own.blur(); });
 
+  // A server that was ended answers nothing: the page says so until it does again.
+  const fetched = window.fetch;
+  window.fetch = async (...sent) => {
+    try {
+      const answer = await fetched(...sent);
+      document.body.classList.remove("gone");
+      return answer;
+    } catch (error) {
+      document.body.classList.toggle("gone", error.name !== "AbortError");
+      throw error;
+    }
+  };
+
+  window.addEventListener("beforeunload", (event) => { if (document.querySelector("#steps .unsaved")) event.preventDefault(); });
   window.addEventListener("pagehide", () => { if (page) navigator.sendBeacon("/leave", page); });
   // A page that comes back from the browser's memory has no session any longer.
   window.addEventListener("pageshow", (event) => { if (event.persisted) window.location.reload(); });

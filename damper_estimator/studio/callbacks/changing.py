@@ -12,12 +12,13 @@ from damper_estimator.report.verdict_figures import error_bars, waterfall_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.history import History
-from damper_estimator.studio.paint import painted
+from damper_estimator.studio.paint import as_tall_as, painted
 from damper_estimator.studio.parameters import parameter_list
 from damper_estimator.studio.scale import from_place, to_place
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
+_ROOM = 1.4  # of the largest bar: what is written beside it fits into the narrow panel
 _SLIDER, _NUMBER, _FREE = ({"type": kind, "address": ALL} for kind in ("slider", "number", "free"))
 
 
@@ -149,6 +150,7 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         Output("waterfall", "figure"),
+        Output("waterfall", "style"),
         Output("steps", "children"),
         Input("generation", "data"),
         Input("theme", "data"),
@@ -161,9 +163,11 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         history = session.history
         floor = session.comparison(session.shown(session.model)).noise_floor_n
         errors = [own.step.rmse_unseen_n for own in history.versions]
-        listed = panels.steps_list(errors, [step_name(own.step) for own in history.versions], history.at)
+        names = [step_name(own.step) for own in history.versions]
+        files = [session.saved_as(own) for own in history.versions]
+        listed = panels.steps_list(errors, names, files, history.at)
         drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n)
-        return painted(drawn, theme), listed
+        return painted(drawn, theme), as_tall_as(drawn), listed
 
 
 def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:
@@ -171,4 +175,6 @@ def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:
     steps = [own.step for own in history.done]
     if len(steps) == 1:
         return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor_n, force_n)
-    return waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n))
+    drawn = waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n))
+    drawn["layout"]["xaxis"]["range"] = [0.0, _ROOM * max(step.rmse_unseen_n for step in steps)]
+    return drawn

@@ -1,6 +1,6 @@
 """What is missing: the diagnosis, its ranking, and what each effect would explain."""
 
-from dash import Dash, Input, Output, State
+from dash import Dash, Input, Output, State, no_update
 from dash.exceptions import PreventUpdate
 
 from damper_estimator.diagnosis import Diagnosis
@@ -14,7 +14,7 @@ from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.explained import explained_figure
 from damper_estimator.studio.page import EMPTY
-from damper_estimator.studio.paint import painted
+from damper_estimator.studio.paint import as_tall_as, painted
 from damper_estimator.studio.sessions import Sessions
 
 
@@ -26,6 +26,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
     @app.callback(
         Output("findings", "children"),
         Output("ranking", "figure"),
+        Output("ranking", "style"),
         Output("candidates", "children"),
         Output("ranked", "hidden"),
         Input("generation", "data"),
@@ -39,9 +40,11 @@ def connect(app: Dash, sessions: Sessions) -> None:
         found = session.diagnosis
         if found is None:
             hint = "Diagnose tries every physical effect on the model and judges it on data that it was not fitted to."
-            return hint, painted(EMPTY, theme), "", True
-        drawn = painted(ranking_figure(found.ranking, found.findings, tied_notes(found)), theme)
-        return panels.findings(found, found.model != session.model), drawn, panels.candidates(found), False
+            return hint, no_update, no_update, "", True
+        drawn = ranking_figure(found.ranking, found.findings, tied_notes(found))
+        drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
+        told = panels.findings(found, found.model != session.model)
+        return told, painted(drawn, theme), as_tall_as(drawn), panels.candidates(found), False
 
     @app.callback(
         Output("looked", "hidden"),

@@ -82,6 +82,7 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         Output("regions", "children"),
         Output("error-map", "figure"),
         Output("quality", "children"),
+        Output("data-told", "children"),
         Input("generation", "data"),
         Input("theme", "data"),
         State("page", "data"),
@@ -93,9 +94,9 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         try:
             found = session.comparison(session.shown(session.model))
         except InputError as error:
-            return str(error), "", no_update, ""
-        told = panels.verdict(found, session.stage.note)
-        return told, panels.regions(found), painted(error_map(found), theme), panels.quality(found)
+            return str(error), "", no_update, "", ""
+        told, drawn = panels.verdict(found, session.stage.note), painted(error_map(found), theme)
+        return told, panels.regions(found), drawn, panels.quality(found), panels.quality_line(found)
 
 
 def _names(session: Session) -> list[str]:

@@ -9,6 +9,7 @@ from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
 _PLACES = {"opening": 0, "diagnosing": 1, "improving": 1, "identifying": 2}  # where a work's failure is told
+_STEPPING = ("improving", "identifying")  # works that end in a step more
 
 
 def connect(app: Dash, sessions: Sessions) -> None:
@@ -20,13 +21,16 @@ def connect(app: Dash, sessions: Sessions) -> None:
     own("theme", Output("theme", "data"), Input("theme-button", "n_clicks"), State("theme", "data"))
     own("introduce", Output("studio", "data-page"), Input("page", "data"))
     panels = {"type": "panel", "name": ALL}
-    own("tab", Output(panels, "hidden"), Input("tab", "value"), State(panels, "id"))
+    own("tab", Output(panels, "hidden"), Output("work", "data-tab"), Input("tab", "value"), State(panels, "id"))
 
     @app.callback(
         *CHANGES,
         Output("job", "children"),
+        Output("progress", "value"),
+        Output("progress", "hidden"),
         Output("cancel", "hidden"),
         Output("ended", "data"),
+        Output("tab", "value"),
         Output("open-told", "children", allow_duplicate=True),
         Output("learn-told", "children", allow_duplicate=True),
         Output("change-told", "children", allow_duplicate=True),
@@ -41,12 +45,18 @@ def connect(app: Dash, sessions: Sessions) -> None:
         try:
             session = sessions.of(page)
         except InputError as error:
-            return no_update, no_update, str(error), True, no_update, *[no_update] * 3
+            return no_update, no_update, str(error), no_update, True, True, *[no_update] * 5
         changes = (
             session.generation if session.generation != generation else no_update,
             session.rebuilt if session.rebuilt != rebuilt else no_update,
         )
         return *changes, *_work(session, ended)
+
+    _connect_buttons(app, sessions)
+
+
+def _connect_buttons(app: Dash, sessions: Sessions) -> None:
+    """Cancel, undo and redo."""
 
     @app.callback(*CHANGES, Output("job", "children", allow_duplicate=True), Input("cancel", "n_clicks"),
                   State("page", "data"), prevent_initial_call=True)  # fmt: skip
@@ -76,11 +86,14 @@ def _work(session: Session, ended: object) -> list[object]:
     """How far the work is, and, once, how it ended; ``ended`` is the number of the last work whose end was told."""
     job, told = session.job, [no_update] * 3
     if job is None or session.jobs == ended:
-        return [no_update] * 3 + told
+        return [no_update] * 6 + told
     if job.running:
-        return [f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)", False, no_update, *told]
+        text = f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)"
+        return [text, f"{job.share:.3f}", False, False, no_update, no_update, *told]
     told[_PLACES[job.name]] = job.error
-    return [_ended(job), True, session.jobs, *told]
+    # An error that fell is to be seen falling.
+    turned = "steps" if job.state == "done" and job.name in _STEPPING else no_update
+    return [_ended(job), no_update, True, True, session.jobs, turned, *told]
 
 
 def _ended(job: Job) -> str:

@@ -39,6 +39,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
             KINDS[kind].write(
                 session, session.folder.target(name or "", KINDS[kind].suffix, ctx.triggered_id == "replace")
             )
+            if kind == "model":
+                session.saved(name)
         except Taken as taken:
             return str(taken), False
         except (InputError, OSError) as error:
