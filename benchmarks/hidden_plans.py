@@ -39,8 +39,10 @@ MEDIUM, WEAK, STRONG = 0.10, 0.04, 0.20
 TOLERANCE = 0.2
 """Relative deviation of the reached strength on the fit recording beyond which it does not count."""
 
-LEAST_UNSEEN = 0.5
-"""Of the wanted strength, on the unseen recording."""
+LEAST_SHOWN = 0.5
+"""Of the wanted strength, on the unseen recording; and of each of two beside the other, for a gas whose pressure rises
+with the stroke keeps the oil from cavitating.
+"""
 
 SKEWS = (-5.0, -3.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 3.0, 5.0)
 """ms."""
@@ -121,7 +123,7 @@ def calibrated(plan: Plan, names: tuple[str, ...], cache: Path) -> Plan | None:
         plan, calibrations=tuple(Calibration(**item) for item in kept["items"]), unseen_strength=kept["unseen"]
     )
     reached = all(abs(item.strength / plan.wanted - 1.0) <= TOLERANCE for item in done.calibrations)
-    return done if reached and done.unseen_strength >= LEAST_UNSEEN * plan.wanted else None
+    return done if reached and min(kept["unseen"], kept["together"]) >= LEAST_SHOWN * plan.wanted else None
 
 
 def _measured(plan: Plan, names: tuple[str, ...]) -> dict[str, object]:
@@ -134,7 +136,15 @@ def _measured(plan: Plan, names: tuple[str, ...]) -> dict[str, object]:
         if abs(items[-1].strength / plan.wanted - 1.0) > TOLERANCE:
             break
     off, on = switched(setup, tuple(items))
-    return {"items": [asdict(item) for item in items], "unseen": strength(off, on, drives[2])}
+    together = min(strength(_all_but(setup, items, item), on, drives[1]) for item in items)
+    return {"items": [asdict(item) for item in items], "unseen": strength(off, on, drives[2]), "together": together}
+
+
+def _all_but(setup: Setup, items: list[Calibration], less: Calibration) -> Setup:
+    for item in items:
+        phenomenon = PHENOMENA[item.phenomenon]
+        setup = (phenomenon.off if item is less else phenomenon.on)(setup, item.magnitude)
+    return setup
 
 
 def _combinations(first: int) -> Iterator[tuple[str, tuple[str, str]]]:

@@ -153,21 +153,25 @@ def _mend(state: _State, finding: Finding, own: Diagnosis) -> None:
 
 
 def _add(state: _State, finding: Finding, own: Diagnosis) -> None:
-    """Adds an effect and identifies all parameters together."""
+    """Adds an effect and identifies all parameters together; where that does not hold on unseen data, those of added
+    effects only: what fits one drive may spoil parameters that were right for all.
+    """
     changed = state.model.with_effect(_element(finding, own))
-    fitted = _identified(state, changed, finding.effect)
-    step = state.note("add", finding, fitted, own, "")
-    if step.rmse_unseen_n < (1.0 - _LEAST_FALL) * state.error:
-        state.keep(step)
-        state.added.append(finding.effect)
+    for kept in (False, True)[state.kept :]:
+        fitted = _identified(state, changed, finding.effect, kept)
+        step = state.note("add", finding, fitted, own, "the other parameters are kept" if kept else "")
+        if step.rmse_unseen_n < (1.0 - _LEAST_FALL) * state.error:
+            state.keep(step)
+            state.added.append(finding.effect)
+            return
 
 
-def _identified(state: _State, model: DamperModel, new: str | None = None) -> DamperModel:
+def _identified(state: _State, model: DamperModel, new: str | None = None, kept: bool | None = None) -> DamperModel:
     """The model with its parameters identified from their values; only those of added effects where the user trusts
-    his own.
+    his own, or ``kept`` says so.
     """
     choice: dict[str, Sequence[str]] = {}
-    if state.kept:
+    if state.kept if kept is None else kept:
         choice = {"fix": ["*"], "free": [*state.added, *([new] if new else [])]}
         if not choice["free"]:
             return model

@@ -42,8 +42,7 @@ class Tally:
     Attributes:
         kept, refitted: what is left with the model's parameters as they are, and refitted to first order.
         kept_gains, refitted_gains: (replicates,) gain against the model without the effect, judged the same way.
-        error: share of the error without the effect that is left, geometric mean of the ways that count; with the
-            penalty on parameters this is what attempts are ranked by.
+        left_unseen, left_fit: shares of the squared error without the effect that are left, as attempts are ranked.
     """
 
     attempt: Attempt
@@ -51,7 +50,15 @@ class Tally:
     refitted: Errors
     kept_gains: np.ndarray
     refitted_gains: np.ndarray
-    error: float
+    left_unseen: float
+    left_fit: float
+
+    @property
+    def error(self) -> float:
+        """Share of the squared error that is left, geometric mean of both parts: an effect may show little on the
+        recordings that happen to be unseen.
+        """
+        return float(np.sqrt(self.left_unseen * self.left_fit))
 
     @property
     def score(self) -> float:
@@ -110,8 +117,6 @@ def tallies(null: Null, attempts: Sequence[Attempt], mode: str) -> list[Tally]:
     judged = []
     for attempt in attempts:
         kept, refitted = _sane(with_effects(null, [attempt], base=False), with_effects(null, [attempt], base=True))
-        left_kept = kept.square / max(without_kept.square, 1e-300)
-        left_refitted = refitted.square / max(without_refitted.square, 1e-300)
         judged.append(
             Tally(
                 attempt,
@@ -119,10 +124,16 @@ def tallies(null: Null, attempts: Sequence[Attempt], mode: str) -> list[Tally]:
                 refitted,
                 gains(drawn, kept, without_kept),
                 gains(drawn, refitted, without_refitted),
-                left_refitted if mode == "refit" else left_kept,
+                *(_left(refitted, without_refitted) if mode == "refit" else _left(kept, without_kept)),
             )
         )
     return sorted(judged, key=lambda tally: tally.score)
+
+
+def _left(errors: Errors, without: Errors) -> tuple[float, float]:
+    """Shares of the squared error that are left, unseen and fit."""
+    before = float(np.sum(without.fit**2))
+    return errors.square / max(without.square, 1e-300), float(np.sum(errors.fit**2)) / max(before, 1e-300)
 
 
 def gains(drawn: np.ndarray, errors: Errors, without: Errors) -> np.ndarray:

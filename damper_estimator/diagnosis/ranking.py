@@ -135,8 +135,12 @@ class Round:
         return tuple(names)
 
     def _as_good(self, best: Tally, rival: Tally) -> bool:
-        own, other = self.replicates(best), self.replicates(rival)
-        return rival.error - best.error < _ADDS or float(np.mean(other >= own)) > LOW / 100.0
+        own, other = self._errors(best), self._errors(rival)
+        return rival.error - best.error < _ADDS or float(np.mean(other <= own)) > LOW / 100.0
+
+    def _errors(self, tally: Tally) -> np.ndarray:
+        """(replicates,) of what ``error`` is, the unseen part drawn anew."""
+        return np.sqrt(np.maximum(1.0 - self.replicates(tally), 0.0) * tally.left_fit)
 
     def _disputed(self, best: Tally, rival: Tally) -> bool:
         """Whether the two are close with the model's parameters kept, and change places when they are refitted.
@@ -151,10 +155,7 @@ class Round:
 
     def confidence(self, group: Sequence[str]) -> float:
         """Share of the bootstrap's replicates in which one of these phenomena comes first."""
-        replicates = [self.replicates(t) for t in self.tallies]
-        scores = np.array(
-            [1.0 - own + PENALTY * t.attempt.size for own, t in zip(replicates, self.tallies, strict=True)]
-        )
+        scores = np.array([self._errors(t) + PENALTY * t.attempt.size for t in self.tallies])
         scores += np.array([GENERAL_MARGIN * self._general(t) for t in self.tallies])[:, None]
         first = np.argmin(scores, axis=0)
         inside = np.array([t.attempt.phenomenon in group for t in self.tallies])

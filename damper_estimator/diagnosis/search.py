@@ -16,13 +16,14 @@ from damper_estimator.identification import Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.start import candidates as start_sizes
 from damper_estimator.model import DamperModel, Element
-from damper_estimator.model.element import walk
+from damper_estimator.model.element import labels, walk
 
 MOST = 4  # findings
 _WORTH = 0.03  # of the squared error: what explains less by itself is not looked at further
 _POOR = 0.05  # of the force's rms: where a model errs by less, its parameters are kept
 _USUAL = 0.5  # of the error now
-_AGAINST_FIRST = 0.15  # of what the first one explained: less is a flaw of its form, not another effect
+_RIVALS = 6  # of a finding, that it is held against once more
+_AGAINST_FIRST = 0.05  # of what the first one explained: less is a flaw of its form, not another effect
 
 Progress = Callable[[str, float], None]
 
@@ -48,7 +49,7 @@ class Accepted:
 
 @dataclass(frozen=True)
 class Search:
-    """All rounds; ``model`` has the accepted effects in it, ``found`` are their positions in its slots.
+    """All rounds; ``model`` has the accepted effects in it.
 
     Attributes:
         mode: how they judge.
@@ -57,7 +58,6 @@ class Search:
     rounds: tuple[Round, ...]
     accepted: tuple[Accepted, ...]
     model: DamperModel
-    found: tuple[int, ...]
     untestable: dict[str, str]
     mode: str
 
@@ -76,7 +76,6 @@ def search(
     rounds: list[Round] = []
     accepted: list[Accepted] = []
     current = null(model, scene)
-    found: tuple[int, ...] = ()
     poor = rmse(current, nothing(current)[0]) > _POOR * force_rms
     if mode == "both" and poor and _never_better(current):
         mode = "refit"
@@ -93,24 +92,34 @@ def search(
             break
         rounds.append(own)
         accepted.append(_accepted(own, best))
-        model, found = _with(current.model, found, own.candidates[best.attempt.effect], best.attempt)
-        if own.refits:
-            model = settled(model, [rows.measurement for rows in scene.fit], zero_free=True)
-            accepted[-1] = replace(accepted[-1], element=_entry(model, best.attempt.effect))
-            current = null(model, scene, found)
-        else:
-            model = _settled(model, found, scene)
-            current = _next(current, model, scene, found)
+        model = _settled(_with(current.model, own, best), _names(accepted), scene, own.refits)
+        if len(accepted) > 1:
+            told = _told(progress, len(accepted), len(tried))
+            accepted, model = _looked_again(accepted, model, scene, mode, workers, told)
+        current = _next(current, model, scene, _names(accepted), own.refits)
+        accepted[-1] = replace(accepted[-1], after_n=rmse(current, nothing(current)[int(own.refits)]))
         still, _ = candidates(model, scene.ranges)
-        names = {c.effect.name for c in still} - {best.attempt.effect}
+        names = {c.effect.name for c in still} - set(_names(accepted))
         tried = [_resumed(c, done) for c in tried if c.effect.name in names]
-    zero = _zero(rounds, accepted, scene, mode)
-    return Search(tuple(rounds), tuple(accepted + zero), model, found, untestable, mode)
+    zero = _zero(rounds, scene, _names(accepted))
+    accepted = [replace(one, element=_entry(current.model, one.element.effect.name)) for one in accepted]
+    return Search(tuple(rounds), tuple(accepted + zero), current.model, untestable, mode)
+
+
+def _names(accepted: Sequence[Accepted]) -> list[str]:
+    return [one.element.effect.name for one in accepted]
 
 
 def _entry(model: DamperModel, effect: str) -> Element:
-    """The last entry of an effect."""
+    """The entry that was added: an effect's last."""
     return [element for element in walk(model.effects) if element.effect.name == effect][-1]
+
+
+def _positions(model: DamperModel, added: Collection[str]) -> tuple[int, ...]:
+    """Where the parameters of added effects are in the model's slots."""
+    entries = list(walk(model.effects))
+    own = {max(i for i, element in enumerate(entries) if element.effect.name == name) for name in added}
+    return tuple(i for i, slot in enumerate(model.slots) if slot.entry in own)
 
 
 def _never_better(current: Null) -> bool:
@@ -120,11 +129,12 @@ def _never_better(current: Null) -> bool:
 
 
 def _resumed(candidate: Candidate, done: Sequence[Attempt]) -> Candidate:
-    """The candidate from where it ended in this round, where it had a part; what had none begins anew."""
+    """The candidate with where it ended in this round, where it had a part, as a further start."""
     own = next(a for a in done if a.effect == candidate.effect.name)
     if own.hidden or not np.any(own.change_fit):
         return candidate
-    return replace(candidate, element=own.element(candidate), starts=())
+    given = {name: value for name, value in candidate.element.parameters.items() if np.ndim(value) == 0}
+    return replace(candidate, element=own.element(candidate), starts=(*candidate.starts, given))
 
 
 def _told(progress: Progress, round_number: int, count: int) -> Callable[[int], None]:
@@ -146,32 +156,33 @@ def _counts(own: Round, best: Tally, first: Round) -> bool:
 
 
 def _accepted(own: Round, best: Tally) -> Accepted:
-    tied = own.tied(best)
     return Accepted(
         round=own,
         tally=best,
         element=best.attempt.element(own.candidates[best.attempt.effect]),
-        tied=tied,
-        confidence=own.confidence((best.attempt.phenomenon, *tied)),
+        tied=own.tied(best),
+        confidence=own.confidence(_group(own, best)),
         gain=own.gain(best),
         before_n=rmse(own.null, own.without),
         after_n=rmse(own.null, own.left(best)),
     )
 
 
-def _with(
-    model: DamperModel, found: tuple[int, ...], candidate: Candidate, chosen: Attempt
-) -> tuple[DamperModel, tuple[int, ...]]:
-    """The model with an effect more, and where the parameters of all that was found are now."""
-    fitted = replace(candidate, element=chosen.element(candidate))
-    changed, own = fitted.added_to(model)
-    kept = [i for i in range(len(changed.slots)) if i not in own]
-    return changed, tuple(sorted([kept[i] for i in found] + list(own)))
+def _group(own: Round, best: Tally) -> tuple[str, ...]:
+    return best.attempt.phenomenon, *own.tied(best)
 
 
-def _settled(model: DamperModel, found: tuple[int, ...], scene: Scene) -> DamperModel:
-    """The parameters of all that was found, fitted together."""
-    problem = Problem(model, scene.fit, found)
+def _with(model: DamperModel, own: Round, best: Tally) -> DamperModel:
+    """The model with an effect more."""
+    candidate = own.candidates[best.attempt.effect]
+    return replace(candidate, element=best.attempt.element(candidate)).added_to(model)[0]
+
+
+def _settled(model: DamperModel, added: Collection[str], scene: Scene, refits: bool) -> DamperModel:
+    """The parameters of all that was found, fitted together; with all others where those are refitted."""
+    if refits:
+        return settled(model, [rows.measurement for rows in scene.fit], zero_free=True)
+    problem = Problem(model, scene.fit, _positions(model, added))
     if not problem.searched.size:
         point = problem.point(problem.start)
     else:
@@ -180,28 +191,63 @@ def _settled(model: DamperModel, found: tuple[int, ...], scene: Scene) -> Damper
     return problem.model_at(problem.vector(point.searched, point.solved)) if np.isfinite(point.cost) else model
 
 
-def _next(before: Null, model: DamperModel, scene: Scene, found: tuple[int, ...]) -> Null:
-    """The next round's model; derivatives by the first one's parameters are near enough."""
+def _next(before: Null, model: DamperModel, scene: Scene, added: Collection[str], refits: bool) -> Null:
+    """The next round's model; where the first one's parameters are kept, its derivatives by them are near enough."""
+    found = _positions(model, added)
+    if refits:
+        return null(model, scene, found)
     after = null(model, scene, found, base=())
     return replace(after, base_fit=before.base_fit, base_unseen=before.base_unseen)
 
 
-def _zero(rounds: Sequence[Round], accepted: Sequence[Accepted], scene: Scene, mode: str) -> list[Accepted]:
-    """Findings that the freed zero of the gauge hides: judged with it in the comparison, for the model as given and
-    for what was found; an effect with a mean of its own shows in one of the two only.
+def _looked_again(
+    accepted: Sequence[Accepted],
+    model: DamperModel,
+    scene: Scene,
+    mode: str,
+    workers: int,
+    progress: Callable[[int], None],
+) -> tuple[list[Accepted], DamperModel]:
+    """Every earlier finding against its rivals with all others in place, and the model with what is better now: when
+    it was chosen, what came later was in the residual, and it may have stood in for that.
     """
-    first, last = rounds[0], rounds[-1]
+    looked = list(accepted)
+    for i, one in enumerate(accepted[:-1]):
+        name = one.element.effect.name
+        others = [other for other in _names(looked) if other != name]
+        entry = _entry(model, name)
+        less = model.without(next(label for label, element in labels(model.effects) if element is entry))
+        rivals = [t.attempt for t in one.round.tallies if one.round.gain(t)[0] >= GAIN][:_RIVALS]
+        tried = [c for c in candidates(less, scene.ranges)[0] if c.effect.name in {a.effect for a in rivals}]
+        tried = [_resumed(c, rivals) for c in tried if c.effect.name not in others]
+        base = None if one.round.refits else ()
+        stage = null(less, scene, _positions(less, others), base)
+        own = round_of(stage, tried, attempts(stage, tried, 0.0, workers, lambda done: progress(0)), mode)
+        best = own.best
+        looked[i] = replace(one, tied=own.tied(best), confidence=own.confidence(_group(own, best)))
+        if best.attempt.effect == name:
+            continue
+        first = next(t for t in one.round.tallies if t.attempt.effect == best.attempt.effect)
+        looked[i] = replace(_accepted(one.round, first), tied=looked[i].tied, confidence=looked[i].confidence)
+        looked[i + 1] = replace(looked[i + 1], before_n=looked[i].after_n)
+        model = _settled(_with(less, own, best), [*others, best.attempt.effect], scene, own.refits)
+    return looked, model
+
+
+def _zero(rounds: Sequence[Round], scene: Scene, added: Collection[str]) -> list[Accepted]:
+    """Findings that the freed zero of the gauge hides, judged with it in the comparison, beside all that was found:
+    effects with a mean of their own are fitted with the zero as well, and may explain it.
+    """
+    model = rounds[-1].null.model
     found = []
-    for name in first.hidden:
-        candidate = first.candidates[name]
-        judged = []
-        for own in (first, last) if last is not first else (first,):
-            raw = null(own.null.model, scene.with_zero, base=())
-            one = attempt(raw, candidate)
-            if not one.hidden:
-                judged.append(round_of(raw, [candidate], [one], "kept"))
-        force = float(np.sqrt(np.mean(np.concatenate([own.target for own in scene.with_zero.unseen]) ** 2)))
-        if judged and all(own.best and not own.reason_against(own.best, force) for own in judged):
-            if all(own.gain(own.best)[0] >= GAIN for own in judged):
-                found.append(_accepted(judged[-1], judged[-1].best))
+    for name in rounds[0].hidden:
+        candidate = rounds[0].candidates[name]
+        raw = null(model, scene.with_zero, _positions(model, added), base=())
+        one = attempt(raw, candidate)
+        if one.hidden:
+            continue
+        own = round_of(raw, [candidate], [one], "kept")
+        force = float(np.sqrt(np.mean(np.concatenate([rows.target for rows in scene.with_zero.unseen]) ** 2)))
+        if not own.reason_against(own.best, force) and own.gain(own.best)[0] >= GAIN:
+            found.append(_accepted(own, own.best))
     return found
