@@ -69,7 +69,8 @@ class FleetProgress:
     """Tells tallies on a work line, with rate and time left; elsewhere than on a terminal every ten seconds."""
 
     def __init__(self, line: WorkLine) -> None:
-        self.line, self.begun, self.told = line, monotonic(), -_EVERY
+        self.line, self.begun = line, monotonic()
+        self.told = self.begun
 
     def __call__(self, tally: Tally) -> None:
         now = monotonic()
@@ -101,7 +102,7 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
     """
     began = monotonic()
     recordings = find_recordings(arguments.sources, arguments.dampers, arguments.signals)
-    output = _folder(arguments.output)
+    output = _folder(arguments.output, pages=not arguments.no_pages)
     asked = Asked(
         arguments.work, words, _model(arguments.model), output, not arguments.no_pages, arguments.retry
     )  # fmt: skip
@@ -117,11 +118,12 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
     return Done(asked.verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows))
 
 
-def _folder(output: Path) -> Path:
+def _folder(output: Path, pages: bool) -> Path:
     output = output.absolute()
     try:
         output.mkdir(parents=True, exist_ok=True)
-        save_plotly(output / PLOTLY)
+        if pages:
+            save_plotly(output / PLOTLY)
     except OSError as error:
         raise InputError(f"{output}: cannot be made ({error.strerror}); choose another place with -o") from error
     return output

@@ -1,7 +1,8 @@
 """A first look into a recording: which dampers it has, when it was made, how warm they were, its checksum."""
 
+import io
 import json
-from contextlib import suppress
+from contextlib import redirect_stderr, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -30,6 +31,7 @@ class Look:
         seconds: from there to the last.
         temperature_c: by damper, mean over the recording; None where it was not measured.
         reason: why the recording cannot be used, "" where it can.
+        notes: what the reader said of it, such as that it is cut off.
     """
 
     state: str
@@ -38,6 +40,7 @@ class Look:
     seconds: float | None
     temperature_c: dict[str, float | None]
     reason: str = ""
+    notes: str = ""
 
 
 def state_of(recording: str, signals: str) -> str:
@@ -68,8 +71,11 @@ def take_look(recording: str, signals: str, folder: str) -> Look:
         InputError: where the result cannot be written.
     """
     state = state_of(recording, signals)
+    said = io.StringIO()
     try:
-        look = Look(state, checksum(recording), *_contents(recording, load_signal_map(signals or None)))
+        with redirect_stderr(said):
+            seen = _contents(recording, load_signal_map(signals or None))
+        look = Look(state, checksum(recording), *seen, notes=" ".join(said.getvalue().split()))
     except InputError as error:
         look = Look(state, state, None, None, {}, str(error))
     except OSError as error:

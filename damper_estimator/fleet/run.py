@@ -1,4 +1,4 @@
-"""The whole work: looks into recordings, tasks for what is missing or changed, never more of them under way than needed.
+"""The whole work: looks into recordings, tasks for what is missing or changed, no more under way than are needed.
 
 A task is submitted when another one is done, so that neither client nor scheduler hold thousands; what travels is the
 task and what became of it. Each row lies on the disk before its task counts as done: whoever is killed, at any time,
@@ -178,6 +178,7 @@ class Fleet:
             "vehicle": own.vehicle,
             "begin": look.begin_ns,
             "seconds": look.seconds,
+            "notes": look.notes,
             "temperature_c": look.temperature_c.get(damper),
             "recording_checksum": look.checksum,
             "model_checksum": model_checksum,

@@ -1,0 +1,177 @@
+"""The verb as users call it: the same results as the single verbs, whoever works and in whatever order."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pyarrow.parquet as parquet
+import pytest
+from fleet_bags import write_drive
+
+from damper_estimator import __version__
+from damper_estimator.cli.fleet_work import work
+from damper_estimator.cli.main import main
+from damper_estimator.fleet import cluster
+from damper_estimator.fleet.carry import carry_out
+from damper_estimator.fleet.rows import write_rows
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def fleet(client, model, tmp_path, capsys):
+    """Runs ``fleet`` on the tests' cluster; gives exit status, the JSON record and what went to standard error."""
+
+    def call(verb, *sources, output="out", options=()):
+        words = ["fleet", verb, *map(str, sources), "-m", str(model), "-o", str(tmp_path / output), "--json", "-"]
+        status = main([*words, "--scheduler", client.scheduler.address, *options])
+        told = capsys.readouterr()
+        return status, json.loads(told.out) if told.out else None, told.err
+
+    return call
+
+
+def command(*words):
+    return [sys.executable, "-m", "damper_estimator", "fleet", *map(str, words)]
+
+
+def environment():
+    return os.environ | {"PYTHONPATH": str(ROOT)}
+
+
+def results(folder):
+    """Bytes of every result, by path inside the folder."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes().replace(str(folder).encode(), b"DIR")
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+@pytest.mark.parametrize("verb", ["compare", "replay"])
+def test_two_workers_give_the_bits_that_this_process_gives_in_another_order(run, drives, tmp_path, verb):
+    spread = run(drives / "*" / "*.mcap", work=work, verb=verb)
+    there, here = tmp_path / "out", tmp_path / "here"
+    alone = [replace(task, folder=task.folder.replace(str(there), str(here))) for task in spread.tasks[::-1]]
+    for task in alone:
+        Path(task.folder).mkdir(parents=True, exist_ok=True)
+        assert carry_out(task, work, __version__).reason == ""
+    for output, tasks in ((there, spread.tasks), (here, alone)):
+        write_rows(output, verb, tasks)
+    expected = results(here)
+    assert f"rows/{verb}.parquet" in expected and len(expected) == 1 + 4 * 3
+    found = results(there)
+    assert {name: found[name] for name in expected} == expected
+
+
+def test_a_task_writes_what_the_single_verb_writes(fleet, drives, model, tmp_path):
+    status, record, _ = fleet("compare", drives / "car_b" / "*.mcap")
+    assert (status, record["done"]) == (0, 1)
+    bag, own, page = drives / "car_b" / "monday.mcap", tmp_path / "own.json", tmp_path / "own.html"
+    main(["compare", str(bag), "-m", str(model), "-d", "front_left", "--json", str(own), "--html", str(page)])
+    (folder,) = (tmp_path / "out" / "tasks").iterdir()
+    assert (folder / "front_left.compare.json").read_text() == own.read_text()
+    assert (folder / "front_left.compare.html").read_text() in without_plotly(page.read_text())
+    (row,) = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
+    told = json.loads(own.read_text())["dampers"]["front_left"]
+    assert {name: row[name] for name in ("rmse_n", "esr", "samples", "bias_n")} == {
+        name: told[name] for name in ("rmse_n", "esr", "samples", "bias_n")
+    }
+
+
+def without_plotly(page):
+    """A single page as it is where plotly lies beside it."""
+    head, rest = page.split("<script>", 1)
+    return f'{head}<script src="../../plotly.min.js"></script>{rest.split("</script>", 1)[1]}'
+
+
+def test_all_verbs_together_are_one_dataset(fleet, drives, tmp_path):
+    for verb in ("compare", "fit", "replay"):
+        status, record, _ = fleet(verb, drives / "car_b" / "*.mcap")
+        assert (status, record["failed"]) == (0, 0)
+    rows = {row["verb"]: row for row in parquet.read_table(tmp_path / "out" / "rows").to_pylist()}
+    assert set(rows) == {"compare", "fit", "replay"}
+    assert rows["fit"]["rmse_n"] < rows["fit"]["rmse_before_n"] == pytest.approx(rows["compare"]["rmse_n"])
+    assert dict(rows["fit"]["parameters"])["linear_viscous.rebound"] == pytest.approx(1500.0, rel=0.02)
+    assert rows["replay"]["estimates"] == 1200 and rows["replay"]["residual_rms_n"] > 0.0
+    assert all(row["version"] and row["model_checksum"] and row["recording_checksum"] for row in rows.values())
+
+
+def test_a_signal_map_and_options_reach_the_tasks(fleet, drives, tmp_path):
+    (tmp_path / "map.yaml").write_text("filter: {cutoff: 40.0}\n")
+    _, record, _ = fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2", "-s", str(tmp_path / "map.yaml")])
+    (row,) = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
+    assert row["settings"] == "--from=2.0" and row["signals_checksum"] and 700 < row["samples"] <= 800
+    assert fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2"])[1]["done"] == 1
+
+
+def test_failures_are_listed_and_the_status_is_1_only_where_all_failed(fleet, drives):
+    (drives / "car_b" / "foreign.mcap").write_bytes(b"PK\x03\x04" + bytes(500))
+    status, record, _ = fleet("compare", drives / "car_b" / "*.mcap")
+    assert status == 0 and [Path(own["recording"]).name for own in record["failures"]] == ["foreign.mcap"]
+    status, record, _ = fleet("compare", drives / "car_b" / "foreign.mcap", output="none")
+    assert status == 1 and record["failed"] == record["tasks"] == 1
+
+
+def test_a_scheduler_that_cannot_be_reached_is_one_line(drives, model, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(cluster, "_PATIENCE", 1)
+    words = ["fleet", "compare", str(drives / "*" / "*.mcap"), "-m", str(model), "-o", str(tmp_path / "out")]
+    assert main([*words, "--scheduler", "tcp://127.0.0.1:9"]) == 1
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert line == (
+        "damper-estimator: tcp://127.0.0.1:9: no scheduler answers there; start one (dask scheduler) or leave "
+        "--scheduler out"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["-m", "no_such_model"], "no_such_model: is neither a model file nor"),
+        (["-m", "guo", "--memory", "much"], "--memory much: is no amount of memory"),
+    ],
+)
+def test_what_cannot_begin_is_one_line(drives, tmp_path, capsys, options, told):
+    assert main(["fleet", "compare", str(drives / "*" / "*.mcap"), "-o", str(tmp_path / "out"), *options]) == 1
+    assert told in capsys.readouterr().err.strip().splitlines()[-1]
+
+
+def test_a_client_that_is_killed_goes_on_where_it_was(model, tmp_path):
+    for seed in range(16):
+        write_drive(tmp_path / "many" / f"{seed:02}.mcap", seed, seconds=8.0)
+    output = tmp_path / "out"
+    words = command("compare", tmp_path / "many" / "*.mcap", "-m", model, "-o", output, "--workers", 1, "--json", "-")
+    first = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment())
+    deadline = time.monotonic() + 60.0
+    while len(list(output.glob("tasks/*/*.row.json"))) < 3 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    first.send_signal(signal.SIGKILL)
+    first.communicate()
+    assert not (output / "rows").exists()
+    second = subprocess.run(words, capture_output=True, env=environment())
+    record = json.loads(second.stdout)
+    assert (second.returncode, record["tasks"], record["failed"]) == (0, 16, 0)
+    assert record["kept"] >= 3 and record["kept"] + record["done"] == 16
+    assert parquet.read_table(output / "rows").num_rows == 16
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(drives, model, tmp_path):
+    """A limit on the size of files acts like a disk that is full, for the workers as well."""
+    output = tmp_path / "out"
+    words = command("compare", drives / "*" / "*.mcap", "-m", model, "-o", output, "--workers", 1, "--no-pages")
+    limited = subprocess.run(
+        words,
+        capture_output=True,
+        text=True,
+        env=environment(),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000)),
+    )
+    assert limited.returncode == 1
+    assert "File too large" in limited.stderr.splitlines()[-1] and "Traceback" not in limited.stderr
+    assert not list(output.rglob("*.part"))
