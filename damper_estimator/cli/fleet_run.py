@@ -1,7 +1,7 @@
 """One run of the fleet: workers, progress, and the table and the page at its end, however it ends."""
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import monotonic
 
@@ -9,11 +9,14 @@ from damper_estimator.cli.common import progress
 from damper_estimator.cli.fleet_work import PLOTLY, work
 from damper_estimator.cli.work_line import WorkLine
 from damper_estimator.errors import InputError
+from damper_estimator.files import write_text
 from damper_estimator.fleet.cluster import connected, dashboard_of, threads_of
 from damper_estimator.fleet.manifest import find_recordings
-from damper_estimator.fleet.rows import failures_of, write_rows
+from damper_estimator.fleet.rows import failures_of, read_rows, write_rows
 from damper_estimator.fleet.run import Asked, Fleet, Tally
+from damper_estimator.fleet.trend import RULE, drifting
 from damper_estimator.model import load_model
+from damper_estimator.report.fleet_page import fleet_page
 from damper_estimator.report.page import save_plotly
 
 _EVERY = 10.0  # s between two lines of progress where they cannot be written over
@@ -65,6 +68,15 @@ class Done:
         }
 
 
+def write_page(output: Path) -> Path:
+    """The fleet's page, of the rows of all verbs that the folder holds."""
+    rows = read_rows(output)
+    trends, judged = drifting(rows.get("compare", ()))
+    page = output / "index.html"
+    write_text(page, fleet_page(rows, [asdict(own) for own in trends], judged, RULE))
+    return page
+
+
 class FleetProgress:
     """Tells tallies on a work line, with rate and time left; elsewhere than on a terminal every ten seconds."""
 
@@ -114,7 +126,7 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
                 fleet.run(client)
             finally:
                 rows = write_rows(output, asked.verb, fleet.tasks)
-    page = output / "index.html"
+                page = write_page(output)
     return Done(asked.verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows))
 
 

@@ -12,7 +12,6 @@ from damper_estimator.report.page import plotly_from
 
 PLOTLY = "plotly.min.js"
 _ENDINGS = {"compare": "html", "diagnose": "html", "fit": "yaml", "replay": "mcap"}
-VERBS = tuple(_ENDINGS)
 
 
 def work(task: Task) -> dict[str, object]:
@@ -36,12 +35,8 @@ def work(task: Task) -> dict[str, object]:
         stack.enter_context(plotly_from(f"../../{PLOTLY}"))
         module.run(parser.parse_args([*words, *_results(task), *task.words]))
     record = json.loads(task.place("json").read_text(encoding="utf-8"))["dampers"][task.damper]
-    return _COLUMNS[task.verb](record)
-
-
-def result_name(task: Task) -> str:
-    """The file of a task's results that people open."""
-    return task.place(_ENDINGS[task.verb]).name
+    report = task.place(_ENDINGS[task.verb] if task.pages else "json")
+    return _COLUMNS[task.verb](record) | {"report": "/".join(report.parts[-3:])}
 
 
 def _results(task: Task) -> list[str]:

@@ -22,7 +22,7 @@ _TEXT, _NUMBER, _COUNT = pyarrow.string(), pyarrow.float64(), pyarrow.int64()
 _NUMBERS = pyarrow.map_(_TEXT, _NUMBER)
 COLUMNS = {
     "verb": _TEXT, "recording": _TEXT, "vehicle": _TEXT, "damper": _TEXT,
-    "status": _TEXT, "reason": _TEXT, "notes": _TEXT, "folder": _TEXT,
+    "status": _TEXT, "reason": _TEXT, "notes": _TEXT, "report": _TEXT,
     "begin": pyarrow.timestamp("ns", tz="UTC"), "seconds": _NUMBER, "temperature_c": _NUMBER,
     "model": _TEXT, "model_checksum": _TEXT, "signals": _TEXT, "signals_checksum": _TEXT,
     "recording_checksum": _TEXT, "settings": _TEXT, "version": _TEXT, "fingerprint": _TEXT,
@@ -50,7 +50,6 @@ def write_row(task: Task, status: str, reason: str, values: Mapping[str, object]
         "damper": task.damper,
         "status": status,
         "reason": reason,
-        "folder": "/".join(Path(task.folder).parts[-2:]),
         "model": task.model,
         "signals": task.signals,
         "settings": " ".join(task.words),

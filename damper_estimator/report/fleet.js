@@ -1,0 +1,176 @@
+"use strict";
+// The fleet's page: filters and sorts the rows that stand in the page's data, draws them, and opens their reports.
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const root = document.documentElement;
+  const find = (id) => document.getElementById(id);
+  const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const PER_PAGE = 50, MOST_VEHICLES = 40, MANY = 3000;
+  const colour = (role) => getComputedStyle(root).getPropertyValue("--" + role).trim();
+  const ALL = "";
+  const state = { sort: null, down: true, page: 0, rows: [] };
+  let verb, table;
+
+  const vehicle = (i) => table.vehicle.names[table.vehicle.of[i]];
+  const damper = (i) => table.damper.names[table.damper.of[i]];
+  const day = (ms) => (ms === null ? "" : new Date(ms).toISOString().slice(0, 16).replace("T", " "));
+  const values = () => table.measures[find("measure").value] || [];
+
+  function options(select, names, labels) {
+    const before = select.value;
+    select.replaceChildren(...names.map((name, k) => new Option(labels ? labels[k] : name, name)));
+    if (names.includes(before)) select.value = before;
+  }
+
+  function chooseVerb() {
+    verb = find("verb").value;
+    table = data.verbs[verb];
+    const measures = Object.keys(data.measures).filter((name) => name in table.measures);
+    options(find("measure"), measures, measures.map((name) => data.measures[name]));
+    if (measures.includes(data.first[verb])) find("measure").value = data.first[verb];
+    options(find("vehicle"), [ALL, ...table.vehicle.names], ["all " + table.vehicle.names.length, ...table.vehicle.names]);
+    options(find("damper"), [ALL, ...table.damper.names], ["all " + table.damper.names.length, ...table.damper.names]);
+    Object.assign(state, { sort: find("measure").value, down: true });
+    update();
+  }
+
+  function chosen() {
+    const wanted = find("search").value.toLowerCase(), far = find("far").checked, failed = find("failed").checked;
+    const own = table.vehicle.names.indexOf(find("vehicle").value), mine = table.damper.names.indexOf(find("damper").value);
+    const rows = [];
+    for (let i = 0; i < table.recording.length; i++) {
+      if ((own < 0 || table.vehicle.of[i] === own) && (mine < 0 || table.damper.of[i] === mine) && (!far || table.far[i])
+        && (!failed || table.reason[i]) && (!wanted || table.recording[i].toLowerCase().includes(wanted))) rows.push(i);
+    }
+    return rows;
+  }
+
+  function layout(x, y, more) {
+    const axis = (title) => ({ title: { text: title, standoff: 6 }, gridcolor: colour("line"), zerolinecolor: colour("line"), linecolor: colour("line"), automargin: true });
+    return { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: colour("ink"), size: 12, family: getComputedStyle(document.body).fontFamily },
+      margin: { l: 55, r: 12, t: 8, b: 42 }, hovermode: "closest", showlegend: false, modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("samples"), activecolor: colour("ink") },
+      hoverlabel: { bgcolor: colour("card"), font: { color: colour("ink") }, align: "left" }, xaxis: Object.assign(axis(x), more), yaxis: Object.assign(axis(y), { rangemode: "tozero" }) };
+  }
+
+  function open(i) { if (table.link[i]) window.open(table.link[i], "_blank", "noopener"); }
+
+  function cloud(element, rows, x, title, more) {
+    const y = values(), quantity = data.measures[find("measure").value];
+    const known = rows.filter((i) => x[i] !== null && y[i] !== null && y[i] !== undefined);
+    const kind = known.length > MANY ? "scattergl" : "scatter";
+    const trace = (own, role, size, symbol) => ({ type: kind, mode: "markers", x: own.map((i) => x[i]), y: own.map((i) => y[i]), customdata: own,
+      text: own.map((i) => table.recording[i] + "<br>" + vehicle(i) + ", " + damper(i)), marker: { color: colour(role), size, symbol, opacity: 0.75 },
+      hovertemplate: "%{text}<br>%{y:.4g}<extra></extra>" });
+    Plotly.react(element, [trace(known.filter((i) => !table.far[i]), "model0", 5, "circle"), trace(known.filter((i) => table.far[i]), "error", 9, "diamond")],
+      layout(title, quantity, more), CONFIG);
+    if (!element.listening) { element.on("plotly_click", (event) => open(event.points[0].customdata)); element.listening = true; }
+    if (!known.length) Plotly.relayout(element, { annotations: [{ text: "nothing known", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5 }] });
+  }
+
+  function boxes(element, rows, of, names, most) {
+    const y = values(), groups = new Map();
+    for (const i of rows) if (y[i] !== null && y[i] !== undefined) { if (!groups.has(of[i])) groups.set(of[i], []); groups.get(of[i]).push(y[i]); }
+    const middle = (own) => { const sorted = Float64Array.from(own).sort(); return sorted[sorted.length >> 1]; };
+    const order = [...groups].map(([k, own]) => [k, own, middle(own)]).sort((a, b) => b[2] - a[2]).slice(0, most);
+    const traces = order.map(([k, own]) => ({ type: "box", name: names[k] || "unknown", y: own, boxpoints: false, line: { color: colour("model0"), width: 1.4 }, fillcolor: "rgba(0,0,0,0)" }));
+    Plotly.react(element, traces, layout("", data.measures[find("measure").value], { type: "category" }), CONFIG);
+    return groups.size;
+  }
+
+  function phenomena(rows) {
+    const own = data.verbs.diagnose;
+    if (!own) return;
+    const keep = own === table ? rows : own.recording.map((_, i) => i).filter((i) => (!find("vehicle").value || own.vehicle.names[own.vehicle.of[i]] === find("vehicle").value)
+      && (!find("damper").value || own.damper.names[own.damper.of[i]] === find("damper").value));
+    const done = keep.filter((i) => !own.reason[i]), counts = new Map(), first = new Map();
+    for (const i of done) own.missing[i].forEach((name, k) => { counts.set(name, (counts.get(name) || 0) + 1); if (k === 0) first.set(name, (first.get(name) || 0) + 1); });
+    const names = [...counts.keys()].sort((a, b) => counts.get(a) - counts.get(b)), share = (map) => names.map((name) => 100 * (map.get(name) || 0) / done.length);
+    const nothing = done.filter((i) => own.verdict[i] === "nothing_missing").length, changed = done.filter((i) => own.verdict[i] === "parameters_changed").length;
+    find("diagnosed").textContent = `in how many of ${done.length} diagnosed (filled: first in rank); nothing is missing in ${nothing}, parameters changed in ${changed}`;
+    const bar = (x, role, fill) => ({ type: "bar", orientation: "h", y: names.map((name) => name.replaceAll("_", " ")), x, marker: { color: fill ? colour(role) : "rgba(0,0,0,0)", line: { color: colour(role), width: 1.5 } },
+      hovertemplate: "%{y}: %{x:.3g} %<extra></extra>" });
+    Plotly.react(find("missing"), [bar(share(counts), "model0", false), bar(share(first), "model0", true)], Object.assign(layout("share of the diagnosed (%)", ""), { barmode: "overlay" }), CONFIG);
+  }
+
+  function columns() {
+    const list = [["recording", "recording", (i) => table.recording[i]], ["vehicle", "vehicle", vehicle], ["damper", "damper", damper],
+      ["begin", "begin (UTC)", (i) => table.begin[i]], ["temperature", "deg C", (i) => table.temperature[i]]];
+    for (const name of Object.keys(table.measures)) list.push([name, data.measures[name], (i) => table.measures[name][i]]);
+    if (table.missing.length) list.push(["missing", "missing", (i) => table.missing[i].join(", ") || table.verdict[i] || ""]);
+    return list;
+  }
+
+  function sorted(rows) {
+    const column = columns().find(([key]) => key === state.sort);
+    if (!column) return rows;
+    const sign = state.down ? -1 : 1, value = column[2];
+    return [...rows].sort((a, b) => {
+      const x = value(a), y = value(b);
+      if (x === null || y === null) return (x === null) - (y === null);
+      return sign * (typeof x === "string" ? x.localeCompare(y, undefined, { numeric: true }) : x - y);
+    });
+  }
+
+  function element(kind, text, more) { return Object.assign(document.createElement(kind), { textContent: text }, more); }
+
+  function rowOf(i, list) {
+    const row = element("tr", "", { className: table.far[i] ? "far" : "" });
+    for (const [key, , value] of list) {
+      const own = value(i), cell = element("td", "");
+      if (key === "recording" && table.link[i]) cell.append(element("a", own, { href: table.link[i], target: "_blank", rel: "noopener" }));
+      else if (typeof own === "number") { cell.textContent = key === "begin" ? day(own) : String(own); cell.className = "number"; }
+      else cell.textContent = own === null ? "" : own;
+      row.append(cell);
+      if (key === "temperature" && table.reason[i]) { row.append(element("td", table.reason[i], { className: "reason", colSpan: list.length - 5 })); break; }
+    }
+    return row;
+  }
+
+  function list() {
+    const all = columns(), rows = sorted(state.rows), last = Math.max(0, Math.ceil(rows.length / PER_PAGE) - 1);
+    state.page = Math.min(state.page, last);
+    const head = element("tr", "");
+    for (const [key, label] of all) {
+      const cell = element("th", "", { scope: "col" }), button = element("button", label + (state.sort === key ? (state.down ? " ▾" : " ▴") : ""), { type: "button" });
+      if (state.sort === key) cell.setAttribute("aria-sort", state.down ? "descending" : "ascending");
+      button.addEventListener("click", () => { state.down = state.sort === key ? !state.down : true; state.sort = key; state.page = 0; list(); });
+      cell.append(button);
+      head.append(cell);
+    }
+    find("rows").tHead.replaceChildren(head);
+    find("rows").tBodies[0].replaceChildren(...rows.slice(state.page * PER_PAGE, (state.page + 1) * PER_PAGE).map((i) => rowOf(i, all)));
+    find("page").textContent = `${state.page + 1} of ${last + 1}`;
+    find("before").disabled = state.page === 0;
+    find("after").disabled = state.page === last;
+  }
+
+  function update() {
+    state.rows = chosen();
+    state.page = 0;
+    find("count").textContent = `${state.rows.length} of ${table.recording.length} rows`;
+    cloud(find("time"), state.rows, table.begin, "", { type: "date" });
+    cloud(find("warm"), state.rows, table.temperature, "temperature (deg C)", {});
+    const count = boxes(find("byvehicle"), state.rows, table.vehicle.of, table.vehicle.names, MOST_VEHICLES);
+    find("vehicles").textContent = "median, quartiles, range" + (count > MOST_VEHICLES ? `; the ${MOST_VEHICLES} worst of ${count}` : "; the worst first");
+    boxes(find("bydamper"), state.rows, table.damper.of, table.damper.names, MOST_VEHICLES);
+    phenomena(state.rows);
+    list();
+  }
+
+  function pick(row) { find("vehicle").value = row.dataset.vehicle; find("damper").value = row.dataset.damper; update(); }
+
+  for (const id of ["measure", "vehicle", "damper", "far", "failed"]) find(id).addEventListener("change", update);
+  find("verb").addEventListener("change", chooseVerb);
+  let waiting;
+  find("search").addEventListener("input", () => { clearTimeout(waiting); waiting = setTimeout(update, 150); });
+  find("reset").addEventListener("click", () => { for (const id of ["vehicle", "damper", "search"]) find(id).value = ALL; for (const id of ["far", "failed"]) find(id).checked = false; update(); });
+  find("before").addEventListener("click", () => { state.page -= 1; list(); });
+  find("after").addEventListener("click", () => { state.page += 1; list(); });
+  for (const row of document.querySelectorAll("tr.pick")) {
+    row.addEventListener("click", () => pick(row));
+    row.addEventListener("keydown", (event) => { if (event.key === "Enter") pick(row); });
+  }
+  find("theme").addEventListener("click", () => { root.classList.toggle("dark"); update(); });
+  if (window.matchMedia("(prefers-color-scheme: dark)").matches) root.classList.add("dark");
+  chooseVerb();
+})();
