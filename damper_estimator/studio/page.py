@@ -77,12 +77,12 @@ def _chooser(folder: Folder) -> list:
     models = [*folder.models(), *library_models()]
     window = [_number("start", "from, s"), _number("stop", "to, s")]
     return [
-        _labelled("recordings", dcc.Dropdown(recordings, id="recordings", multi=True, placeholder="what to look at")),
-        _labelled("judge on", dcc.Dropdown(recordings, id="unseen", multi=True, placeholder="the last 40 %")),
+        _labelled("recordings", _several("recordings", recordings, "what to look at"), "several"),
+        _labelled("judge on", _several("unseen", recordings, "the last 40 % of each"), "several"),
+        _labelled("models", _several("models", models, "the first is worked on"), "several"),
         _labelled("damper", dcc.Dropdown([], id="damper", placeholder="the first", clearable=True)),
         _labelled("signal map", dcc.Dropdown(maps, id="map", placeholder="default topics", clearable=True)),
-        _labelled("models", dcc.Dropdown(models, id="models", multi=True, placeholder="the first is worked on")),
-        html.Div([html.Span("window", className="label"), html.Div(window, className="pair-of-numbers")]),
+        _labelled("window", html.Div(window, className="pair-of-numbers")),
         html.Button("Open", id="open", className="primary"),
         html.P("", id="open-told", className="told-here"),
     ]
@@ -234,8 +234,13 @@ def _plain(name: str) -> html.Div:
     return html.Div(graph, className=f"figure {name}")
 
 
-def _labelled(label: str, piece: object) -> html.Div:
-    return html.Div([html.Span(label, className="label"), piece], className="field")
+def _labelled(label: str, piece: object, more: str = "") -> html.Div:
+    parts = [html.Span(label, className="label"), piece]
+    return html.Div(parts, className=f"field {more}", role="group", **{"aria-label": label})
+
+
+def _several(name: str, choices: list[str], hint: str) -> dcc.Dropdown:
+    return dcc.Dropdown(choices, id=name, multi=True, placeholder=hint)
 
 
 def _number(name: str, hint: str) -> dcc.Input:

@@ -36,9 +36,9 @@ def measures_table(models: Sequence[Shown], names: Sequence[str]) -> Piece:
     return html.Table([head, html.Tbody(rows)], className="measures")
 
 
-def verdict(comparison: Comparison, note: str) -> Piece:
+def verdict(comparison: Comparison, note: str, warnings: Sequence[str]) -> Piece:
     """The comparison in one sentence, and mistakes of the recordings first."""
-    warned = [html.P(text, className="warning") for text in comparison.warnings]
+    warned = [html.P(text, className="warning") for text in (*warnings, *comparison.warnings)]
     data = [
         html.Li([row["sentence"], html.Br(), html.Small(f"mend: {row['mend']}")]) for row in finding_rows(comparison)
     ]
@@ -84,13 +84,14 @@ def quality(comparison: Comparison) -> Piece:
     return html.Table(html.Tbody(rows), className="quality")
 
 
-def quality_line(comparison: Comparison) -> list:
+def quality_line(comparison: Comparison, warnings: Sequence[str]) -> list:
     """The quality of the data in a line: how much there is, and all that is suspicious."""
     rows = quality_rows(comparison)
     told = [f"{row['text']} {row['name']}" for row in rows[:1]] + [row["text"] for row in rows[1:2]]
     bad = [f"{row['name']} {row['text']}" for row in rows if row["bad"]]
-    if comparison.findings:
-        bad.append(f"{len(comparison.findings)} mistakes of the measurement, see Where it fails")
+    more = len(comparison.findings) + len(warnings)
+    if more:
+        bad.append(f"{more} more under Where it fails")
     doubts = html.Span(f"⚠ {', '.join(bad)}", className="bad") if bad else "nothing suspicious"
     return [f"data: {', '.join(told)}, ", doubts]
 

@@ -14,6 +14,7 @@ from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load
 from damper_estimator.signals.channels import signals_for
 from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.overheard import overheard
 
 MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for in
 _PASSAGES = 20  # that a longer recording is judged on
@@ -57,6 +58,7 @@ class Stage:
         whole: one measurement per recording, those of ``fit`` first.
         fit, unseen: what parameters are found on, and what is judged on.
         judged: what regions are told of: all of ``whole``, or passages of it where it is long.
+        warnings: what the reading said, such as that a recording is cut off.
     """
 
     choice: Choice
@@ -66,6 +68,7 @@ class Stage:
     fit: tuple[Measurement, ...]
     unseen: tuple[Measurement, ...]
     judged: tuple[Passage, ...]
+    warnings: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -124,16 +127,17 @@ def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
     if not choice.fit:
         raise InputError("choose at least one recording")
     given, damper = _signal_map(folder, choice.signals), choice.damper
-    full, whole = given, []
+    full, whole, warnings = given, [], []
     names = (*choice.fit, *choice.unseen)
     window = (0.0 if choice.start is None else choice.start, np.inf if choice.stop is None else choice.stop)
     for number, name in enumerate(names):
         tell(f"reading {name}", number / len(names))
-        with open_bag(folder.existing(name)) as bag:
+        with overheard() as told, open_bag(folder.existing(name)) as bag:
             own = signals_for(bag, given)
             damper = damper or next(iter(own.dampers))
             full = full if damper in full.dampers else own
             whole.append(measure(bag, own, damper, *window))
+        warnings += told
     count = len(choice.fit)
     passages = [_passages(m, i, MOST_JUDGED // len(whole)) for i, m in enumerate(whole)]
     fit = [p.measurement for own in passages[:count] for p in own]
@@ -141,7 +145,7 @@ def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
     if not unseen:
         fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
     judged = tuple(p for own in passages for p in own)
-    return Stage(choice, damper, full, tuple(whole), tuple(fit), tuple(unseen), judged)
+    return Stage(choice, damper, full, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings))
 
 
 def _signal_map(folder: Folder, name: str) -> SignalMap:

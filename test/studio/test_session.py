@@ -7,7 +7,7 @@ import pytest
 
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
-from damper_estimator.studio import apart
+from damper_estimator.studio import apart, panels
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.saving import KINDS
@@ -126,6 +126,31 @@ def test_what_goes_wrong_leaves_what_was_open(session, folder):
         assert session.job.state == "failed" and said in session.job.error and "\n" not in session.job.error
         assert error(session) == before
     assert not (folder / "hacked").exists()
+
+
+def test_a_recording_that_is_cut_off_is_read_as_far_as_it_is_whole_and_the_page_is_told(session, folder):
+    (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:400_000])
+    session.open(Choice(("cut.mcap",)), ["before.yaml"])
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    assert len(session.stage.warnings) == 1 and "cut.mcap: cut off" in session.stage.warnings[0]
+    told = panels.verdict(session.comparison(session.shown(session.model)), "", session.stage.warnings)
+    assert "messages are whole" in str(told)
+    session.open(Choice(("hidden_fit.mcap",)), ["before.yaml"])
+    session.job.wait()
+    assert session.stage.warnings == ()
+
+
+def test_what_was_saved_is_known_until_the_model_changes(session, folder):
+    assert session.saved_as(session.history.now) == ""
+    session.set(session.model.slots[0].address, -950.0)
+    session.saved("mine.yaml")
+    assert session.saved_as(session.history.now) == "mine.yaml"
+    session.set(session.model.slots[1].address, -700.0)
+    assert session.saved_as(session.history.now) == ""
+    session.saved("mine.yaml")  # the same file again: the step before is no longer in it
+    session.undo()
+    assert session.saved_as(session.history.now) == ""
 
 
 def test_nothing_can_be_done_before_something_is_open(folder):

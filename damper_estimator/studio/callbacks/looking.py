@@ -95,8 +95,9 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
             found = session.comparison(session.shown(session.model))
         except InputError as error:
             return str(error), "", no_update, "", ""
-        told, drawn = panels.verdict(found, session.stage.note), painted(error_map(found), theme)
-        return told, panels.regions(found), drawn, panels.quality(found), panels.quality_line(found)
+        warnings, drawn = session.stage.warnings, painted(error_map(found), theme)
+        told = panels.verdict(found, session.stage.note, warnings), panels.regions(found), drawn
+        return *told, panels.quality(found), panels.quality_line(found, warnings)
 
 
 def _names(session: Session) -> list[str]:
