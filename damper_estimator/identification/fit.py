@@ -13,7 +13,7 @@ from damper_estimator.identification.knots import moved_knots, with_placed_knots
 from damper_estimator.identification.methods.contract import Solution, Wishes, find_method
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
-from damper_estimator.identification.rows import Rows, excerpts, pooled_error, rows_of, usable
+from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start import candidates
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
@@ -124,7 +124,7 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     chosen = find_method(method)
     _check_enough(problem)
     starts_at, size = candidates(problem, [own.measurement for own in problem.rows], wishes.seed, starts)
-    solution = chosen.search(problem, _sketch(problem), starts_at, size, wishes)
+    solution = chosen.search(problem, problem.excerpts(SKETCH_SAMPLES), starts_at, size, wishes)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
         raise InputError(
@@ -160,27 +160,13 @@ def judged_rows(
 
 
 def _check_enough(problem: Problem) -> None:
-    count, free = problem.target.size, len(problem.free)
+    count, free = problem.size, len(problem.free)
     needed = max(_FEWEST_ROWS, _ROWS_PER_PARAMETER * free)
     if count < needed:
-        where = ", ".join(dict.fromkeys(own.measurement.recording for own in problem.rows))
         _refuse(
-            f"{where}: only {count} independent samples for {free} parameters, {needed} are needed; "
-            "record longer or fix some parameters"
+            f"{', '.join(problem.recordings)}: only {count} independent samples for {free} parameters, {needed} are "
+            "needed; record longer or fix some parameters"
         )
-
-
-def _sketch(problem: Problem) -> Problem:
-    """The same problem on excerpts of its data, in equal shares of the samples; itself where it is small."""
-    total = sum(len(own.measurement.kinematics) for own in problem.rows)
-    if total <= SKETCH_SAMPLES:
-        return problem
-    rows = []
-    for own in problem.rows:
-        share = SKETCH_SAMPLES * len(own.measurement.kinematics) // total
-        rows += [own.part(part) for part in excerpts(own.measurement, share)]
-    rows = [own for own in rows if own.picks.size]
-    return problem.on(rows) if rows else problem
 
 
 def parameters_of(problem: Problem, solution: Solution, known: Uncertainty) -> tuple[FittedParameter, ...]:

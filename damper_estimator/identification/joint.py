@@ -25,8 +25,9 @@ from damper_estimator.identification.fit import (
 )
 from damper_estimator.identification.knots import with_placed_knots
 from damper_estimator.identification.methods.contract import Wishes
-from damper_estimator.identification.problem import Problem, Settings
+from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.selection import free_slots, named_slots, narrowed
+from damper_estimator.identification.unknowns import Settings
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 

@@ -7,32 +7,22 @@ parameter changes on which it depends.
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.identification.bounded import bounded_least_squares
-from damper_estimator.identification.rows import Rows
-from damper_estimator.identification.terms import Term, terms
+from damper_estimator.identification.bounded import bounded_least_squares, triangle
+from damper_estimator.identification.noise import residual_noise
+from damper_estimator.identification.rows import Rows, excerpts
+from damper_estimator.identification.terms import Term
+from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot
 
 _KEPT = 4  # settings of the parameters for which a term's columns are remembered
 _STEP = 1e-5  # of a parameter's size: well above the tolerance to which compliances are solved
 
 _SILENT = 1e-7  # of the measured force
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What differs between the recordings of a joint fit.
-
-    Attributes:
-        names: of the settings.
-        each: positions in ``model.slots`` of the parameters that have a value of their own in each.
-    """
-
-    names: tuple[str, ...]
-    each: frozenset[int]
 
 
 @dataclass(frozen=True)
@@ -54,18 +44,35 @@ class Point:
     cost: float
 
 
-class Problem:
-    """A model's free parameters against the rows of some measurements.
+@dataclass(frozen=True)
+class Linearised:
+    """The rows near a point: their derivative by searched and solved parameters, and what is left.
 
     Attributes:
-        model: with the start values.
+        jacobian: (m, q + p).
+        residual: (m,).
+        rows: that they belong to.
+    """
+
+    jacobian: np.ndarray
+    residual: np.ndarray
+    rows: tuple[Rows, ...]
+
+    @cached_property
+    def reduced(self) -> np.ndarray:
+        """(q + p + 1, q + p + 1) or fewer rows: all that the rows say, the residual last; see ``triangle``."""
+        return triangle(np.column_stack([self.jacobian, self.residual]))
+
+    def noise(self, weights: np.ndarray) -> tuple[np.ndarray, float]:
+        """See ``noise.residual_noise``: (d, d) and effective samples, for directions ``weights`` (q + p, d)."""
+        return residual_noise(self.rows, self.residual, self.jacobian @ weights)
+
+
+class Problem(Unknowns):
+    """A model's free parameters against the rows of some measurements; final.
+
+    Attributes:
         rows: of every measurement.
-        settings: of a joint fit, None for another.
-        slots: the model's, and for a joint fit one per setting of those that differ.
-        places: (settings, model slots) int, where in ``slots`` each setting finds its own.
-        free: positions in ``slots`` of all that is identified.
-        searched, solved: those of ``free`` that are searched, and solved for.
-        lower, upper: (slots,) bounds of all slots.
         target: (m,) rows of the measured force.
         evaluations: how often the model was run so far, or a part of it, over all rows.
     """
@@ -84,22 +91,41 @@ class Problem:
             free: positions in ``model.slots``.
             slots: the model's, where some have narrower bounds than their declaration.
         """
-        self.model, self.rows, self.settings = model, tuple(rows), settings
-        self._given_slots = tuple(slots or model.slots)
-        self.slots, self.places = _laid_out(self._given_slots, settings)
-        self.free = tuple(dict.fromkeys(self.places[:, list(free)].T.ravel().tolist()))
-        self._given = tuple(free)
+        super().__init__(model, free, settings, slots)
+        self.rows = tuple(rows)
         self.target = np.concatenate([own.target for own in self.rows])
-        self.lower = np.array([slot.parameter.lower for slot in self.slots])
-        self.upper = np.array([slot.parameter.upper for slot in self.slots])
         self.evaluations = 0
-        self._terms = terms(model)
-        linear = {int(place) for term in self._terms for slot in term.linear for place in self.places[:, slot]}
-        self.searched = np.array([slot for slot in self.free if slot not in linear], int)
-        self.solved = np.array([slot for slot in self.free if slot in linear], int)
-        self._start = np.array([slot.value for slot in self.slots])
         self._parts = [_Part(term, k, self.places[k], part) for k, part in self._spans() for term in self._terms]
         self._cache: list[OrderedDict] = [OrderedDict() for _ in self._parts]
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return self.target.size
+
+    @property
+    def power(self) -> float:
+        """Sum of the squares of the target."""
+        return float(self.target @ self.target)
+
+    @property
+    def recordings(self) -> tuple[str, ...]:
+        """Where the rows come from."""
+        return tuple(dict.fromkeys(own.measurement.recording for own in self.rows))
+
+    def excerpts(self, samples: int) -> "Problem":
+        """The same problem on excerpts of its data, in equal shares of about so many samples; itself where it is
+        small.
+        """
+        total = sum(len(own.measurement.kinematics) for own in self.rows)
+        if total <= samples:
+            return self
+        rows = []
+        for own in self.rows:
+            share = samples * len(own.measurement.kinematics) // total
+            rows += [own.part(part) for part in excerpts(own.measurement, share)]
+        rows = [own for own in rows if own.picks.size]
+        return self.on(rows) if rows else self
 
     def on(self, rows: Sequence[Rows]) -> "Problem":
         """The same problem on other rows."""
@@ -115,10 +141,6 @@ class Problem:
             rows.append(own.weighing(share))
         return self.on(rows)
 
-    def model_at(self, vector: np.ndarray, setting: int = 0) -> DamperModel:
-        """The model with the values (slots,) of one setting."""
-        return self.model.with_vector(vector[self.places[setting]])
-
     def _spans(self) -> list[tuple[int, slice]]:
         """The settings that have rows, with their part of the residual."""
         ends = np.cumsum([own.picks.size for own in self.rows])
@@ -127,21 +149,6 @@ class Problem:
             first = spans[own.setting].start if own.setting in spans else end - own.picks.size
             spans[own.setting] = slice(first, end)
         return list(spans.items())
-
-    @property
-    def start(self) -> np.ndarray:
-        """(q,) the model's own values of the searched parameters, between their bounds."""
-        return self.clipped(self._start[self.searched])
-
-    def clipped(self, searched: np.ndarray) -> np.ndarray:
-        """(q,) between the bounds."""
-        return np.clip(searched, self.lower[self.searched], self.upper[self.searched])
-
-    def vector(self, searched: np.ndarray, solved: np.ndarray) -> np.ndarray:
-        """(slots,) values of all slots."""
-        values = self._start.copy()
-        values[self.searched], values[self.solved] = searched, solved
-        return values
 
     def point(self, searched: np.ndarray, solved: np.ndarray | None = None) -> Point:
         """The best that can be done with these searched parameters; with ``solved`` given, how it is with those."""
@@ -161,8 +168,12 @@ class Problem:
         residual = constant + columns @ solved - self.target
         return Point(searched, solved, residual, columns, 0.5 * float(residual @ residual))
 
+    def linearised(self, point: Point, size: np.ndarray) -> Linearised:
+        """The rows near a point; ``size`` as in ``jacobian``."""
+        return Linearised(np.column_stack([self.jacobian(point, size), point.columns]), point.residual, self.rows)
+
     def jacobian(self, point: Point, size: np.ndarray) -> np.ndarray:
-        """(m, q) derivative of the rows by the searched parameters, the linear ones held; one-sided differences.
+        """(m, q) derivative of the rows by the searched parameters, the linear ones held; see ``differences``.
 
         A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero:
         the rest is rounding.
@@ -170,6 +181,12 @@ class Problem:
         Args:
             size: (q,) magnitude of each parameter, to which the step is in proportion.
         """
+        derivative = self.differences(point, size)
+        derivative[:, is_silent(derivative, size, self.power)] = 0.0
+        return derivative
+
+    def differences(self, point: Point, size: np.ndarray) -> np.ndarray:
+        """(m, q) one-sided differences of the rows by the searched parameters, the linear ones held."""
         values = self.vector(point.searched, point.solved)
         before = [self._force_at(i, part, point) for i, part in enumerate(self._parts)]
         derivative = np.zeros((self.target.size, self.searched.size))
@@ -184,8 +201,6 @@ class Problem:
             for part, force in zip(self._parts, before, strict=True):
                 if slot in part.searched:
                     derivative[part.span, j] += (self._run(part, changed[part.slots]) - force) / step
-        silent = np.linalg.norm(derivative, axis=0) * size < _SILENT * np.linalg.norm(self.target)
-        derivative[:, silent] = 0.0
         return derivative
 
     def _force_at(self, i: int, part: "_Part", point: Point) -> np.ndarray:
@@ -246,17 +261,6 @@ class _Part:
         self.linear = tuple(places[list(term.linear)].tolist())
 
 
-def _laid_out(given: tuple[Slot, ...], settings: Settings | None) -> tuple[tuple[Slot, ...], np.ndarray]:
-    """The slots of a problem, and (settings, model slots) int where each setting finds its own."""
-    if settings is None:
-        return given, np.arange(len(given))[None, :]
-    slots: list[Slot] = []
-    places = np.zeros((len(settings.names), len(given)), int)
-    for position, slot in enumerate(given):
-        if position in settings.each:
-            places[:, position] = len(slots) + np.arange(len(settings.names))
-            slots += [replace(slot, address=f"{slot.address}@{name}") for name in settings.names]
-        else:
-            places[:, position] = len(slots)
-            slots.append(slot)
-    return tuple(slots), places
+def is_silent(derivative: np.ndarray, size: np.ndarray, power: float) -> np.ndarray:
+    """(q,) bool: parameters whose derivative (m, q), over their own size, is nothing beside the target's ``power``."""
+    return np.linalg.norm(derivative, axis=0) * size < _SILENT * np.sqrt(power)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.identification.problem import Problem
+from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import Slot
 from damper_estimator.signals import Measurement
 
@@ -39,11 +40,17 @@ def candidates(
     ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts
     them. With ``count`` 0 the model's values are all there is.
     """
+    return candidates_for(problem, _natural_sizes(measurements), seed, count)
+
+
+def candidates_for(
+    problem: Unknowns, natural: tuple[float, float, float], seed: int, count: int | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same from the recordings' rms force (N), displacement (m), and that over their rms velocity (s)."""
     own = problem.start
     slots = [problem.slots[i] for i in problem.searched]
     if not slots:
         return own[None, :], own
-    natural = _natural_sizes(measurements)
     sized = np.array([_from_unit(slot.parameter.unit, natural) for slot in slots])
     spans = np.array([slot.parameter.upper - slot.parameter.lower for slot in slots])
     size = np.fmax(np.maximum(np.abs(own), _LEAST * spans), sized)

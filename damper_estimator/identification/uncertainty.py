@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.identification.bounded import triangle
-from damper_estimator.identification.problem import Point, Problem
+from damper_estimator.identification.problem import Linearised, Point, Problem
 
-MEMORY = 1.0  # s, longest correlation of the residual that is looked at
 _SINGULAR = 1e-5  # smallest over largest singular value of the scaled Jacobian: below it a direction has no influence
 _WEAK = 0.1  # directions below this are asked whether the noise hides them
 _HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
@@ -71,30 +70,35 @@ def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty
     values = problem.vector(point.searched, point.solved)[free]
     low, high = problem.lower[free], problem.upper[free]
     at_bound = np.minimum(values - low, high - values) <= _AT_BOUND * (high - low)
-    searched = problem.jacobian(point, np.maximum(np.abs(point.searched), 0.1 * size))
+    linear = problem.linearised(point, np.maximum(np.abs(point.searched), 0.1 * size))
     order = np.concatenate([problem.searched, problem.solved])
-    jacobian = np.column_stack([searched, point.columns])[:, np.argsort(order)[np.searchsorted(np.sort(order), free)]]
-    every = _directions(problem, point.residual, jacobian)
-    inner = every if not at_bound.any() else _directions(problem, point.residual, jacobian[:, ~at_bound])
+    columns = np.argsort(order)[np.searchsorted(np.sort(order), free)]
+    every = _directions(linear, columns)
+    inner = every if not at_bound.any() else _directions(linear, columns[~at_bound])
     error = np.full(free.size, np.nan)
     blind = _untold(inner) | (inner.spread > (high - low)[~at_bound])
     error[~at_bound] = np.where(blind, np.nan, inner.spread)
     # A parameter may stand at its bound only because another takes its part, so both are asked here.
-    contributions = np.maximum(np.abs(values) * every.norms, _FLOOR * np.linalg.norm(problem.target))
+    contributions = np.maximum(np.abs(values) * every.norms, _FLOOR * np.sqrt(problem.power))
     groups = [group for group in _undetermined(every, contributions) if len(group) > 1 or not at_bound[group[0]]]
     addresses = [problem.slots[slot].address for slot in free]
     return Uncertainty(error, at_bound, tuple(tuple(addresses[i] for i in group) for group in groups))
 
 
-def _directions(problem: Problem, residual: np.ndarray, jacobian: np.ndarray) -> _Directions:
-    count = jacobian.shape[1]
+def _directions(linear: Linearised, columns: np.ndarray) -> _Directions:
+    """Of the parameters in these columns (k,) of the Jacobian."""
+    count = columns.size
     if count == 0:
         return _Directions(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
+    jacobian = linear.reduced[:, columns]
     norms = np.linalg.norm(jacobian, axis=0)
     scale = np.where(norms > 0.0, norms, 1.0)
     _, singular, vectors = np.linalg.svd(triangle(jacobian / scale))
     told = singular > _SINGULAR * singular[0]
-    covariance = _covariance(problem, residual, (jacobian / scale) @ (vectors[told].T / singular[told] ** 2), count)
+    weights = np.zeros((linear.reduced.shape[1] - 1, int(told.sum())))
+    weights[columns] = vectors[told].T / singular[told] ** 2 / scale[:, None]
+    total, effective = linear.noise(weights)
+    covariance = total * effective / max(effective - count, 1.0)
     deviation = np.full(count, np.inf)
     deviation[told] = np.sqrt(np.diag(covariance))
     spread = np.sqrt((vectors[told].T @ covariance * vectors[told].T).sum(axis=1)) / scale
@@ -106,38 +110,6 @@ def _untold(known: _Directions) -> np.ndarray:
     silent = np.abs(known.vectors[np.isinf(known.deviation)])
     taking = silent > _INCIDENTAL * silent.max(axis=1, keepdims=True, initial=0.0)
     return taking.any(axis=0) | (known.norms == 0.0)
-
-
-def _covariance(problem: Problem, residual: np.ndarray, scores: np.ndarray, count: int) -> np.ndarray:
-    """(d, d) covariance of scores' * residual for a residual that is stationary within each recording."""
-    total = np.zeros((scores.shape[1], scores.shape[1]))
-    effective, first = 0.0, 0
-    for own in problem.rows:
-        part = slice(first, first + own.picks.size)
-        first += own.picks.size
-        if own.picks.size < 2:
-            continue
-        spectrum, correlation = _spectrum(residual[part], own.rate)
-        transformed = np.fft.rfft(scores[part], 2 * own.picks.size, axis=0)
-        # The half spectrum stands for both halves; its two ends are there once.
-        weight = np.full(spectrum.size, 2.0)
-        weight[0] = weight[-1] = 1.0
-        total += ((transformed.conj() * (weight * spectrum)[:, None]).T @ transformed).real / (2 * own.picks.size)
-        effective += own.picks.size / correlation
-    return total * effective / max(effective - count, 1.0)
-
-
-def _spectrum(residual: np.ndarray, rate: float) -> tuple[np.ndarray, float]:
-    """Power spectrum (n + 1,) of a residual's tapered autocovariance, and its correlation length in rows."""
-    size = residual.size
-    power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2 / size
-    covariance = np.fft.irfft(power, 2 * size)
-    reach = max(1, min(round(MEMORY * rate), size // 4))
-    lag = np.minimum(np.arange(2 * size), 2 * size - np.arange(2 * size)) / reach
-    parzen = np.where(lag <= 0.5, 1.0 - 6.0 * lag**2 * (1.0 - lag), np.where(lag <= 1.0, 2.0 * (1.0 - lag) ** 3, 0.0))
-    tapered = covariance * parzen
-    correlation = tapered.sum() / covariance[0] if covariance[0] > 0.0 else 1.0
-    return np.maximum(np.fft.rfft(tapered).real, 0.0), max(float(correlation), 1.0)
 
 
 def _undetermined(known: _Directions, contributions: np.ndarray) -> list[list[int]]:

@@ -31,7 +31,7 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     population = wishes.population or _POPULATION
     start = first_generation(scale, candidates, population, wishes.seed)
     generations = wishes.generations or _GENERATIONS
-    worst = 1e3 * float(sketch.target @ sketch.target)
+    worst = 1e3 * sketch.power
 
     def costs(shares: np.ndarray) -> np.ndarray:
         every = np.array([[sketch.point(values).cost] for values in scale.values(shares)])
@@ -44,7 +44,7 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     shares, found = evolve("ga", costs, start, generations, wishes.seed, told)
     best = scale.values(shares)[int(np.argmin(found[:, 0]))]
     point, converged = refine(problem, problem.clipped(best), size)
-    share = sketch.target.size / problem.target.size
+    share = sketch.size / problem.size
     return Solution(point, converged, problem.evaluations + round(sketch.evaluations * share))
 
 

@@ -10,7 +10,7 @@ excerpts of the data until two of them agree; the best is finished on all of it.
 
 import numpy as np
 
-from damper_estimator.identification.bounded import bounded_least_squares, triangle
+from damper_estimator.identification.bounded import bounded_least_squares
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.problem import Point, Problem
 
@@ -31,7 +31,7 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
         return Solution(problem.point(problem.start), True, problem.evaluations)
     start = _best_start(sketch, candidates, size)
     point, converged = refine(problem, problem.clipped(start), size)
-    share = sketch.target.size / problem.target.size
+    share = sketch.size / problem.size
     evaluations = problem.evaluations + round(sketch.evaluations * share)
     return Solution(point, converged, evaluations)
 
@@ -65,16 +65,15 @@ def refine(
     point = problem.point(start)
     if not np.isfinite(point.cost):
         return point, False
-    perfect = _PERFECT * float(problem.target @ problem.target)
+    perfect = _PERFECT * problem.power
     radius, passed = 1.0, [point]
     for _ in range(iterations):
         passed = _leap(problem, passed)
         point = passed[-1]
         own_size = np.maximum(np.abs(point.searched), 0.1 * size)
-        jacobian = np.column_stack([problem.jacobian(point, own_size), point.columns])
-        if not np.isfinite(jacobian).all():
+        reduced = problem.linearised(point, own_size).reduced
+        if not np.isfinite(reduced).all():
             return point, False
-        reduced = triangle(np.column_stack([jacobian, point.residual]))
         while True:
             step, promised = _step(problem, point, reduced, radius * own_size)
             length = float(np.max(np.abs(step) / own_size))

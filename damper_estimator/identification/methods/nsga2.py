@@ -103,7 +103,7 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
         objectives=found[order],
         excitations=tuple(len(own) for own in chosen.members),
     )
-    share = small.target.size / problem.target.size
+    share = small.size / problem.size
     return front, round((runs + small.evaluations) * share)
 
 

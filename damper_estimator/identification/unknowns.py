@@ -1,0 +1,92 @@
+"""The unknowns of a fit: which numbers are identified, where they stand, their bounds, which are solved for."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.identification.terms import terms
+from damper_estimator.model import DamperModel, Slot
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What differs between the recordings of a joint fit.
+
+    Attributes:
+        names: of the settings.
+        each: positions in ``model.slots`` of the parameters that have a value of their own in each.
+    """
+
+    names: tuple[str, ...]
+    each: frozenset[int]
+
+
+class Unknowns:
+    """A model's free parameters; what holds the data they are identified on builds on this.
+
+    Attributes:
+        model: with the start values.
+        settings: of a joint fit, None for another.
+        slots: the model's, and for a joint fit one per setting of those that differ.
+        places: (settings, model slots) int, where in ``slots`` each setting finds its own.
+        free: positions in ``slots`` of all that is identified.
+        searched, solved: those of ``free`` that are searched, and solved for.
+        lower, upper: (slots,) bounds of all slots.
+    """
+
+    def __init__(
+        self,
+        model: DamperModel,
+        free: Sequence[int],
+        settings: Settings | None = None,
+        slots: Sequence[Slot] | None = None,
+    ):
+        """``free`` and ``slots`` as in ``Problem``."""
+        self.model, self.settings = model, settings
+        self._given_slots = tuple(slots or model.slots)
+        self.slots, self.places = _laid_out(self._given_slots, settings)
+        self.free = tuple(dict.fromkeys(self.places[:, list(free)].T.ravel().tolist()))
+        self._given = tuple(free)
+        self.lower = np.array([slot.parameter.lower for slot in self.slots])
+        self.upper = np.array([slot.parameter.upper for slot in self.slots])
+        self._terms = terms(model)
+        linear = {int(place) for term in self._terms for slot in term.linear for place in self.places[:, slot]}
+        self.searched = np.array([slot for slot in self.free if slot not in linear], int)
+        self.solved = np.array([slot for slot in self.free if slot in linear], int)
+        self._start = np.array([slot.value for slot in self.slots])
+
+    @property
+    def start(self) -> np.ndarray:
+        """(q,) the model's own values of the searched parameters, between their bounds."""
+        return self.clipped(self._start[self.searched])
+
+    def clipped(self, searched: np.ndarray) -> np.ndarray:
+        """(q,) between the bounds."""
+        return np.clip(searched, self.lower[self.searched], self.upper[self.searched])
+
+    def vector(self, searched: np.ndarray, solved: np.ndarray) -> np.ndarray:
+        """(slots,) values of all slots."""
+        values = self._start.copy()
+        values[self.searched], values[self.solved] = searched, solved
+        return values
+
+    def model_at(self, vector: np.ndarray, setting: int = 0) -> DamperModel:
+        """The model with the values (slots,) of one setting."""
+        return self.model.with_vector(vector[self.places[setting]])
+
+
+def _laid_out(given: tuple[Slot, ...], settings: Settings | None) -> tuple[tuple[Slot, ...], np.ndarray]:
+    """The slots of a problem, and (settings, model slots) int where each setting finds its own."""
+    if settings is None:
+        return given, np.arange(len(given))[None, :]
+    slots: list[Slot] = []
+    places = np.zeros((len(settings.names), len(given)), int)
+    for position, slot in enumerate(given):
+        if position in settings.each:
+            places[:, position] = len(slots) + np.arange(len(settings.names))
+            slots += [replace(slot, address=f"{slot.address}@{name}") for name in settings.names]
+        else:
+            places[:, position] = len(slots)
+            slots.append(slot)
+    return tuple(slots), places
