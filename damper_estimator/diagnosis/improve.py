@@ -128,7 +128,7 @@ def _follow(state: _State, own: Diagnosis, most: int, tell: Callable[[str], None
         if step.rmse_unseen_n < (1.0 - _LEAST_FALL) * state.error:
             state.keep(step)
         return
-    for finding in own.findings:
+    for finding in sorted(own.findings, key=lambda one: not one.is_channel):  # data before physics
         if len(state.added) >= most:
             return
         tell(f"adding {finding.effect}")

@@ -31,11 +31,11 @@ def verdict_on(
     """
     first, last = found.rounds[0], found.rounds[-1]
     floor = floor_n if np.isfinite(floor_n) else 0.0
-    if again is not None and _enough(found, again, floor) and not _more_telling(found.accepted, again):
+    left = rmse(last.null, last.without)
+    if again is not None and _enough(found, again, floor) and not _more_telling(found.accepted, left, again):
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
-    left = rmse(first.null, last.without)
     own = max(floor, min(_residual_before(first.null.model), _NOTABLE * force_n))
     if left > max(_NOTABLE * force_n, _ABOVE * own):
         picture, gain, low = structure(first.null, first.kept)
@@ -59,13 +59,15 @@ def _residual_before(model: DamperModel) -> float:
     return float(model.fit.get("residual_stddev", 0.0) or 0.0)
 
 
-def _more_telling(accepted: Sequence[Accepted], again: Reidentified) -> bool:
-    """Whether one new effect says more than moving what is there, or, one of the damper, as much with far fewer."""
+def _more_telling(accepted: Sequence[Accepted], left_n: float, again: Reidentified) -> bool:
+    """Whether new effects, which leave ``left_n``, say more than moving what is there, or one of the damper as much
+    with far fewer parameters.
+    """
     if not accepted:
         return False
-    first = accepted[0]
-    if first.after_n**2 < _BETTER * again.rmse_n**2:
+    if left_n**2 < _BETTER * again.rmse_n**2:
         return True
+    first = accepted[0]
     effect = first.element.effect
     if effect.kind == "channel" or effect.phenomenon in again.phenomena:
         return False
