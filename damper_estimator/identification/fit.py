@@ -1,6 +1,6 @@
 """Identification: the parameters with which a model agrees best with what was measured."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import NoReturn
@@ -15,8 +15,9 @@ from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
-from damper_estimator.identification.start import candidates
+from damper_estimator.identification.start import candidates_for
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
+from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
@@ -111,7 +112,7 @@ def fit(
     placed = with_placed_knots(model, [own.measurement for own in rows])
     problem = Problem(placed, rows, free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
-    said = warnings_of(problem, model, solution, known, given)
+    said = warnings_of(problem, model, solution, known, *lost_and_filters(problem, given))
     return result(model, problem, solution, known, perf_counter() - began, said)
 
 
@@ -123,7 +124,7 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     """
     chosen = find_method(method)
     _check_enough(problem)
-    starts_at, size = candidates(problem, [own.measurement for own in problem.rows], wishes.seed, starts)
+    starts_at, size = candidates_for(problem, problem.natural_sizes(), wishes.seed, starts)
     solution = chosen.search(problem, problem.excerpts(SKETCH_SAMPLES), starts_at, size, wishes)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
@@ -169,7 +170,7 @@ def _check_enough(problem: Problem) -> None:
         )
 
 
-def parameters_of(problem: Problem, solution: Solution, known: Uncertainty) -> tuple[FittedParameter, ...]:
+def parameters_of(problem: Unknowns, solution: Solution, known: Uncertainty) -> tuple[FittedParameter, ...]:
     """All that was identified, in order of ``problem.free``."""
     vector = problem.vector(solution.point.searched, solution.point.solved)
     rows = zip(problem.free, known.standard_error, known.at_bound, strict=True)
@@ -215,12 +216,22 @@ def result(
     )
 
 
-def warnings_of(
-    problem: Problem, model: DamperModel, solution: Solution, known: Uncertainty, given: Sequence[Measurement]
-) -> tuple[str, ...]:
-    """What the user should know of an identification; ``model`` is the one before, ``given`` all that was asked."""
+def lost_and_filters(problem: Problem, given: Sequence[Measurement]) -> tuple[int, set[tuple[float, float]]]:
+    """Judged samples of all that was asked that are not used, and the filters of what is: cutoff and band, Hz."""
     used = [own.measurement for own in problem.rows]
     lost = sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
+    return lost, {(m.cutoff, m.band) for m in used}
+
+
+def warnings_of(
+    problem: Unknowns,
+    model: DamperModel,
+    solution: Solution,
+    known: Uncertainty,
+    lost: int,
+    filters: Collection[tuple[float, float]],
+) -> tuple[str, ...]:
+    """What the user should know of an identification; ``model`` is the one before."""
     parameters, moved = parameters_of(problem, solution, known), moved_knots(model, problem.model)
     said = [solution.remark] if solution.remark else []
     said += [f"the knots of {label} were laid out anew over the recordings" for label in moved]
@@ -243,6 +254,6 @@ def warnings_of(
             )
     if lost:
         said.append(f"{lost} samples were left out, where a channel that the model needs was not recorded yet")
-    if len({(m.cutoff, m.band) for m in used}) > 1:
+    if len(filters) > 1:
         said.append("the recordings were filtered differently; the file records the first one's cutoff")
     return tuple(said)

@@ -19,6 +19,7 @@ from damper_estimator.identification.fit import (
     FittedParameter,
     identified,
     judged_rows,
+    lost_and_filters,
     parameters_of,
     result,
     warnings_of,
@@ -94,7 +95,7 @@ def fit_joint(
     settled = Settings(names, frozenset(differing))
     problem = Problem(placed, rows, chosen, settled, narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
-    said = warnings_of(problem, model, solution, known, given)
+    said = warnings_of(problem, model, solution, known, *lost_and_filters(problem, given))
     seconds = perf_counter() - began
     fits = {name: result(model, problem, solution, known, seconds, said, k) for k, name in enumerate(names)}
     addresses = tuple(placed.slots[i].address for i in differing)

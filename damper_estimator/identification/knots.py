@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.effects.contract import Parameter, Setting
+from damper_estimator.identification.samples import Channels, Samples, channels_of
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import Value, labels
 from damper_estimator.signals import Measurement
@@ -25,7 +26,12 @@ FEWEST = 30  # samples between two knots, and a thousandth of all
 
 def with_placed_knots(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
     """The model with its default knots laid over the judged samples of the measurements; values are interpolated."""
-    return replace(model, effects=tuple(_placed(element, measurements) for element in model.effects))
+    return with_knots_over(model, channels_of(measurements))
+
+
+def with_knots_over(model: DamperModel, channels: Channels) -> DamperModel:
+    """The same from the values of each channel."""
+    return replace(model, effects=tuple(_placed(element, channels) for element in model.effects))
 
 
 def moved_knots(before: DamperModel, after: DamperModel) -> list[str]:
@@ -34,15 +40,14 @@ def moved_knots(before: DamperModel, after: DamperModel) -> list[str]:
     return [label for (label, old), (_, new) in pairs if old.settings != new.settings]
 
 
-def _placed(element: Element, measurements: Sequence[Measurement]) -> Element:
-    element = replace(element, path=tuple(_placed(inner, measurements) for inner in element.path))
+def _placed(element: Element, channels: Channels) -> Element:
+    element = replace(element, path=tuple(_placed(inner, channels) for inner in element.path))
     axes = {}
     for setting in element.effect.settings:
         row = AXES.get(setting.unit)
         own = any(setting.name in _axes(p) for p in element.effect.parameters)
         if own and setting.increasing and row is not None and element.settings[setting.name] == setting.default:
-            values = np.concatenate([m.kinematics.block[row, m.judged] for m in measurements])
-            axes[setting.name] = tuple(_knots(setting, values[np.isfinite(values)]))
+            axes[setting.name] = tuple(_knots(setting, channels(row)))
     moved = [p for p in element.effect.parameters if any(name in axes for name in _axes(p))]
     given = [p for p in moved if len(_axes(p)) > 1 and len(set(element.parameters[p.name])) > 1]
     if not axes or given:  # a surface with values is the user's own
@@ -64,24 +69,25 @@ def _interpolated(parameter: Parameter, element: Element, settings: Mapping[str,
     return tuple(np.interp(settings[parameter.size], element.settings[parameter.size], values).tolist())
 
 
-def _knots(setting: Setting, values: np.ndarray) -> list[float]:
+def _knots(setting: Setting, values: Samples) -> list[float]:
     """Stretched knots that have enough samples around them; the default ones where the values do not spread."""
     default = np.asarray(setting.default)
-    if values.size == 0 or values.min() == values.max():
+    if values.size == 0 or values.low == values.high:
         return default.tolist()
-    low, high = np.percentile(values, OUTER)
+    low, high = values.percentiles(OUTER)
     if default[0] < 0.0 < default[-1] and low < 0.0 < high:
         stretched = np.where(default < 0.0, default * low / default[0], default * high / default[-1])
     else:
         stretched = low + (default - default[0]) * (high - low) / (default[-1] - default[0])
-    kept = _populated(stretched.tolist(), np.sort(values), max(FEWEST, values.size // 1000))
+    kept = _populated(stretched.tolist(), values, max(FEWEST, values.size // 1000))
     return kept if len(kept) > 1 else default.tolist()
 
 
-def _populated(knots: list[float], ordered: np.ndarray, fewest: int) -> list[float]:
+def _populated(knots: list[float], values: Samples, fewest: int) -> list[float]:
     """Knots without those that close an interval of fewer than ``fewest`` samples; 0 and the ends go last."""
+    below = dict(zip(knots, values.below(knots).tolist(), strict=True))
     while len(knots) > 2:
-        counts = np.diff(np.searchsorted(ordered, knots))
+        counts = np.diff([below[knot] for knot in knots])
         thin = int(np.argmin(counts))
         if counts[thin] >= fewest:
             break

@@ -14,7 +14,7 @@ import numpy as np
 
 from damper_estimator.identification.bounded import bounded_least_squares, triangle
 from damper_estimator.identification.noise import residual_noise
-from damper_estimator.identification.rows import Rows, excerpts
+from damper_estimator.identification.rows import Rows, excerpts, natural_sizes
 from damper_estimator.identification.terms import Term
 from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot
@@ -112,6 +112,10 @@ class Problem(Unknowns):
     def recordings(self) -> tuple[str, ...]:
         """Where the rows come from."""
         return tuple(dict.fromkeys(own.measurement.recording for own in self.rows))
+
+    def natural_sizes(self) -> tuple[float, float, float]:
+        """See ``rows.natural_sizes``."""
+        return natural_sizes([own.measurement for own in self.rows])
 
     def excerpts(self, samples: int) -> "Problem":
         """The same problem on excerpts of its data, in equal shares of about so many samples; itself where it is

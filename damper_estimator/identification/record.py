@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from damper_estimator.identification.samples import Channels, channels_of
 from damper_estimator.model.estimator import REGION_ROWS
 from damper_estimator.signals import Measurement
 
@@ -20,25 +21,35 @@ def fit_record(
         residual_stddev: N, in band.
         standard_errors: by address; those that are not known are left out.
     """
+    names = list(dict.fromkeys(measurement.recording for measurement in measurements))
+    first = measurements[0]
+    return record_of(
+        names, (first.cutoff, first.band), region_of(channels_of(measurements)), residual_stddev, standard_errors
+    )
+
+
+def record_of(
+    bags: Sequence[str],
+    filters: tuple[float, float],
+    region: Mapping[str, Sequence[float]],
+    residual_stddev: float,
+    standard_errors: Mapping[str, float],
+) -> dict[str, object]:
+    """The same from the recordings' names, the filters' cutoff and band (Hz), and the region of validity."""
     return {
-        "bags": list(dict.fromkeys(measurement.recording for measurement in measurements)),
+        "bags": list(bags),
         "date": datetime.now(UTC).date().isoformat(),
-        "cutoff": float(measurements[0].cutoff),
-        "band": float(measurements[0].band),
+        "cutoff": float(filters[0]),
+        "band": float(filters[1]),
         "residual_stddev": float(f"{residual_stddev:.6g}"),
-        "region": region(measurements),
+        "region": {name: list(ends) for name, ends in region.items()},
         "standard_errors": {
             name: float(f"{error:.6g}") for name, error in standard_errors.items() if np.isfinite(error)
         },
     }
 
 
-def region(measurements: Sequence[Measurement]) -> dict[str, list[float]]:
+def region_of(channels: Channels) -> dict[str, list[float]]:
     """Lowest and highest value of each channel that was there, less the outermost thousandth on either side."""
-    ranges = {}
-    for name, row in REGION_ROWS.items():
-        values = np.concatenate([m.kinematics.block[row, m.judged] for m in measurements])
-        values = values[np.isfinite(values)]
-        if values.size:
-            ranges[name] = [float(value) for value in np.percentile(values, REGION)]
-    return ranges
+    values = {name: channels(row) for name, row in REGION_ROWS.items()}
+    return {name: own.percentiles(REGION) for name, own in values.items() if own.size}

@@ -140,6 +140,23 @@ def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> lis
     return [slice(first, first + each) for first in starts]
 
 
+def natural_sizes(measurements: Sequence[Measurement]) -> tuple[float, float, float]:
+    """Force (N), length (m) and time (s) of recordings: rms over the judged samples, each about its mean."""
+    spreads = [float(np.concatenate([own[i] for own in map(motion, measurements)]).std()) for i in range(3)]
+    return sized(*spreads)
+
+
+def motion(measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force, displacement and velocity (k,) at the judged samples."""
+    judged, kinematics = measurement.judged, measurement.kinematics
+    return measurement.force[judged], kinematics.displacement[judged], kinematics.velocity[judged]
+
+
+def sized(force: float, length: float, velocity: float) -> tuple[float, float, float]:
+    """Force, length and time from the spreads of force, displacement and velocity."""
+    return force, length, length / velocity if velocity > 0.0 else float("nan")
+
+
 def pooled_error(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[float, float, int]:
     """``rmse_n`` (N), ``esr`` and number of judged samples over all measurements together, at full rate."""
     errors, forces = [], []

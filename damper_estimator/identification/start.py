@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.identification.problem import Problem
+from damper_estimator.identification.rows import natural_sizes
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import Slot
 from damper_estimator.signals import Measurement
@@ -40,7 +41,7 @@ def candidates(
     ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts
     them. With ``count`` 0 the model's values are all there is.
     """
-    return candidates_for(problem, _natural_sizes(measurements), seed, count)
+    return candidates_for(problem, natural_sizes(measurements), seed, count)
 
 
 def candidates_for(
@@ -68,17 +69,6 @@ def candidates_for(
 
 def _either_sign(slot: Slot) -> bool:
     return slot.parameter.lower < 0.0 < slot.parameter.upper
-
-
-def _natural_sizes(measurements: Sequence[Measurement]) -> tuple[float, float, float]:
-    """Force (N), length (m) and time (s) of a recording: rms over the judged samples, each about its mean."""
-
-    def spread(name: str) -> float:
-        values = [getattr(m if name == "force" else m.kinematics, name)[m.judged] for m in measurements]
-        return float(np.concatenate(values).std())
-
-    force, length, velocity = spread("force"), spread("displacement"), spread("velocity")
-    return force, length, length / velocity if velocity > 0.0 else float("nan")
 
 
 def _from_unit(unit: str, natural: tuple[float, float, float]) -> float:
