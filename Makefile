@@ -24,7 +24,7 @@ test: env ## run all tests, those of the ROS node included (a browser's settings
 demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
 
-pictures: env ## the pictures of docs/hidden_effect.md (needs chromium)
+pictures: env ## the pictures of docs/hidden_effect.md and docs/studio.md (needs chromium)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/pictures
 
 real-data: env ## the tables of docs/real_data.md, where the recordings are there

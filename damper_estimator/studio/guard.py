@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from flask import Flask, Request, Response, abort, redirect, request
 
 LARGEST_REQUEST = 1_000_000  # bytes
-COOKIE = "damper_studio"
 _READING = ("GET", "HEAD")
 
 
@@ -35,6 +34,11 @@ class Door:
         """The address of the page, with the token."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
+
+    @property
+    def cookie(self) -> str:
+        """The cookie that holds the token; browsers share cookies between the ports of a host."""
+        return f"damper_studio_{self.port}"
 
     def knows(self, host: str) -> bool:
         """Whether a ``Host`` header names this server: by its own name, as localhost, or by address.
@@ -105,17 +109,17 @@ def _admitted(asked: Request, door: Door) -> Response | None:
         abort(411)
     if asked.content_length is not None and asked.content_length > LARGEST_REQUEST:
         abort(413)
-    return _with_token(asked, door.token) if door.token else None
+    return _with_token(asked, door.token, door.cookie) if door.token else None
 
 
-def _with_token(asked: Request, token: str) -> Response | None:
+def _with_token(asked: Request, token: str, cookie: str) -> Response | None:
     """Takes the token from the address once and keeps it in a cookie that no script and no other site gets."""
     given = asked.args.get("token", "")
     if asked.path == "/" and given and _same(given, token):
         response = redirect("/")
-        response.set_cookie(COOKIE, token, httponly=True, samesite="Strict")
+        response.set_cookie(cookie, token, httponly=True, samesite="Strict")
         return response
-    if not _same(asked.cookies.get(COOKIE, ""), token):
+    if not _same(asked.cookies.get(cookie, ""), token):
         abort(403, "open the address with the token that the studio printed")
     return None
 

@@ -14,7 +14,7 @@ from damper_estimator.studio.callbacks import connect
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.guard import Door, guard
 from damper_estimator.studio.page import layout
-from damper_estimator.studio.sessions import SILENCE, Sessions
+from damper_estimator.studio.sessions import Sessions
 
 _INDEX = """<!doctype html>
 <html lang="en">
@@ -33,9 +33,9 @@ _INDEX = """<!doctype html>
 </html>"""
 
 
-def application(folder: Folder, door: Door, silence: float = SILENCE) -> tuple[Dash, Sessions]:
+def application(folder: Folder, door: Door) -> tuple[Dash, Sessions]:
     """The studio as a web application, and the pages that are open in it."""
-    sessions = Sessions(folder, silence)
+    sessions = Sessions(folder)
     app = Dash(
         "damper_estimator.studio",
         title="damper studio",

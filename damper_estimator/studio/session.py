@@ -214,10 +214,14 @@ class Session:
         """The file that a version's model was written to last; "" where there is none."""
         return next((file for own, file in reversed(self._saved) if own is version), "")
 
-    def close(self) -> None:
-        """Ends the work that goes on and lets go of all that was read."""
+    def rest(self) -> None:
+        """Ends the work that goes on."""
         if self.job is not None:
             self.job.cancel()
+
+    def close(self) -> None:
+        """Ends the work that goes on and lets go of all that was read."""
+        self.rest()
         self.stage, self.history, self.diagnosis = None, None, None
         self._shown, self._compared, self._saved = [], [], []
 

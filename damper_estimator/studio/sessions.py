@@ -1,4 +1,7 @@
-"""The pages that are open: found by a number that nobody guesses, let go when they are left."""
+"""The pages that are open: found by a number that nobody guesses, let go when they are left.
+
+A page that is only silent (its computer sleeps, a tunnel is down) ends its work soon and keeps what it has for an hour.
+"""
 
 import secrets
 import threading
@@ -9,15 +12,16 @@ from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.session import Session
 
 MOST = 8  # pages at a time
-SILENCE = 90.0  # s without a sign of life; browsers slow hidden pages down to one a minute
+SILENCE = 90.0  # s without a sign of life until work ends; browsers slow hidden pages down to one a minute
+KEPT = 3600.0  # s until a silent page is let go
 
 
 class Sessions:
     """All pages of one server; final."""
 
-    def __init__(self, folder: Folder, silence: float = SILENCE) -> None:
+    def __init__(self, folder: Folder, silence: float = SILENCE, kept: float = KEPT) -> None:
         self.folder = folder
-        self._silence = silence
+        self._silence, self._kept = silence, kept
         self._open: dict[str, tuple[Session, float]] = {}
         self._lock = threading.Lock()
         self._stop = threading.Event()
@@ -67,6 +71,9 @@ class Sessions:
         while not self._stop.wait(min(self._silence / 4.0, 5.0)):
             now = monotonic()
             with self._lock:
-                silent = [page for page, (_, seen) in self._open.items() if now - seen > self._silence]
-            for page in silent:
-                self.leave(page)
+                silent = [(page, *own) for page, own in self._open.items() if now - own[1] > self._silence]
+            for page, session, seen in silent:
+                if now - seen > self._kept:
+                    self.leave(page)
+                else:
+                    session.rest()

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.guard import COOKIE, LARGEST_REQUEST, Door, is_loopback, new_token
+from damper_estimator.studio.guard import LARGEST_REQUEST, Door, is_loopback, new_token
 from damper_estimator.studio.server import application
 
 OWN = {"Host": "127.0.0.1:8050", "Origin": "http://127.0.0.1:8050"}
@@ -75,7 +75,8 @@ def test_no_file_of_the_machine_is_served(client, tmp_path, path):
 
 def test_with_a_token_nothing_is_told_without_it(tmp_path):
     token = new_token()
-    client, sessions = client_of(tmp_path, Door("0.0.0.0", 8050, token))
+    door = Door("0.0.0.0", 8050, token)
+    client, sessions = client_of(tmp_path, door)
     host = {"Host": "192.168.1.2:8050"}
     for path in ("/", "/_dash-layout", "/assets/studio.js", "/?token=wrong", "/_dash-layout?token=" + token):
         assert client.get(path, headers=host).status_code == 403
@@ -83,8 +84,8 @@ def test_with_a_token_nothing_is_told_without_it(tmp_path):
     entered = client.get(f"/?token={token}", headers=host)
     cookie = entered.headers["Set-Cookie"]
     assert entered.status_code == 302 and entered.location == "/"
-    assert cookie.startswith(COOKIE) and "HttpOnly" in cookie and "SameSite=Strict" in cookie
-    client.set_cookie(COOKIE, token, domain="192.168.1.2")
+    assert cookie.startswith(door.cookie) and "HttpOnly" in cookie and "SameSite=Strict" in cookie
+    client.set_cookie(door.cookie, token, domain="192.168.1.2")
     assert client.get("/", headers=host).status_code == 200
     assert client.get("/", headers={"Host": "evil.example:8050"}).status_code == 403
     sessions.close()
