@@ -19,8 +19,8 @@ from scipy.stats import f as f_distribution
 
 RULE = (
     "relative error (rms error over rms force) that rises from one time on, less what temperature and rms force "
-    "explain of it over all dampers; held against 9999 random orders of the recordings; on average at most 5 % of those "
-    "named are false alarms; a damper needs 8 recordings"
+    "explain of it over all dampers; held against 9999 random orders of the recordings; on average at most 5 % of "
+    "those named are false alarms; a damper needs 8 recordings"
 )
 FEWEST = 8  # recordings of a damper, below which nothing is said
 FALSE_ALARMS = 0.05

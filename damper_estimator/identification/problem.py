@@ -14,7 +14,7 @@ import numpy as np
 
 from damper_estimator.identification.bounded import bounded_least_squares, triangle
 from damper_estimator.identification.noise import residual_noise
-from damper_estimator.identification.rows import Rows, excerpts, natural_sizes
+from damper_estimator.identification.rows import Rows, excerpts, motion_moments, natural_sizes
 from damper_estimator.identification.terms import Term
 from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot
@@ -48,24 +48,29 @@ class Point:
 class Linearised:
     """The rows near a point: their derivative by searched and solved parameters, and what is left.
 
+    A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero: the
+    rest is rounding.
+
     Attributes:
-        jacobian: (m, q + p).
+        jacobian: (m, q + p), of which the first q columns are one-sided differences.
         residual: (m,).
         rows: that they belong to.
+        silent: (q,) bool.
     """
 
     jacobian: np.ndarray
     residual: np.ndarray
     rows: tuple[Rows, ...]
+    silent: np.ndarray
 
     @cached_property
     def reduced(self) -> np.ndarray:
         """(q + p + 1, q + p + 1) or fewer rows: all that the rows say, the residual last; see ``triangle``."""
-        return triangle(np.column_stack([self.jacobian, self.residual]))
+        return loudly_reduced(by_recording(self.rows, np.column_stack([self.jacobian, self.residual])), self.silent)
 
     def noise(self, weights: np.ndarray) -> tuple[np.ndarray, float]:
         """See ``noise.residual_noise``: (d, d) and effective samples, for directions ``weights`` (q + p, d)."""
-        return residual_noise(self.rows, self.residual, self.jacobian @ weights)
+        return residual_noise(self.rows, self.residual, self.jacobian @ without(self.silent, weights))
 
 
 class Problem(Unknowns):
@@ -115,7 +120,7 @@ class Problem(Unknowns):
 
     def natural_sizes(self) -> tuple[float, float, float]:
         """See ``rows.natural_sizes``."""
-        return natural_sizes([own.measurement for own in self.rows])
+        return natural_sizes([motion_moments(own.measurement) for own in self.rows])
 
     def excerpts(self, samples: int) -> "Problem":
         """The same problem on excerpts of its data, in equal shares of about so many samples; itself where it is
@@ -168,26 +173,16 @@ class Problem(Unknowns):
         if solved is None:
             low, high = self.lower[self.solved], self.upper[self.solved]
             reference = np.clip(values[self.solved], low, high)
-            solved = bounded_least_squares(columns, self.target - constant, low, high, reference)
+            reduced = by_recording(self.rows, np.column_stack([columns, self.target - constant]))
+            solved = bounded_least_squares(reduced[:, :-1], reduced[:, -1], low, high, reference)
         residual = constant + columns @ solved - self.target
         return Point(searched, solved, residual, columns, 0.5 * float(residual @ residual))
 
     def linearised(self, point: Point, size: np.ndarray) -> Linearised:
-        """The rows near a point; ``size`` as in ``jacobian``."""
-        return Linearised(np.column_stack([self.jacobian(point, size), point.columns]), point.residual, self.rows)
-
-    def jacobian(self, point: Point, size: np.ndarray) -> np.ndarray:
-        """(m, q) derivative of the rows by the searched parameters, the linear ones held; see ``differences``.
-
-        A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero:
-        the rest is rounding.
-
-        Args:
-            size: (q,) magnitude of each parameter, to which the step is in proportion.
-        """
+        """The rows near a point; ``size`` (q,) is the magnitude of each parameter, to which steps are in proportion."""
         derivative = self.differences(point, size)
-        derivative[:, is_silent(derivative, size, self.power)] = 0.0
-        return derivative
+        silent = is_silent(derivative, size, self.power)
+        return Linearised(np.column_stack([derivative, point.columns]), point.residual, self.rows, silent)
 
     def differences(self, point: Point, size: np.ndarray) -> np.ndarray:
         """(m, q) one-sided differences of the rows by the searched parameters, the linear ones held."""
@@ -265,6 +260,24 @@ class _Part:
         self.linear = tuple(places[list(term.linear)].tolist())
 
 
+def by_recording(rows: Sequence[Rows], matrix: np.ndarray) -> np.ndarray:
+    """The triangles of each recording's part of a matrix (m, k), one below the other: so sums over recordings are the
+    same wherever the parts are made.
+    """
+    ends = np.cumsum([own.picks.size for own in rows])
+    return np.concatenate([triangle(part) for part in np.split(matrix, ends[:-1])])
+
+
 def is_silent(derivative: np.ndarray, size: np.ndarray, power: float) -> np.ndarray:
     """(q,) bool: parameters whose derivative (m, q), over their own size, is nothing beside the target's ``power``."""
     return np.linalg.norm(derivative, axis=0) * size < _SILENT * np.sqrt(power)
+
+
+def loudly_reduced(rows: np.ndarray, silent: np.ndarray) -> np.ndarray:
+    """The triangle of rows (m, k) in which silent parameters, the first q of k columns, have no part."""
+    return triangle(without(silent, rows.T).T)
+
+
+def without(silent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weights (k, d) with zeros for the silent parameters, the first q of k."""
+    return np.where(np.pad(silent, (0, len(weights) - silent.size))[:, None], 0.0, weights)

@@ -140,21 +140,31 @@ def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> lis
     return [slice(first, first + each) for first in starts]
 
 
-def natural_sizes(measurements: Sequence[Measurement]) -> tuple[float, float, float]:
-    """Force (N), length (m) and time (s) of recordings: rms over the judged samples, each about its mean."""
-    spreads = [float(np.concatenate([own[i] for own in map(motion, measurements)]).std()) for i in range(3)]
-    return sized(*spreads)
-
-
-def motion(measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Force, displacement and velocity (k,) at the judged samples."""
-    judged, kinematics = measurement.judged, measurement.kinematics
-    return measurement.force[judged], kinematics.displacement[judged], kinematics.velocity[judged]
-
-
-def sized(force: float, length: float, velocity: float) -> tuple[float, float, float]:
-    """Force, length and time from the spreads of force, displacement and velocity."""
+def natural_sizes(spreads: Sequence[np.ndarray]) -> tuple[float, float, float]:
+    """Force (N), length (m) and time (s) of recordings, from the ``motion_moments`` of each."""
+    together = [pooled(own) for own in np.stack(spreads, axis=1)]
+    force, length, velocity = (float(np.sqrt(deviations / count)) for count, _, deviations in together)
     return force, length, length / velocity if velocity > 0.0 else float("nan")
+
+
+def motion_moments(measurement: Measurement) -> np.ndarray:
+    """(3, 3) ``moments`` of force, displacement and velocity at the judged samples."""
+    judged, kinematics = measurement.judged, measurement.kinematics
+    values = (measurement.force, kinematics.displacement, kinematics.velocity)
+    return np.array([moments(own[judged]) for own in values])
+
+
+def moments(values: np.ndarray) -> tuple[float, float, float]:
+    """Number, mean, and sum of the squared deviations from it."""
+    mean = float(values.mean()) if values.size else 0.0
+    return float(values.size), mean, float(np.sum((values - mean) ** 2))
+
+
+def pooled(parts: np.ndarray) -> tuple[float, float, float]:
+    """The ``moments`` of all values from those of their parts (n, 3)."""
+    count, mean, deviations = parts.T
+    together = float(count @ mean / count.sum())
+    return float(count.sum()), together, float(deviations.sum() + count @ (mean - together) ** 2)
 
 
 def pooled_error(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[float, float, int]:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.identification.problem import Problem
-from damper_estimator.identification.rows import natural_sizes
+from damper_estimator.identification.rows import motion_moments, natural_sizes
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import Slot
 from damper_estimator.signals import Measurement
@@ -41,7 +41,7 @@ def candidates(
     ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts
     them. With ``count`` 0 the model's values are all there is.
     """
-    return candidates_for(problem, natural_sizes(measurements), seed, count)
+    return candidates_for(problem, natural_sizes([motion_moments(own) for own in measurements]), seed, count)
 
 
 def candidates_for(

@@ -1,0 +1,110 @@
+"""A fit over recordings on two workers is the fit in one process."""
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+from fleet_bags import write_drive
+
+from damper_estimator.errors import InputError
+from damper_estimator.fleet import held
+from damper_estimator.fleet.held import Source
+from damper_estimator.fleet.joint import Shares, fit_spread
+from damper_estimator.identification import Wishes, fit
+from damper_estimator.identification.samples import channels_of
+from damper_estimator.model import load_model, parse_model
+from damper_estimator.model.files import model_yaml
+from damper_estimator.recordings import open_bag
+from damper_estimator.signals import load_signal_map, measure
+from damper_estimator.signals.layout import V, X
+
+CURVE = {
+    "name": "curve_and_friction",
+    "source": "made for a test",
+    "effects": [{"viscous_curve": {}}, {"tanh_hysteresis": {}}],
+}
+
+
+@pytest.fixture
+def bags(tmp_path):
+    """Three recordings of unequal length and temperature."""
+    return [
+        write_drive(tmp_path / f"{k}.mcap", k, gain=1500.0 + 40.0 * k, seconds=seconds)
+        for k, seconds in enumerate((6.0, 9.0, 7.0))
+    ]
+
+
+def source(path, damper="front_left"):
+    return Source(str(path), damper, "", 0.0, float("inf"), "")
+
+
+def here(path):
+    with open_bag(path) as bag:
+        return measure(bag, load_signal_map(None), "front_left")
+
+
+def alike(spread, alone):
+    """Whether two fits agree to 1e-9."""
+    close = pytest.approx
+    for name in ("rmse_n", "esr", "rmse_before_n", "esr_before"):
+        assert getattr(spread, name) == close(getattr(alone, name), rel=1e-9), name
+    assert [p.name for p in spread.parameters] == [p.name for p in alone.parameters]
+    for own, other in zip(spread.parameters, alone.parameters, strict=True):
+        assert own.value == close(other.value, rel=1e-9, abs=1e-12), own.name
+        assert own.standard_error == close(other.standard_error, rel=1e-6, nan_ok=True), own.name
+        assert own.at_bound == other.at_bound
+    assert (spread.samples, spread.undetermined) == (alone.samples, alone.undetermined)
+    assert spread.warnings == alone.warnings
+    assert spread.model.fit["region"] == alone.model.fit["region"]
+    assert spread.model.fit["bags"] == alone.model.fit["bags"]
+
+
+@pytest.mark.parametrize("model", ["curve", "carrera_akutain"])
+def test_two_workers_fit_what_one_process_fits(client, bags, model):
+    start = parse_model(CURVE, "here") if model == "curve" else load_model(model)
+    spread, refused = fit_spread(client, start, [source(path) for path in bags[::-1]], wishes=Wishes(seed=3))
+    assert not refused
+    alike(spread, fit(start, [here(path) for path in bags], seed=3))
+
+
+def test_excerpts_are_the_same_as_well(client, bags, monkeypatch):
+    # The package's ``fit`` is the function, which hides the module of that name.
+    monkeypatch.setattr(import_module("damper_estimator.identification.fit"), "SKETCH_SAMPLES", 1500)
+    start = parse_model(CURVE, "here")
+    spread, _ = fit_spread(client, start, [source(path) for path in bags])
+    alike(spread, fit(start, [here(path) for path in bags]))
+
+
+def test_percentiles_and_counts_are_exact(client, bags):
+    shares = Shares(client, [source(path) for path in bags], load_model("linear_viscous"))
+    together = channels_of([here(path) for path in bags])
+    for row in (X, V):
+        spread, alone = shares.channel(row), together(row)
+        assert (spread.size, spread.low, spread.high) == (alone.size, alone.low, alone.high)
+        wanted = (0.0, 0.1, 0.5, 33.3, 50.0, 99.5, 99.9, 100.0)
+        assert spread.percentiles(wanted) == alone.percentiles(wanted)
+        edges = np.linspace(alone.low, alone.high, 7)
+        assert spread.below(edges).tolist() == alone.below(edges).tolist()
+
+
+def test_what_travels_does_not_grow_with_the_recordings(client, tmp_path):
+    sizes = []
+    for seconds in (6.0, 24.0):
+        path = write_drive(tmp_path / f"{seconds}.mcap", 1, seconds=seconds)
+        shares = Shares(client, [source(path)], load_model("linear_viscous"))
+        model = load_model("linear_viscous")
+        unknown = held.Unknown(f"{seconds}", model_yaml(model), (0, 1), model.slots)
+        (told,) = shares.ask(held.linear_sums, unknown, held.Place(np.zeros(0), np.ones(2), np.zeros(0)))
+        sizes.append(told.nbytes)
+    assert sizes[0] == sizes[1] == 9 * 8
+
+
+def test_a_recording_that_cannot_be_used_is_left_out_and_told(client, bags, tmp_path):
+    (tmp_path / "foreign.mcap").write_bytes(b"PK" + bytes(300))
+    start = load_model("linear_viscous")
+    bad = [source(tmp_path / "foreign.mcap"), source(bags[0], "rear")]
+    spread, refused = fit_spread(client, start, [*map(source, bags), *bad])
+    assert set(refused) == set(bad) and all("\n" not in reason for reason in refused.values())
+    alike(spread, fit(start, [here(path) for path in bags]))
+    with pytest.raises(InputError, match="no recording can be used"):
+        fit_spread(client, start, bad)
