@@ -45,7 +45,7 @@ def _row(slot: Slot, error: float, place: str) -> html.Div:
     return html.Div(
         [
             html.Label([name, html.Small(f" {place}")], title=told),
-            html.Small(f"{low:g} … {high:g} {unit}  {certain}", className="bounds"),
+            html.Small(f"{low:g} … {high:g}  {certain}", className="bounds"),
             dcc.Checklist(
                 [{"label": "free", "value": slot.address}], [] if slot.fixed else [slot.address],
                 id={"type": "free", "address": slot.address},

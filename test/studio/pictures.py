@@ -71,7 +71,7 @@ def learn(own: Hand, camera: Camera) -> None:
     own.tab("What is missing")
     own.page.locator("#mode").get_by_text("parameters kept").click()
     own.page.click("#diagnose")
-    own.until(lambda: "%" in own.told("job"))
+    own.until(lambda: float(own.page.locator("#progress").get_attribute("value")) > 0.2)
     camera.shot(own, "diagnosing")
     own.done("diagnosing")
     own.until(lambda: "oil compressibility" in own.told("findings"))
@@ -92,7 +92,7 @@ def change(own: Hand, camera: Camera) -> None:
     own.tab("Model")
     camera.shot(own, "model")
     value = own.page.locator("#parameters input.dash-input-element").first
-    value.fill("1e9")
+    value.fill("1e12")
     value.press("Enter")
     own.until(lambda: "is outside" in own.told("change-told"))
     camera.shot(own, "refused")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from dash import Dash, Input, Output, State, ctx
+from dash import Dash, Input, Output, State, ctx, html
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import opened
@@ -45,4 +45,4 @@ def connect(app: Dash, sessions: Sessions) -> None:
             return str(taken), False
         except (InputError, OSError) as error:
             return str(error), True
-        return f"saved {name}", True
+        return html.Span(f"saved {name}", className="good"), True
