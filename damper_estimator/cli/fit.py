@@ -151,7 +151,7 @@ def _wishes(arguments: argparse.Namespace) -> Wishes:
     )
 
 
-def _limits(words: Sequence[str]) -> dict[str, tuple[float, float]]:
+def limits_of(words: Sequence[str]) -> dict[str, tuple[float, float]]:
     """Lowest and highest value by name from words ``NAME=LOW:HIGH``; a side that is left out is open."""
     found = {}
     for word in words:
@@ -194,9 +194,9 @@ def _fit_plain(
         model = load_model(arguments.model, damper)
         progress(f"{damper}: fitting {model.name} to {len(own)} recording{'s' if len(own) > 1 else ''}")
         chosen = (arguments.free, arguments.fix, arguments.method, arguments.seed)
-        fits[damper] = fit(model, own, *chosen, wishes=wishes, limits=_limits(arguments.limit))
+        fits[damper] = fit(model, own, *chosen, wishes=wishes, limits=limits_of(arguments.limit))
     for damper, result in fits.items():
-        _save(result, targets[damper])
+        save(result, targets[damper])
         if arguments.json != STANDARD_OUTPUT:
             print(table(damper, result, targets[damper]))
     return {damper: as_json(result, targets[damper]) for damper, result in fits.items()}
@@ -214,14 +214,14 @@ def _fit_joint(
         progress(f"{damper}: fitting {model.name} to {len(own)} recordings, {len(set(settings))} settings")
         joint[damper] = fit_joint(
             model, own, settings, arguments.each, arguments.free, arguments.fix, arguments.method, arguments.seed,
-            wishes=wishes, limits=_limits(arguments.limit),
+            wishes=wishes, limits=limits_of(arguments.limit),
         )  # fmt: skip
     records = {}
     for damper, result in joint.items():
         folder = arguments.output / damper if len(joint) > 1 else arguments.output
         targets = {setting: folder / f"{setting}.yaml" for setting in result.fits}
         for setting, own in result.fits.items():
-            _save(own, targets[setting])
+            save(own, targets[setting])
         if arguments.json != STANDARD_OUTPUT:
             print(joint_table(damper, result, folder))
         records[damper] = joint_json(result, targets)
@@ -243,7 +243,8 @@ def _settings(arguments: argparse.Namespace, measurements: Sequence[Measurement]
     return settings
 
 
-def _save(result: Fit, target: Path) -> None:
+def save(result: Fit, target: Path) -> None:
+    """Writes the model, and its front beside it where there is one."""
     target.parent.mkdir(parents=True, exist_ok=True)
     save_model(result.model, target)
     if result.front is not None:

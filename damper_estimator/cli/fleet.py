@@ -34,6 +34,9 @@ _OPTIONS = {
         "--fix": {"metavar": "NAME", "action": "append", "default": [], "help": "leave as it is; may be repeated"},
         "--limit": {"metavar": "NAME=LOW:HIGH", "action": "append", "default": [], "help": "keep it in there"},
         "--seed": {"type": int, "default": 0, "help": "of the start values that are drawn (default: %(default)s)"},
+        "--population": {"metavar": "N", "type": int, "help": "parameter sets per generation (evolutionary methods)"},
+        "--generations": {"metavar": "N", "type": int, "help": "how many (evolutionary methods)"},
+        "--pick": {"metavar": "POINT", "help": "of the front (--method nsga2): knee, or a group"},
     },
     "replay": _WINDOW
     | {"--max-gap": {"metavar": "S", "type": float, "help": "a longer gap between stamps resets the state"}},
@@ -56,6 +59,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         add_signals(command)
         for flag, settings in options.items():
             command.add_argument(flag, **settings)
+        if verb == "fit":
+            command.add_argument(
+                "--joint", choices=("damper", "vehicle"),
+                help="one model per damper, or per vehicle and damper, identified on all its recordings together where "
+                "they lie, into DIR/models; then every recording is compared with it",
+            )  # fmt: skip
         _add_cluster(command)
         add_json(command)
 
@@ -93,6 +102,8 @@ def run(arguments: argparse.Namespace) -> int:
     done = run_fleet(arguments, _words(arguments))
     record = done.record()
     if arguments.json != STANDARD_OUTPUT:
+        for fit in done.fits:
+            print(fit)
         print(f"{done.summary}\nrows in {record['rows']}, page {record['page']}")
         failures = record["failures"]
         for row in failures[:_LISTED]:

@@ -1,11 +1,12 @@
 """One run of the fleet: workers, progress, and the table and the page at its end, however it ends."""
 
 import argparse
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import monotonic
 
 from damper_estimator.cli.common import progress
+from damper_estimator.cli.fleet_joint import joint_models, with_models
 from damper_estimator.cli.fleet_work import PLOTLY, work
 from damper_estimator.cli.work_line import WorkLine
 from damper_estimator.errors import InputError
@@ -33,6 +34,7 @@ class Done:
         seconds: that it took.
         tally: how many tasks.
         failures: recording, damper and reason of those that failed, sorted.
+        fits: what is told of each joint fit.
     """
 
     verb: str
@@ -41,6 +43,7 @@ class Done:
     seconds: float
     tally: Tally
     failures: list[dict[str, str]]
+    fits: tuple[str, ...] = ()
 
     @property
     def summary(self) -> str:
@@ -115,11 +118,18 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
     began = monotonic()
     recordings = find_recordings(arguments.sources, arguments.dampers, arguments.signals)
     output = _folder(arguments.output, pages=not arguments.no_pages)
-    asked = Asked(
-        arguments.work, words, _model(arguments.model), output, not arguments.no_pages, arguments.retry
-    )  # fmt: skip
+    asked = Asked(arguments.work, words, _model(arguments.model), output, not arguments.no_pages, arguments.retry)
+    fits: tuple[str, ...] = ()
     with connected(arguments.scheduler, arguments.workers, arguments.memory) as client:
         _tell_cluster(dashboard_of(client), threads_of(client))
+        if getattr(arguments, "joint", None):
+            with WorkLine("fleet looks") as line:
+                found = Fleet(asked, recordings, None, FleetProgress(line))
+                found.run(client)
+            fits = tuple(joint_models(client, found.tasks, arguments, words))
+            # What is left is to hold every recording against the model that was found for it.
+            window = tuple(word for word in words if word.startswith(("--from=", "--to=")))
+            asked, recordings = replace(asked, verb="compare", words=window), with_models(recordings, arguments)
         with WorkLine(f"fleet {asked.verb}") as line:
             fleet = Fleet(asked, recordings, work, FleetProgress(line))
             try:
@@ -127,7 +137,7 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
             finally:
                 rows = write_rows(output, asked.verb, fleet.tasks)
                 page = write_page(output)
-    return Done(asked.verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows))
+    return Done(asked.verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows), fits)
 
 
 def _folder(output: Path, pages: bool) -> Path:

@@ -5,7 +5,7 @@ who holds which. Who holds one no longer, or never did, reads it anew.
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -14,12 +14,15 @@ import yaml
 from distributed import get_worker
 
 from damper_estimator.errors import InputError
+from damper_estimator.identification.excitations import Split, cycles_of, excitations_in
+from damper_estimator.identification.excited import residual, spread_weights
 from damper_estimator.identification.fit import judged_rows
 from damper_estimator.identification.problem import Linearised, Problem, by_recording
 from damper_estimator.identification.rows import Rows, excerpts, moments, motion_moments
 from damper_estimator.model import DamperModel, Slot, parse_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, load_signal_map, measure
+from damper_estimator.signals.cycles import Cycle
 
 _KEPT = 0.4  # of the worker's memory for recordings made ready
 _COPIES = 4.0  # bytes that a recording takes beside those of its kinematics, over these
@@ -39,6 +42,20 @@ class Source:
 
 
 @dataclass(frozen=True)
+class Chosen:
+    """The excitations of the recordings, for a search with several objectives.
+
+    Attributes:
+        given, split: as in ``excitations_in``.
+        weights: by source and group, of the rows of each excitation (e,); None counts all alike.
+    """
+
+    given: Mapping[str, Sequence[str]]
+    split: Split
+    weights: Mapping[Source, Sequence[np.ndarray]] | None = None
+
+
+@dataclass(frozen=True)
 class Unknown:
     """What is identified, and on how much.
 
@@ -47,6 +64,7 @@ class Unknown:
         model: with the start values, as the text of its file: compiled effects do not travel well.
         free, slots: as in ``Problem``.
         samples, total: excerpts of about so many samples of the total; 0 for all.
+        chosen: excitations, in place of excerpts.
     """
 
     key: str
@@ -55,6 +73,7 @@ class Unknown:
     slots: tuple[Slot, ...]
     samples: int = 0
     total: int = 0
+    chosen: Chosen | None = None
 
 
 @dataclass(frozen=True)
@@ -75,6 +94,7 @@ class Held:
     """
 
     def __init__(self, source: Source, model: DamperModel) -> None:
+        self._source = source
         with open_bag(source.recording) as bag:
             signal_map = load_signal_map(source.signals or None)
             self.measurement = measure(bag, signal_map, source.damper, source.start, source.stop)
@@ -94,12 +114,21 @@ class Held:
     def problem(self, unknown: Unknown) -> Problem | None:
         """The problem on this recording's rows; None where excerpts leave it none."""
         if unknown.key not in self._problems:
-            rows = self._excerpts(unknown) if unknown.samples else self.rows
-            own = Problem(model_of(unknown.model), rows, unknown.free, slots=unknown.slots) if rows else None
-            self._problems[unknown.key] = own
+            self._problems[unknown.key] = self._made(unknown)
             while len(self._problems) > _PROBLEMS:
                 self._problems.popitem(last=False)
         return self._problems[unknown.key]
+
+    def _made(self, unknown: Unknown) -> Problem | None:
+        chosen = unknown.chosen
+        found = None if chosen is None else excitations_in(self.rows, chosen.given, chosen.split)
+        rows = found.rows if found else self._excerpts(unknown) if unknown.samples else self.rows
+        if not rows:
+            return None
+        own = Problem(model_of(unknown.model), rows, unknown.free, slots=unknown.slots)
+        if chosen is None or chosen.weights is None:
+            return own
+        return own.weighted(spread_weights(found.members, chosen.weights[self._source], own.size))
 
     def _excerpts(self, unknown: Unknown) -> list[Rows]:
         rows = []
@@ -232,3 +261,24 @@ def error_sums(held: Held, text: str) -> np.ndarray:
         errors.append(m.in_band(model.force(m.kinematics.block))[m.judged] - measured)
         forces.append(measured)
     return np.array([moments(np.concatenate(errors)), moments(np.concatenate(forces))])
+
+
+def cycles(held: Held) -> list[tuple[Cycle, ...]]:
+    """Whole judged cycles of each part."""
+    return cycles_of(held.rows)
+
+
+def excited_sizes(held: Held, chosen: Chosen) -> tuple[list[np.ndarray], int]:
+    """For each group the number of rows (e,) of each excitation, and of all."""
+    found = excitations_in(held.rows, chosen.given, chosen.split)
+    sizes = [np.array([own.size for own in group], int) for group in found.members]
+    return sizes, sum(own.picks.size for own in found.rows)
+
+
+def excited_errors(held: Held, unknown: Unknown, vectors: np.ndarray) -> list[list[np.ndarray]]:
+    """For each vector (slots,) of values, and each group, the mean squared error (e,) of each excitation."""
+    problem, chosen = held.problem(unknown), unknown.chosen
+    found = excitations_in(held.rows, chosen.given, chosen.split)
+    if problem is None:
+        return [[np.zeros(0) for _ in found.groups] for _ in vectors]
+    return [found.errors(residual(problem, vector)) for vector in vectors]

@@ -15,12 +15,16 @@ from distributed import Client
 
 from damper_estimator.errors import InputError
 from damper_estimator.fleet.held import (
+    Chosen,
     Place,
     Source,
     Summary,
     Unknown,
     answers,
+    cycles,
     error_sums,
+    excited_errors,
+    excited_sizes,
     linear_sums,
     model_of,
     noise_sums,
@@ -31,6 +35,7 @@ from damper_estimator.fleet.quantiles import SpreadSamples
 from damper_estimator.fleet.task import digest
 from damper_estimator.identification import Fit, Point, Wishes, free_slots
 from damper_estimator.identification.bounded import bounded_least_squares
+from damper_estimator.identification.excitations import filled, split_of
 from damper_estimator.identification.fit import identified, parameters_of, warnings_of
 from damper_estimator.identification.knots import with_knots_over
 from damper_estimator.identification.problem import is_silent, loudly_reduced, without
@@ -142,6 +147,10 @@ class SpreadProblem(Unknowns):
         small.power = self.power * small.size / self.size
         return small
 
+    def excited(self, given: Mapping[str, Sequence[str]]) -> "SpreadExcited":
+        """As ``Problem.excited``."""
+        return SpreadExcited(self._shares, self._unknown, given)
+
     def natural_sizes(self) -> tuple[float, float, float]:
         """As ``Problem.natural_sizes``."""
         return natural_sizes([part for own in self._shares.summaries for part in own.moments])
@@ -171,6 +180,44 @@ class SpreadProblem(Unknowns):
         )
 
 
+class SpreadExcited:
+    """As ``identification.excited.Excited``, of recordings that lie elsewhere; final."""
+
+    def __init__(self, shares: Shares, unknown: Unknown, given: Mapping[str, Sequence[str]]) -> None:
+        split = split_of([part for own in shares.ask(cycles) for part in own])
+        chosen = Chosen({name: tuple(own) for name, own in given.items()}, split)
+        told = shares.ask(excited_sizes, chosen)
+        self._shares, self._told = shares, told
+        groups = tuple(given) or split.names
+        counts = [sum(own[k].size for own, _ in told) for k in range(len(groups))]
+        self._kept = filled(counts, groups, given)
+        self.groups = tuple(groups[k] for k in self._kept)
+        self.sizes = [np.concatenate([own[k] for own, _ in told]) for k in self._kept]
+        self._unknown = replace(unknown, key=digest([unknown.key, repr(chosen)]), chosen=chosen)
+        self.problem = self._on(self._unknown)
+
+    def _on(self, unknown: Unknown) -> SpreadProblem:
+        problem = SpreadProblem(self._shares, unknown)
+        problem.size = sum(size for _, size in self._told)
+        return problem
+
+    def errors(self, vectors: np.ndarray) -> list[list[np.ndarray]]:
+        """As ``Excited.errors``; all vectors are asked for together."""
+        told = self._shares.ask(excited_errors, self._unknown, vectors)
+        return [[np.concatenate([own[i][k] for own in told]) for k in self._kept] for i in range(len(vectors))]
+
+    def weighted(self, weights: Sequence[np.ndarray]) -> SpreadProblem:
+        """As ``Excited.weighted``."""
+        ends = [np.cumsum([own[k].size for own, _ in self._told])[:-1] for k in self._kept]
+        parts = dict(zip(self._kept, (np.split(own, end) for own, end in zip(weights, ends, strict=True)), strict=True))
+        mine = {
+            source: [parts[k][i] if k in parts else np.zeros(0) for k in range(len(own))]
+            for i, (source, (own, _)) in enumerate(zip(self._shares.sources, self._told, strict=True))
+        }
+        key = digest([self._unknown.key, *(own.tolist() for own in weights)])
+        return self._on(replace(self._unknown, key=key, chosen=replace(self._unknown.chosen, weights=mine)))
+
+
 def fit_spread(
     client: Client,
     model: DamperModel,
@@ -180,6 +227,7 @@ def fit_spread(
     method: str = "least_squares",
     wishes: Wishes = Wishes(),
     limits: Mapping[str, tuple[float, float]] | None = None,
+    starts: int | None = None,
 ) -> tuple[Fit, dict[Source, str]]:
     """Identifies a model on all sources together, as ``identification.fit`` would with all of them here.
 
@@ -195,7 +243,7 @@ def fit_spread(
     chosen, slots = free_slots(placed, free, fix), narrowed(placed, limits or {})
     text = model_yaml(placed)
     problem = SpreadProblem(shares, Unknown(digest([text, list(chosen), repr(slots)]), text, chosen, slots))
-    solution, known = identified(problem, method, None, wishes)
+    solution, known = identified(problem, method, starts, wishes)
     fitted = problem.model_at(problem.vector(solution.point.searched, solution.point.solved))
     parameters = parameters_of(problem, solution, known)
     before, after = (_errors(shares, own) for own in (model, fitted))

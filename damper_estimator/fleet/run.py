@@ -84,7 +84,7 @@ class Fleet:
 
     asked: Asked
     recordings: Sequence[Recording]
-    work: Work
+    work: Work | None  # None only looks into the recordings
     tell: Callable[[Tally], None]
     tasks: list[Task] = field(default_factory=list)
     tally: Tally = field(default_factory=Tally)
@@ -155,6 +155,8 @@ class Fleet:
             task, reason = self._task(own, look, damper)
             self.tasks.append(task)
             self.tally.known += 1
+            if self.work is None:
+                continue
             row = kept_row(task)
             if row is not None and not (self.asked.retry and row["status"] == FAILED):
                 self.tally.kept += 1

@@ -17,8 +17,8 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification.rows import Rows, excerpts
-from damper_estimator.signals.cycles import Cycle
-from damper_estimator.signals.grouping import Grouped, group_cycles
+from damper_estimator.signals.cycles import Cycle, find_cycles
+from damper_estimator.signals.grouping import Grouped, GroupLimits, group_cycles, group_limits, group_names
 
 SAMPLES = 8000  # in all, about
 _LEAST = 500  # samples per excitation
@@ -46,6 +46,34 @@ class Excitations:
         return [np.array([np.mean(residual[own] ** 2) for own in group]) for group in self.members]
 
 
+@dataclass(frozen=True)
+class Split:
+    """How recordings are split, the same for all of them.
+
+    Attributes:
+        limits: of velocity and frequency, between the groups.
+        names: of the groups that the limits form, in order.
+        budget: samples per excitation.
+    """
+
+    limits: GroupLimits
+    names: tuple[str, ...]
+    budget: int
+
+
+def split_of(cycles: Sequence[Sequence[Cycle]]) -> Split:
+    """The split by the ranges that all recordings' cycles cover together."""
+    limits = group_limits(cycle for own in cycles for cycle in own)
+    count = sum(max(len(_runs(own, limits)), 1) for own in cycles)
+    names = group_names(limits.group(cycle) for own in cycles for cycle in own)
+    return Split(limits, names, max(_LEAST, SAMPLES // max(count, 1)))
+
+
+def cycles_of(rows: Sequence[Rows]) -> list[tuple[Cycle, ...]]:
+    """Whole judged cycles of each."""
+    return [tuple(find_cycles(own.measurement.kinematics, own.measurement.judged)) for own in rows]
+
+
 def find_excitations(rows: Sequence[Rows], given: Mapping[str, Sequence[str]]) -> Excitations:
     """The excitations of all recordings by group.
 
@@ -55,25 +83,47 @@ def find_excitations(rows: Sequence[Rows], given: Mapping[str, Sequence[str]]) -
     Raises:
         InputError: for a recording in no group, a group without recordings, or no whole cycle anywhere.
     """
+    found = excitations_in(rows, given, split_of(cycles_of(rows)))
+    kept = filled([len(own) for own in found.members], found.groups, given)
+    return Excitations(found.rows, tuple(found.groups[k] for k in kept), tuple(found.members[k] for k in kept))
+
+
+def filled(counts: Sequence[int], groups: Sequence[str], given: Mapping[str, Sequence[str]]) -> list[int]:
+    """The groups that have excitations, by position.
+
+    Raises:
+        InputError: where a given group has none, or none has.
+    """
+    kept = [k for k, count in enumerate(counts) if count]
+    if not kept or (given and len(kept) < len(given)):
+        empty = ", ".join(group for group, count in zip(groups, counts, strict=True) if not count)
+        raise InputError(
+            f"{empty or 'none of the recordings'}: holds no whole cycle that can be judged; record longer, or group "
+            "otherwise"
+        )
+    return kept
+
+
+def excitations_in(rows: Sequence[Rows], given: Mapping[str, Sequence[str]], split: Split) -> Excitations:
+    """The excitations of some of the recordings; groups may be empty.
+
+    Raises:
+        InputError: for a recording in no group.
+    """
     own_group = _given_groups(rows, given) if given else [None] * len(rows)
-    grouped = group_cycles([own.measurement for own in rows])
-    runs = [_runs(grouped, i) for i in range(len(rows))]
-    count = sum(max(len(own), 1) for own in runs)
-    found: dict[str, dict[tuple[int, int], np.ndarray]] = {name: {} for name in (given or grouped.names)}
+    grouped = group_cycles([own.measurement for own in rows], split.limits, split.names)
+    found: dict[str, dict[tuple[int, int], np.ndarray]] = {name: {} for name in (given or split.names)}
     parts: list[Rows] = []
     for i, own in enumerate(rows):
-        for part, run, members in _parts(own, grouped, i, runs[i], max(_LEAST, SAMPLES // count), own_group[i]):
+        runs = _runs(grouped.cycles[i], split.limits)
+        for part, run, members in _parts(own, grouped, i, runs, split.budget, own_group[i]):
             first = sum(other.picks.size for other in parts)
             for group, positions in members.items():
                 before = found[group].get((i, run), positions[:0])
                 found[group][i, run] = np.concatenate([before, first + positions])
             parts.append(part)
-    kept = {group: tuple(own for own in members.values() if own.size) for group, members in found.items()}
-    kept = {group: members for group, members in kept.items() if members}
-    if not kept or (given and len(kept) < len(given)):
-        empty = ", ".join(group for group in found if group not in kept) or "none of the recordings"
-        raise InputError(f"{empty}: holds no whole cycle that can be judged; record longer, or group otherwise")
-    return Excitations(tuple(parts), tuple(kept), tuple(kept.values()))
+    members = tuple(tuple(own for own in group.values() if own.size) for group in found.values())
+    return Excitations(tuple(parts), tuple(found), members)
 
 
 def named(recording: str, names: Sequence[str]) -> bool:
@@ -93,23 +143,23 @@ def _given_groups(rows: Sequence[Rows], given: Mapping[str, Sequence[str]]) -> l
     return chosen
 
 
-def _runs(grouped: Grouped, i: int) -> list[list[Cycle]]:
+def _runs(cycles: Sequence[Cycle], limits: GroupLimits) -> list[list[Cycle]]:
     """Runs of cycles alike; none where they are the lesser part of the recording's cycles."""
     runs: list[list[Cycle]] = []
-    for cycle in grouped.cycles[i]:
-        if runs and cycle.first - runs[-1][-1].last <= 1 and _alike(runs[-1][0], cycle, grouped):
+    for cycle in cycles:
+        if runs and cycle.first - runs[-1][-1].last <= 1 and _alike(runs[-1][0], cycle, limits):
             runs[-1].append(cycle)
         else:
             runs.append([cycle])
     steady = [run for run in runs if len(run) >= _RUN]
-    return steady if 2 * sum(map(len, steady)) >= len(grouped.cycles[i]) else []
+    return steady if 2 * sum(map(len, steady)) >= len(cycles) else []
 
 
-def _alike(first: Cycle, cycle: Cycle, grouped: Grouped) -> bool:
+def _alike(first: Cycle, cycle: Cycle, limits: GroupLimits) -> bool:
     return (
         abs(cycle.frequency - first.frequency) <= _ALIKE * first.frequency
         and abs(cycle.peak_velocity - first.peak_velocity) <= _ALIKE * first.peak_velocity
-        and grouped.limits.group(cycle) == grouped.limits.group(first)
+        and limits.group(cycle) == limits.group(first)
     )
 
 

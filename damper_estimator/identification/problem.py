@@ -6,13 +6,14 @@ parameter changes on which it depends.
 """
 
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from damper_estimator.identification.bounded import bounded_least_squares, triangle
+from damper_estimator.identification.excited import Excited
 from damper_estimator.identification.noise import residual_noise
 from damper_estimator.identification.rows import Rows, excerpts, motion_moments, natural_sizes
 from damper_estimator.identification.terms import Term
@@ -149,6 +150,10 @@ class Problem(Unknowns):
             first += own.picks.size
             rows.append(own.weighing(share))
         return self.on(rows)
+
+    def excited(self, given: Mapping[str, Sequence[str]]) -> Excited:
+        """The excitations of its recordings, for a search with several objectives."""
+        return Excited(self, given)
 
     def _spans(self) -> list[tuple[int, slice]]:
         """The settings that have rows, with their part of the residual."""

@@ -81,17 +81,25 @@ class Grouped:
 _ORDER = ("LVLF", "LVHF", "HVLF", "HVHF", "LV", "HV", "LF", "HF", "all")
 
 
-def group_cycles(measurements: Sequence[Measurement], limits: GroupLimits | None = None) -> Grouped:
+def group_names(found: Iterable[str]) -> tuple[str, ...]:
+    """The names that were found, each once and in order."""
+    there = set(found)
+    return tuple(name for name in _ORDER if name in there)
+
+
+def group_cycles(
+    measurements: Sequence[Measurement], limits: GroupLimits | None = None, names: Sequence[str] = ()
+) -> Grouped:
     """Every whole judged cycle of every recording in its group, by its dominant frequency and peak velocity.
 
     Args:
         measurements: of one damper.
         limits: None forms them from these recordings.
+        names: of the groups, where other recordings have more than these; in order as ``group_names`` gives them.
     """
     cycles = tuple(tuple(find_cycles(m.kinematics, m.judged)) for m in measurements)
     chosen = group_limits(cycle for own in cycles for cycle in own) if limits is None else limits
-    found = {chosen.group(cycle) for own in cycles for cycle in own}
-    names = tuple(name for name in _ORDER if name in found)
+    names = tuple(names) or group_names(chosen.group(cycle) for own in cycles for cycle in own)
     labels = []
     for measurement, own in zip(measurements, cycles, strict=True):
         label = np.full(len(measurement.kinematics), -1)

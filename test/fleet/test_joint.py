@@ -62,17 +62,30 @@ def alike(spread, alone):
 @pytest.mark.parametrize("model", ["curve", "carrera_akutain"])
 def test_two_workers_fit_what_one_process_fits(client, bags, model):
     start = parse_model(CURVE, "here") if model == "curve" else load_model(model)
-    spread, refused = fit_spread(client, start, [source(path) for path in bags[::-1]], wishes=Wishes(seed=3))
+    spread, refused = fit_spread(client, start, [source(path) for path in bags[::-1]], starts=2, wishes=Wishes(seed=3))
     assert not refused
-    alike(spread, fit(start, [here(path) for path in bags], seed=3))
+    alike(spread, fit(start, [here(path) for path in bags], seed=3, starts=2))
 
 
 def test_excerpts_are_the_same_as_well(client, bags, monkeypatch):
     # The package's ``fit`` is the function, which hides the module of that name.
     monkeypatch.setattr(import_module("damper_estimator.identification.fit"), "SKETCH_SAMPLES", 1500)
     start = parse_model(CURVE, "here")
-    spread, _ = fit_spread(client, start, [source(path) for path in bags])
-    alike(spread, fit(start, [here(path) for path in bags]))
+    spread, _ = fit_spread(client, start, [source(path) for path in bags], starts=2)
+    alike(spread, fit(start, [here(path) for path in bags], starts=2))
+
+
+def test_a_front_is_that_of_one_process(client, bags):
+    pytest.importorskip("pymoo")
+    start, given = parse_model(CURVE, "here"), {"slow": ("0.mcap",), "fast": ("1.mcap", "2.mcap")}
+    wishes = Wishes(seed=2, generations=4, population=8, groups=given)
+    spread, _ = fit_spread(client, start, [source(path) for path in bags], method="nsga2", wishes=wishes)
+    alone = fit(start, [here(path) for path in bags], method="nsga2", seed=2, wishes=wishes)
+    assert spread.front.groups == alone.front.groups == ("slow", "fast")
+    assert spread.front.excitations == alone.front.excitations
+    np.testing.assert_allclose(spread.front.objectives, alone.front.objectives, rtol=1e-9)
+    np.testing.assert_allclose(spread.front.values, alone.front.values, rtol=1e-9, atol=1e-9)
+    alike(spread, alone)
 
 
 def test_percentiles_and_counts_are_exact(client, bags):

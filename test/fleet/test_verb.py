@@ -20,6 +20,7 @@ from damper_estimator.cli.main import main
 from damper_estimator.fleet import cluster
 from damper_estimator.fleet.carry import carry_out
 from damper_estimator.fleet.rows import write_rows
+from damper_estimator.model import load_model
 
 ROOT = Path(__file__).parents[2]
 
@@ -101,6 +102,19 @@ def test_all_verbs_together_are_one_dataset(fleet, drives, tmp_path):
     assert dict(rows["fit"]["parameters"])["linear_viscous.rebound"] == pytest.approx(1500.0, rel=0.02)
     assert rows["replay"]["estimates"] == 1200 and rows["replay"]["residual_rms_n"] > 0.0
     assert all(row["version"] and row["model_checksum"] and row["recording_checksum"] for row in rows.values())
+
+
+def test_a_joint_fit_makes_a_model_per_damper_and_compares_with_it(fleet, drives, tmp_path, capsys):
+    status, record, _ = fleet("fit", drives / "*" / "*.mcap", options=["--joint", "damper", "--fix", "tanh_hysteresis"])
+    assert (status, record["verb"], record["failed"]) == (0, "compare", 0)
+    models = tmp_path / "out" / "models"
+    assert sorted(path.name for path in models.glob("*.yaml")) == ["front_left.yaml", "front_right.yaml"]
+    assert load_model(models, "front_left").fit["bags"] == sorted(map(str, drives.glob("*/*.mcap")))
+    rows = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
+    assert {row["model"] for row in rows} == {str(models)} and len(rows) == 4
+    changed = (models / "front_left.yaml").stat().st_mtime_ns
+    status, record, _ = fleet("fit", drives / "*" / "*.mcap", options=["--joint", "damper", "--fix", "tanh_hysteresis"])
+    assert record["kept"] == 4 and (models / "front_left.yaml").stat().st_mtime_ns == changed
 
 
 def test_a_signal_map_and_options_reach_the_tasks(fleet, drives, tmp_path):

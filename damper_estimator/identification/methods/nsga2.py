@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification.excitations import Excitations, find_excitations
+from damper_estimator.identification.excited import Excited
 from damper_estimator.identification.front import Front, non_dominated
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.methods.least_squares import refine
@@ -62,12 +62,12 @@ def _checked(front: Front, problem: Problem) -> Front:
 
 def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> tuple[Front, int]:
     """The front, and the runs of the model over all data that it took, or their equal."""
-    chosen = find_excitations(problem.rows, wishes.groups)
-    small = problem.on(chosen.rows)
+    chosen = problem.excited(wishes.groups)
+    small = chosen.problem
     free = np.array(small.free)
     start = _whole(small, small.start)
-    before = [np.maximum(own, np.finfo(float).tiny) for own in chosen.errors(_residual(small, start))]
-    counts = ", ".join(f"{group} {len(own)}" for group, own in zip(chosen.groups, chosen.members, strict=True))
+    before = [np.maximum(own, np.finfo(float).tiny) for own in chosen.errors(start[None, :])[0]]
+    counts = ", ".join(f"{group} {len(own)}" for group, own in zip(chosen.groups, chosen.sizes, strict=True))
     wishes.progress(f"excitations by group: {counts}")
     scale = Scale(small.lower[free], small.upper[free])
     generations = wishes.generations or _GENERATIONS
@@ -76,7 +76,7 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
     def objectives(shares: np.ndarray) -> np.ndarray:
         nonlocal runs
         runs += len(shares)
-        own = [_objectives(small, chosen, before, free, values) for values in scale.values(shares)]
+        own = _objectives(chosen, before, scale.values(shares))
         # Ratios are spread over the front by their logarithms; that leaves alone which is better.
         return np.log(np.maximum(own, np.finfo(float).tiny))
 
@@ -85,7 +85,7 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
             best = ", ".join(f"{g} {np.exp(e):.3g}" for g, e in zip(chosen.groups, found.min(axis=0), strict=True))
             wishes.progress(f"generation {generation} of {generations}: best errors relative to the start: {best}")
 
-    known = np.array([start[free], *_leads(small, chosen, before, candidates, size)])
+    known = np.array([start[free], *_leads(chosen, before, candidates, size)])
     spread = np.array([_whole(small, own, projected=True)[free] for own in candidates[1:]]).reshape(-1, free.size)
     population = wishes.population or _POPULATION
     first = first_generation(scale, np.vstack([known, spread]), population, wishes.seed)
@@ -101,7 +101,7 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
         groups=chosen.groups,
         values=scale.values(shares)[order],
         objectives=found[order],
-        excitations=tuple(len(own) for own in chosen.members),
+        excitations=tuple(len(own) for own in chosen.sizes),
     )
     share = small.size / problem.size
     return front, round((runs + small.evaluations) * share)
@@ -113,38 +113,32 @@ def _whole(problem: Problem, searched: np.ndarray, projected: bool = False) -> n
     return problem.vector(searched, problem.point(searched).solved if projected else own)
 
 
-def _residual(problem: Problem, vector: np.ndarray) -> np.ndarray:
-    """(m,) rows, modelled less measured, with the values (slots,)."""
-    models = {own.setting: problem.model_at(vector, own.setting) for own in problem.rows}
-    rows = [own.of(models[own.setting].force(own.measurement.kinematics.block)) for own in problem.rows]
-    return np.concatenate(rows) - problem.target
+def _objectives(chosen: Excited, before: list[np.ndarray], values: np.ndarray) -> list[list[float]]:
+    """For each set of the free parameters (n, p) the objectives."""
+    problem = chosen.problem
+    vectors = np.tile(problem.vector(problem.start, np.zeros(problem.solved.size)), (len(values), 1))
+    vectors[:, list(problem.free)] = values
+    return [_relative(own, before) for own in chosen.errors(vectors)]
 
 
-def _objectives(
-    problem: Problem, chosen: Excitations, before: list[np.ndarray], free: np.ndarray, values: np.ndarray
-) -> list[float]:
-    vector = problem.vector(problem.start, np.zeros(problem.solved.size))
-    vector[free] = values
-    residual = _residual(problem, vector)
-    if not np.isfinite(residual).all():
-        return [_WORST] * len(chosen.groups)
-    pairs = zip(chosen.errors(residual), before, strict=True)
-    return [min(float(np.mean(own / reference)), _WORST) for own, reference in pairs]
+def _relative(errors: list[np.ndarray], before: list[np.ndarray]) -> list[float]:
+    if not all(np.isfinite(own).all() for own in errors):
+        return [_WORST] * len(errors)
+    return [min(float(np.mean(own / reference)), _WORST) for own, reference in zip(errors, before, strict=True)]
 
 
-def _leads(
-    problem: Problem, chosen: Excitations, before: list[np.ndarray], candidates: np.ndarray, size: np.ndarray
-) -> list[np.ndarray]:
+def _leads(chosen: Excited, before: list[np.ndarray], candidates: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
     """Free parameters of the least-squares solutions over all groups and over each, with the objectives' weights."""
+    problem = chosen.problem
     free = np.array(problem.free)
     start = min(candidates, key=lambda own: problem.point(own).cost)
     found = []
     for wanted in [range(len(chosen.groups)), *([k] for k in range(len(chosen.groups)))]:
-        weight = np.zeros(problem.target.size)
+        weights = [np.zeros(own.size) for own in chosen.sizes]
         for k in wanted:
-            for own, reference in zip(chosen.members[k], before[k], strict=True):
-                weight[own] += 1.0 / (reference * own.size * len(chosen.members[k]))
-        weighted = problem.weighted(weight * problem.target.size / weight.sum())
+            weights[k] = 1.0 / (before[k] * chosen.sizes[k] * chosen.sizes[k].size)
+        total = sum(float(own @ sizes) for own, sizes in zip(weights, chosen.sizes, strict=True))
+        weighted = chosen.weighted([own * (problem.size / total) for own in weights])
         point = weighted.point(start)
         if start.size:
             point, _ = refine(weighted, start, size, _LEAD_ITERATIONS, _LEAD_GAIN)
