@@ -17,9 +17,14 @@ def reach(own: Hand, wanted: str, most: int = 60) -> None:
     """Presses Tab until the focus is on, or in, an element."""
     for _ in range(most):
         own.page.keyboard.press("Tab")
-        if own.page.evaluate("wanted => !!document.activeElement.closest(wanted)", wanted):
+        if focused(own, wanted):
             return
     raise AssertionError(f"{wanted} is not reached with Tab")
+
+
+def focused(own: Hand, wanted: str) -> bool:
+    """Whether the focus is on, or in, an element."""
+    return own.page.evaluate("wanted => !!document.activeElement.closest(wanted)", wanted)
 
 
 def test_by_keyboard_alone(folder):
@@ -28,12 +33,14 @@ def test_by_keyboard_alone(folder):
         for dropdown, name in (("recordings", "hidden_fit"), ("models", "before")):
             reach(own, f"#{dropdown}")
             keys.press("Enter")
-            own.until(lambda: own.page.locator(".dash-dropdown-content").is_visible())
+            own.until(lambda: focused(own, ".dash-dropdown-search"))
             keys.type(name)
-            keys.press("Tab")
+            own.until(lambda: own.page.locator(".dash-dropdown-content [role=option]").count() == 1)
+            reach(own, ".dash-options-list-option-checkbox")
             keys.press("Space")
-            keys.press("Escape")
             own.until(lambda dropdown=dropdown, name=name: name in own.told(dropdown))
+            keys.press("Escape")
+            own.until(lambda dropdown=dropdown: focused(own, f"#{dropdown}"))
         reach(own, "#stop")
         keys.type(str(SECONDS))
         reach(own, "#open")
