@@ -24,7 +24,7 @@ COLUMNS = {
     "verb": _TEXT, "recording": _TEXT, "vehicle": _TEXT, "damper": _TEXT,
     "status": _TEXT, "reason": _TEXT, "notes": _TEXT, "report": _TEXT,
     "begin": pyarrow.timestamp("ns", tz="UTC"), "seconds": _NUMBER, "temperature_c": _NUMBER,
-    "model": _TEXT, "model_checksum": _TEXT, "signals": _TEXT, "signals_checksum": _TEXT,
+    "model": _TEXT, "model_file": _TEXT, "model_checksum": _TEXT, "signals": _TEXT, "signals_checksum": _TEXT,
     "recording_checksum": _TEXT, "settings": _TEXT, "version": _TEXT, "fingerprint": _TEXT,
     "samples": _COUNT, "force_rms_n": _NUMBER, "rmse_n": _NUMBER, "nrmse": _NUMBER, "esr": _NUMBER,
     "fit_percent": _NUMBER, "correlation": _NUMBER, "peak_error_n": _NUMBER, "energy_error": _NUMBER,
@@ -50,14 +50,14 @@ def write_row(task: Task, status: str, reason: str, values: Mapping[str, object]
         "damper": task.damper,
         "status": status,
         "reason": reason,
-        "model": task.model,
+        "model_file": task.model,
         "signals": task.signals,
         "settings": " ".join(task.words),
         "fingerprint": task.fingerprint,
     }
     kept = {name: values[name] for name in COLUMNS if name in values}
     Path(task.folder).mkdir(parents=True, exist_ok=True)
-    write_text(task.place("row.json"), json.dumps(row | kept, allow_nan=False))
+    write_text(task.place("row.json"), json.dumps(kept | row, allow_nan=False))
 
 
 def kept_row(task: Task) -> dict[str, object] | None:
