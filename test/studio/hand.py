@@ -128,7 +128,7 @@ def hand(url: str, width: int = 1280, height: int = 720, scheme: str = "light") 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
         try:
-            page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
-            yield Hand(page, url)
+            own = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+            yield Hand(own.new_page(), url)
         finally:
             browser.close()
