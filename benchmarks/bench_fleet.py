@@ -213,13 +213,15 @@ def processor(process: int) -> float:
 
 def hour(folder: Path) -> None:
     """Cost of an hour of four dampers at 1 kHz: processor time and memory of each verb's task."""
-    write_hour(folder / "bags" / "car" / "hour.mcap")
-    size = (folder / "bags" / "car" / "hour.mcap").stat().st_size / 1e6
+    path = folder / "bags" / "car" / "hour.mcap"
+    path.parent.mkdir(parents=True)
+    write_hour(path)
+    size = path.stat().st_size / 1e6
     for verb in ("compare", "replay"):
         with connected(None, 1, CLUSTER) as client:
             fleet = Fleet(
                 Asked(verb, (), MODEL, folder / "out"),
-                [replace(own, dampers=("front_left",)) for own in find_recordings([str(folder / "bags/*/*.mcap")])],
+                [replace(own, dampers=("front_left",)) for own in find_recordings([str(path)])],
                 work,
                 lambda tally: None,
             )
