@@ -70,7 +70,7 @@ def test_two_pages_do_not_disturb_each_other_and_a_cancelled_work_changes_nothin
         other.tab("Model")
         other.page.click("#refit")
         other.done("identifying")
-        assert other.page.locator("#steps li").count() == 2
+        other.until(lambda: other.page.locator("#steps li").count() == 2)
         own.page.bring_to_front()
         own.page.click("#cancel")
         own.done("diagnosing", "cancelled")
