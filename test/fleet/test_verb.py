@@ -93,11 +93,12 @@ def without_plotly(page):
 
 
 def test_all_verbs_together_are_one_dataset(fleet, drives, tmp_path):
-    for verb in ("compare", "fit", "replay"):
-        status, record, _ = fleet(verb, drives / "car_b" / "*.mcap")
+    for verb, options in {"compare": [], "diagnose": ["--keep-parameters"], "fit": [], "replay": []}.items():
+        status, record, _ = fleet(verb, drives / "car_b" / "*.mcap", options=options)
         assert (status, record["failed"]) == (0, 0)
     rows = {row["verb"]: row for row in parquet.read_table(tmp_path / "out" / "rows").to_pylist()}
-    assert set(rows) == {"compare", "fit", "replay"}
+    assert set(rows) == {"compare", "diagnose", "fit", "replay"}
+    assert rows["diagnose"]["verdict"] and len(rows["diagnose"]["missing"]) == len(rows["diagnose"]["confidence"])
     assert rows["fit"]["rmse_n"] < rows["fit"]["rmse_before_n"] == pytest.approx(rows["compare"]["rmse_n"])
     assert dict(rows["fit"]["parameters"])["linear_viscous.rebound"] == pytest.approx(1500.0, rel=0.02)
     assert rows["replay"]["estimates"] == 1200 and rows["replay"]["residual_rms_n"] > 0.0
