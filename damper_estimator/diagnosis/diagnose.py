@@ -7,7 +7,6 @@ from something new.
 
 from collections.abc import Callable, Collection, Sequence
 
-from damper_estimator.diagnosis.judge import rmse
 from damper_estimator.diagnosis.mend import mended_signals
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.report import finding_of, judged_of, sentence_of
@@ -63,7 +62,6 @@ def diagnose(
 def _told(found: Search, again: Reidentified | None, stage: Scene, before: Comparison) -> Diagnosis:
     force, floor = before.measures.force_rms_n, before.noise_floor_n
     verdict, picture = verdict_on(found, again, force, floor)
-    left = rmse(found.rounds[-1].null, found.rounds[-1].without)
     findings = tuple(finding_of(one, floor, again) for one in found.accepted)
     elements = tuple(one.element for one in found.accepted)
     signals = stage.fit[0].measurement.signals
@@ -74,7 +72,7 @@ def _told(found: Search, again: Reidentified | None, stage: Scene, before: Compa
     return Diagnosis(
         model=before.model,
         verdict=verdict,
-        sentence=sentence_of(verdict, findings, again, picture, before.measures.rmse_n, left, floor),
+        sentence=sentence_of(verdict, findings, again, picture, before.measures.rmse_n, found.left_n, floor),
         mode=found.mode,
         rmse_n=before.measures.rmse_n,
         force_rms_n=force,

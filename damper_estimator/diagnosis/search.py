@@ -52,12 +52,14 @@ class Search:
     """All rounds; ``model`` has the accepted effects in it.
 
     Attributes:
+        left_n: unseen error with them, N.
         mode: how they judge.
     """
 
     rounds: tuple[Round, ...]
     accepted: tuple[Accepted, ...]
     model: DamperModel
+    left_n: float
     untestable: dict[str, str]
     mode: str
 
@@ -101,9 +103,10 @@ def search(
         still, _ = candidates(model, scene.ranges)
         names = {c.effect.name for c in still} - set(_names(accepted))
         tried = [_resumed(c, done) for c in tried if c.effect.name in names]
-    zero = _zero(rounds, scene, _names(accepted))
+    zero = _zero(rounds[0], current.model, scene, _names(accepted))
     accepted = [replace(one, element=_entry(current.model, one.element.effect.name)) for one in accepted]
-    return Search(tuple(rounds), tuple(accepted + zero), current.model, untestable, mode)
+    left = rmse(current, nothing(current)[int(mode == "refit")])
+    return Search(tuple(rounds), tuple(accepted + zero), current.model, left, untestable, mode)
 
 
 def _names(accepted: Sequence[Accepted]) -> list[str]:
@@ -234,14 +237,13 @@ def _looked_again(
     return looked, model
 
 
-def _zero(rounds: Sequence[Round], scene: Scene, added: Collection[str]) -> list[Accepted]:
+def _zero(first: Round, model: DamperModel, scene: Scene, added: Collection[str]) -> list[Accepted]:
     """Findings that the freed zero of the gauge hides, judged with it in the comparison, beside all that was found:
     effects with a mean of their own are fitted with the zero as well, and may explain it.
     """
-    model = rounds[-1].null.model
     found = []
-    for name in rounds[0].hidden:
-        candidate = rounds[0].candidates[name]
+    for name in first.hidden:
+        candidate = first.candidates[name]
         raw = null(model, scene.with_zero, _positions(model, added), base=())
         one = attempt(raw, candidate)
         if one.hidden:

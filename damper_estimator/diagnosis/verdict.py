@@ -29,9 +29,8 @@ def verdict_on(
         again: None where the model's parameters are trusted.
         force_n, floor_n: rms of the measured force, and the noise floor, N.
     """
-    first, last = found.rounds[0], found.rounds[-1]
+    first, left = found.rounds[0], found.left_n
     floor = floor_n if np.isfinite(floor_n) else 0.0
-    left = rmse(last.null, last.without)
     if again is not None and _enough(found, again, floor) and not _more_telling(found.accepted, left, again):
         return "parameters_changed", None
     if found.accepted:

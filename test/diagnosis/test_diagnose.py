@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from faults import changed, halves, late
 
-from damper_estimator.diagnosis import diagnose
+from damper_estimator.diagnosis import diagnose, search
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import DamperModel, make_element
 
@@ -128,6 +128,35 @@ def test_zeros_that_differ_between_recordings_hide_nothing(user_model, soft):
     own = diagnose(user_model, [soft[0]], [shifted])
     first = own.findings[0]
     assert "oil_compressibility" in (first.phenomenon, *first.tied_with)
+
+
+@pytest.mark.parametrize(
+    ("phenomenon", "hidden", "seconds"),
+    [
+        ("spring_rate_error", lambda k: 8000.0 * k.displacement, 0.0025),
+        ("friction", lambda k: 80.0 * np.tanh(k.velocity / 0.01), 0.004),
+    ],
+)
+def test_two_at_once_are_both_found(phenomenon, hidden, seconds, user_model, base):
+    fit, unseen = halves(late(changed(base, hidden), seconds))
+    own = diagnose(user_model, [fit], [unseen])
+    assert [one.phenomenon for one in own.findings] == ["channel_skew", phenomenon]
+    assert own.signals.force.skew == pytest.approx(seconds, abs=3e-4)
+
+
+def test_a_zero_is_told_beside_an_effect_with_a_mean(user_model, base):
+    def hidden(kinematics):
+        return 5000.0 * np.maximum(kinematics.displacement, 0.0) + 60.0
+
+    fit, unseen = halves(changed(base, hidden))
+    own = diagnose(user_model, [fit], [unseen])
+    assert "force_offset" in [one.phenomenon for one in own.findings[1:]]
+    assert own.signals.force.offset == pytest.approx(-60.0, abs=15.0)
+
+
+def test_findings_end_at_the_most_that_are_looked_for(user_model, soft, monkeypatch):
+    monkeypatch.setattr(search, "MOST", 1)
+    assert len(diagnose(user_model, [soft[0]], [soft[1]]).findings) == 1
 
 
 def test_the_number_of_workers_changes_nothing(user_model, soft):
