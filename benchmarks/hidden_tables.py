@@ -59,7 +59,11 @@ def table(rows: Sequence[Sequence[object]]) -> str:
 def _head(done: Sequence[Record], failed: Sequence[Record], seconds: float, processes: int, new: int) -> str:
     kinds = Counter(one["kind"] for one in done)
     told = ", ".join(f"{kinds[kind]} {kind}" for kind in ("hidden", "nothing", "pair", "skew"))
-    words = f"{len(done)} cases ({told}); {new} of them in {seconds / 60.0:.0f} minutes on {processes} processes."
+    judging = sum(one.get("improve_seconds", 0.0) + one.get("diagnose_seconds", 0.0) for one in done) / 60.0
+    words = f"{len(done)} cases ({told}), judged in {judging:.0f} minutes of one core"
+    if new:
+        words += f"; {new} of them now, in {seconds / 60.0:.0f} minutes on {processes} processes"
+    words += "."
     return words + "".join(f"\n- failed: {one['name']}: {one['failed']}" for one in failed)
 
 
