@@ -69,6 +69,8 @@ class Decoder:
 
     def _decode_equal(self, matrix: np.ndarray, rows: np.ndarray, result: Numbers) -> None:
         for layout in self._layouts.get(matrix.shape[1], ()):
+            if not len(rows):
+                return
             matrix, rows = self._decode_fitting(layout, matrix, rows, result)
         while len(rows):
             layout = layout_of(matrix[0].tobytes(), self._definition, self._request, self._slots)

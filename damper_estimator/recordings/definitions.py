@@ -1,5 +1,6 @@
 """Message definitions: from the bag's own schema, else those of ROS 2 Jazzy and of this project."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -24,6 +25,10 @@ NUMBERS: Mapping[str, np.dtype] = {
         "float32": "f4", "float64": "f8",
     }.items()
 }  # fmt: skip
+
+
+_TYPE = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*){1,2}", re.ASCII)
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ def definition_of(schema: Schema) -> Definition:
     while pending:
         name = pending.pop()
         if name not in complete:
-            complete[name] = _fields_of(name, types, schema)
+            complete[name] = _checked(name, _fields_of(name, types, schema))
             pending += field_types(complete[name][1])
     return Definition(schema.type, complete)
 
@@ -126,6 +131,15 @@ def _fields_of(name: str, types: dict, schema: Schema) -> tuple:
             f"{schema.type} needs {name}, which the bag does not define; record it with rosbag2's mcap storage"
         )
     return found
+
+
+def _checked(name: str, fields: tuple) -> tuple:
+    """The fields of a type. Names become Python code when messages are decoded whole, so they must be names."""
+    wrong = [] if _TYPE.fullmatch(name) else [name]
+    wrong += [own for own in (*(c[0] for c in fields[0]), *(f[0] for f in fields[1])) if not _NAME.fullmatch(own)]
+    if wrong:
+        raise InputError(f"{wrong[0][:50]!r} is no name of a type or field in ROS 2; the bag is damaged")
+    return fields
 
 
 @cache

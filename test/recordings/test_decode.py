@@ -76,6 +76,15 @@ def test_names_of_equal_length_that_change_places_are_followed(joint_state):
     assert read.values.tolist() == [[1.0, 2.0], [2.0, 1.0]] * 50
 
 
+def test_a_block_of_one_structure_after_a_block_of_two(joint_state):
+    first, second = (joint_state(names=order, position=[1.0, 2.0]) for order in (["ab", "cd"], ["cd", "ab"]))
+    decoder = Decoder(JOINT_STATE, ["position[ab]"])
+    for block in ([first, second], [first, first], [second]):
+        length = np.array([len(message) for message in block], np.int64)
+        read = decoder.decode(b"".join(block), np.cumsum(length) - length, length)
+        assert read.values[:, 0].tolist() == [1.0 if message is first else 2.0 for message in block]
+
+
 def test_more_structures_than_are_remembered_are_still_read(joint_state):
     names = [f"damper_{number:04}" for number in range(200)]
     messages = [joint_state(names=[name, "wanted"], position=[0.0, float(row)]) for row, name in enumerate(names)] * 2
@@ -151,6 +160,20 @@ def test_an_index_beyond_a_fixed_array_is_refused_at_once():
     imu = definition_of(builtin_schema("sensor_msgs/msg/Imu"))
     with pytest.raises(InputError, match="has index 9, but 'orientation_covariance' has 9 elements"):
         Decoder(imu, ["orientation_covariance[9]"])
+
+
+@pytest.mark.parametrize(
+    ("type_name", "text"),
+    [
+        ("x/msg/3rd", "float64 a"),
+        ("x/msg/A:\n    pass\nimport os\nclass B", "float64 a"),
+        ("x/msg/A", "y/B b\n" + "=" * 80 + "\nMSG: y/B;import os\nfloat64 a"),
+    ],
+)
+def test_a_schema_cannot_bring_code(type_name, text):
+    """Names become Python code where messages are decoded whole."""
+    with pytest.raises(InputError):
+        store_of(Schema(type_name, "ros2msg", text))
 
 
 @quick
