@@ -81,6 +81,9 @@ def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty
     # A parameter may stand at its bound only because another takes its part, so both are asked here.
     contributions = np.maximum(np.abs(values) * every.norms, _FLOOR * np.sqrt(problem.power))
     groups = [group for group in _undetermined(every, contributions) if len(group) > 1 or not at_bound[group[0]]]
+    for group in groups:
+        if at_bound[group].any():  # the bound alone holds the others of its group
+            error[group] = np.nan
     addresses = [problem.slots[slot].address for slot in free]
     return Uncertainty(error, at_bound, tuple(tuple(addresses[i] for i in group) for group in groups))
 
