@@ -7,3 +7,7 @@ class InputError(Exception):
     The command line prints it on one line and exits with status 1; the node refuses to start with it.
     Anything else that is raised is a bug of ours and keeps its traceback.
     """
+
+    def __init__(self, text: str) -> None:
+        """``text`` may hold names from files: what cannot be printed in them is written as its escape."""
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text))

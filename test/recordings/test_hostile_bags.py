@@ -228,3 +228,13 @@ def test_an_unreadable_file_is_named(tmp_path, recording, monkeypatch):
     monkeypatch.setattr("builtins.open", denied)  # the rights themselves do not bind a test that runs as root
     with pytest.raises(InputError, match="x.mcap: cannot be read \\(Permission denied\\)"):
         open_bag(path)
+
+
+def test_a_topic_with_line_breaks_in_its_name_makes_no_error_of_several_lines(tmp_path):
+    path = tmp_path / "odd.mcap"
+    with BagWriter(path) as writer:
+        messages = joint_states(["a"], STAMPS, position=np.zeros((300, 1)))
+        writer.write_messages("/a\nb\x1b[31m", "sensor_msgs/msg/JointState", STAMPS, messages)
+    with pytest.raises(InputError) as caught, open_bag(path) as bag:
+        next(iter(bag.batches(["/c"])))
+    assert one_line(caught.value) and str(caught.value).isprintable() and r"/a\nb" in str(caught.value)
