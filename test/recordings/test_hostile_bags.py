@@ -237,4 +237,4 @@ def test_a_topic_with_line_breaks_in_its_name_makes_no_error_of_several_lines(tm
         writer.write_messages("/a\nb\x1b[31m", "sensor_msgs/msg/JointState", STAMPS, messages)
     with pytest.raises(InputError) as caught, open_bag(path) as bag:
         next(iter(bag.batches(["/c"])))
-    assert one_line(caught.value) and str(caught.value).isprintable() and r"/a\nb" in str(caught.value)
+    assert one_line(caught.value) and str(caught.value).isprintable() and r"\x1b" in str(caught.value)
