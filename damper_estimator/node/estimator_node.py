@@ -65,7 +65,7 @@ class EstimatorNode(LifecycleNode):
         self._candidate: Estimation | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._configured: list = []  # timers and publishers that go with the configuration
-        self._watched = 0.0
+        self._watched = self._patient_until = 0.0
         self._reporter = Reporter(self)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", OUTPUT_DEPTH)
         self.add_on_set_parameters_callback(self._check_parameters)
@@ -243,10 +243,12 @@ class EstimatorNode(LifecycleNode):
             self._candidate = None
 
     def _watch(self) -> None:
-        """Looks for inputs that have stopped. After a stall of our own the messages that wait come first."""
-        stalled = time.monotonic() - self._watched > 4.0 * self._watch_period
-        self._watched = time.monotonic()
-        if not self.is_active or stalled:
+        """Looks for inputs that have stopped. After a stall of our own messages have as long to come as ever."""
+        steady = time.monotonic()
+        if steady - self._watched > 4.0 * self._watch_period:
+            self._patient_until = steady + self.estimation.settings.stale_after
+        self._watched = steady
+        if not self.is_active or steady < self._patient_until:
             return
         now = self.inputs.now()
         for message in self.estimation.stale(now):
