@@ -29,6 +29,7 @@ def layout(page: str, folder: Folder) -> html.Div:
     stores = {
         "page": page,
         "generation": 0,
+        "drawn": None,
         "rebuilt": 0,
         "view": {},
         "hovered": "",

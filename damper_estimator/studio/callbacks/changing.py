@@ -152,14 +152,14 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         Output("waterfall", "figure"),
         Output("waterfall", "style"),
         Output("steps", "children"),
-        Input("generation", "data"),
-        Input("theme", "data"),
+        Input("drawn", "data"),
         State("page", "data"),
     )
-    def steps(_, theme, page):
+    def steps(drawn, page):
         session = opened(sessions, page)
-        if session is None or theme is None:
+        if session is None or drawn is None:
             raise PreventUpdate
+        theme = drawn[1]
         history = session.history
         floor = session.comparison(session.shown(session.model)).noise_floor_n
         errors = [own.step.rmse_unseen_n for own in history.versions]

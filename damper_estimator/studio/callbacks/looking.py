@@ -47,23 +47,26 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output(_LINKED, "figure"),
         Output("draw-told", "children"),
         Output("marked-told", "children"),
+        Output("drawn", "data"),
         Input("generation", "data"),
         Input("view", "data"),
         Input("tried", "data"),
         Input("theme", "data"),
         Input("tool", "value"),
         State("page", "data"),
+        State("drawn", "data"),
     )
-    def draw(_, view, tried, theme, tool, page):
+    def draw(generation, view, tried, theme, tool, page, before):
         session = opened(sessions, page)
         if session is None or theme is None:
             raise PreventUpdate
         wanted = [own["id"]["name"] for own in ctx.outputs_list[0]]
+        now = no_update if [generation, theme] == before else [generation, theme]
         try:
             drawn, told = _drawn(session, view, tried, tool, theme)
         except InputError as error:
-            return [no_update] * len(wanted), str(error), ""
-        return [drawn[name] for name in wanted], "", told
+            return [no_update] * len(wanted), str(error), "", now
+        return [drawn[name] for name in wanted], "", told, now
 
 
 def _connect_judgement(app: Dash, sessions: Sessions) -> None:
@@ -83,20 +86,20 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         Output("error-map", "figure"),
         Output("quality", "children"),
         Output("data-told", "children"),
-        Input("generation", "data"),
-        Input("theme", "data"),
+        Input("drawn", "data"),  # people look before they read: the first picture does not wait for this
         State("page", "data"),
     )
-    def judge(_, theme, page):
+    def judge(drawn, page):
         session = opened(sessions, page)
-        if session is None or theme is None:
+        if session is None or drawn is None:
             raise PreventUpdate
+        theme = drawn[1]
         try:
             found = session.comparison(session.shown(session.model))
         except InputError as error:
             return str(error), "", no_update, "", ""
-        warnings, drawn = session.stage.warnings, painted(error_map(found), theme)
-        told = panels.verdict(found, session.stage.note, warnings), panels.regions(found), drawn
+        warnings, over = session.stage.warnings, painted(error_map(found), theme)
+        told = panels.verdict(found, session.stage.note, warnings), panels.regions(found), over
         return *told, panels.quality(found), panels.quality_line(found, warnings)
 
 
