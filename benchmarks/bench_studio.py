@@ -84,10 +84,10 @@ def redraw(own: Hand, start: float, stop: float) -> float:
     """Seconds from a zoom to the figure that was drawn for it."""
     zoom = """([start, stop]) => new Promise((done) => {
         const figure = document.querySelector(".figure.time .js-plotly-plot"), began = performance.now();
-        let drawings = 0;
+        const before = figure.data[0].x;
         figure.on("plotly_afterplot", () => {
-            // The first drawing is the browser's own of what it has, the next what the server sent.
-            if (++drawings === 2) done((performance.now() - began) / 1000);
+            // First the browser draws what it has; what the server sent has other points.
+            if (figure.data[0].x !== before) done((performance.now() - began) / 1000);
         });
         Plotly.relayout(figure, { "xaxis.range[0]": start, "xaxis.range[1]": stop });
     })"""

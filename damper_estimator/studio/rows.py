@@ -7,7 +7,7 @@ import numpy as np
 from tsdownsample import MinMaxDownsampler
 
 LINE_POINTS = 2400  # about two per pixel
-CLOUD_POINTS = 2500
+CLOUD_POINTS = 1000
 _THINNER = MinMaxDownsampler()
 
 
