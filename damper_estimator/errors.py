@@ -9,5 +9,6 @@ class InputError(Exception):
     """
 
     def __init__(self, text: str) -> None:
-        """``text`` may hold names from files: what cannot be printed in them is written as its escape."""
-        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text))
+        """``text`` may hold names from files: line breaks become blanks, what else cannot be printed its escape."""
+        line = " ".join(part.strip() for part in text.splitlines())
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in line))
