@@ -159,20 +159,26 @@ def _counts(own: Round, best: Tally, first: Round) -> bool:
 
 
 def _accepted(own: Round, best: Tally) -> Accepted:
+    return _as_found(own, best, *_rivalled(own, best))
+
+
+def _as_found(own: Round, best: Tally, tied: tuple[str, ...], confidence: float) -> Accepted:
     return Accepted(
         round=own,
         tally=best,
         element=best.attempt.element(own.candidates[best.attempt.effect]),
-        tied=own.tied(best),
-        confidence=own.confidence(_group(own, best)),
+        tied=tied,
+        confidence=confidence,
         gain=own.gain(best),
         before_n=rmse(own.null, own.without),
         after_n=rmse(own.null, own.left(best)),
     )
 
 
-def _group(own: Round, best: Tally) -> tuple[str, ...]:
-    return best.attempt.phenomenon, *own.tied(best)
+def _rivalled(own: Round, best: Tally) -> tuple[tuple[str, ...], float]:
+    """What else it could be, and how sure the group is."""
+    tied = own.tied(best)
+    return tied, own.confidence((best.attempt.phenomenon, *tied))
 
 
 def _with(model: DamperModel, own: Round, best: Tally) -> DamperModel:
@@ -227,11 +233,12 @@ def _looked_again(
         stage = null(less, scene, _positions(less, others), base)
         own = round_of(stage, tried, attempts(stage, tried, 0.0, workers, lambda done: progress(0)), mode)
         best = own.best
-        looked[i] = replace(one, tied=own.tied(best), confidence=own.confidence(_group(own, best)))
+        tied, confidence = _rivalled(own, best)
         if best.attempt.effect == name:
+            looked[i] = replace(one, tied=tied, confidence=confidence)
             continue
         first = next(t for t in one.round.tallies if t.attempt.effect == best.attempt.effect)
-        looked[i] = replace(_accepted(one.round, first), tied=looked[i].tied, confidence=looked[i].confidence)
+        looked[i] = _as_found(one.round, first, tied, confidence)
         looked[i + 1] = replace(looked[i + 1], before_n=looked[i].after_n)
         model = _settled(_with(less, own, best), [*others, best.attempt.effect], scene, own.refits)
     return looked, model
