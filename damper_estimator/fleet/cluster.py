@@ -6,12 +6,15 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import dask
 from distributed import Client, LocalCluster
 
 from damper_estimator.errors import InputError
 
 _PATIENCE = 10  # s in which a scheduler must answer
 _LOOPBACK = "127.0.0.1"
+# Dask keeps an hour of samples of what its workers do: a megabyte for each second of short tasks.
+_SETTINGS = {"distributed.worker.profile.enabled": False}
 
 
 @contextmanager
@@ -32,8 +35,9 @@ def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterat
     """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     if scheduler is None:
-        with _local(workers or os.cpu_count() or 1, memory) as cluster, Client(cluster) as client:
-            yield client
+        with dask.config.set(_SETTINGS), _local(workers or os.cpu_count() or 1, memory) as cluster:
+            with Client(cluster) as client:
+                yield client
         return
     try:
         client = Client(scheduler, timeout=_PATIENCE)

@@ -2,6 +2,7 @@
 
 import io
 import json
+from collections.abc import Mapping
 from contextlib import redirect_stderr, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -12,12 +13,11 @@ from damper_estimator import __version__
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.fleet.task import checksum, digest, signature
-from damper_estimator.recordings import open_bag
-from damper_estimator.signals import SignalMap, load_signal_map
-from damper_estimator.signals.channels import read_channels, signals_for
+from damper_estimator.recordings import Bag, open_bag
+from damper_estimator.signals import Channel, SignalMap, load_signal_map
+from damper_estimator.signals.channels import ChannelData, find_topic, read_channels, signals_for
 
 _FILE = "recording.json"
-_ROLES = ("displacement", "temperature")
 
 
 @dataclass(frozen=True)
@@ -88,16 +88,32 @@ def take_look(recording: str, signals: str, folder: str) -> Look:
 def _contents(recording: str, signal_map: SignalMap) -> tuple[int | None, float | None, dict[str, float | None]]:
     with open_bag(recording) as bag:
         dampers = signals_for(bag, signal_map).dampers
-        wanted = {f"{role} of {name}": getattr(own, role) for name, own in dampers.items() for role in _ROLES}
+        moved = {name: own.displacement for name, own in dampers.items()}
+        warm = {name: own.temperature for name, own in dampers.items() if find_topic(bag, own.temperature.topic)}
+        begin, seconds, mean = None, None, {}
         # A damper whose channels cannot be read is told of by its own task.
         with suppress(InputError):
-            data = read_channels(bag, wanted)
-            stamps = [data[key].stamp for key in data if key.startswith("displacement of ")]
-            begin = min((int(own.min()) for own in stamps), default=None)
-            seconds = None if begin is None else (max(int(own.max()) for own in stamps) - begin) / 1e9
-            warm = {name: data.get(f"temperature of {name}") for name in dampers}
-            return begin, seconds, {name: None if own is None else _mean(own.value) for name, own in warm.items()}
-    return None, None, dict.fromkeys(dampers)
+            stamps = np.concatenate([own.stamp for own in _ends(bag, moved).values()])
+            begin, seconds = int(stamps.min()), int(np.ptp(stamps)) / 1e9
+        with suppress(InputError):
+            mean = {name: _mean(own.value) for name, own in read_channels(bag, warm).items()}
+    return begin, seconds, {name: mean.get(name) for name in dampers}
+
+
+def _ends(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, ChannelData]:
+    """The channels at both ends of the bag, so that a look does not read it all; where one is not there, all of them.
+
+    Raises:
+        InputError: where none is there at all.
+    """
+    with suppress(InputError):
+        data = read_channels(bag, channels, ends=True)
+        if len(data) == len(channels):
+            return data
+    data = read_channels(bag, channels)
+    if not data:
+        raise InputError(f"{bag.path}: has no displacement")
+    return data
 
 
 def _mean(values: np.ndarray) -> float | None:

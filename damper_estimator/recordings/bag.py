@@ -60,19 +60,20 @@ class Bag:
         """Closes the files; unpacked copies vanish."""
         self._stack.close()
 
-    def batches(self, topics: Iterable[str] | None = None, size: int = _BATCH) -> Iterator[Batch]:
+    def batches(self, topics: Iterable[str] | None = None, size: int = _BATCH, ends: bool = False) -> Iterator[Batch]:
         """The messages in arrival (log time) order over all files, equal times as they lie in the files.
 
         Args:
             topics: which (all); `/` in front may be left out.
             size: most messages in a batch.
+            ends: only the first and the last chunk, which is enough to see when it was recorded.
 
         Raises:
             InputError: for a topic that is not there (lists those that are), and for damaged files.
         """
         names = None if topics is None else [self.topic(name).name for name in topics]
         wanted = self._reading.chosen(names)
-        for rank, messages in _grouped(self._merged(), wanted, size):
+        for rank, messages in _grouped(self._merged(ends), wanted, size):
             yield Batch(self._reading, self._reading.unpacked(messages), rank)
 
     def topic(self, name: str) -> Topic:
@@ -111,12 +112,15 @@ class Bag:
         """
         return self.read({topic: paths})[topic]
 
-    def _merged(self) -> Iterator[RawMessages]:
-        """All messages in arrival order, with connections counted over all files."""
+    def _merged(self, ends: bool) -> Iterator[RawMessages]:
+        """All messages, or the first and the last, in arrival order; connections are counted over all files."""
         shifts = np.cumsum([0, *(len(file.connections) for file in self._files)])
         spans = heapq.merge(
             *(file.spans(number) for number, file in enumerate(self._files)), key=lambda span: span.start
         )
+        if ends:
+            every = list(spans)
+            spans = iter(every[:1] + every[1:][-1:])
         return in_arrival_order(spans, shifts)
 
 

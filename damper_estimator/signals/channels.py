@@ -79,8 +79,8 @@ def signals_for(bag: Bag, signal_map: SignalMap, damper: str | None = None) -> S
     return replace(full, dampers={damper: full.dampers[damper]})
 
 
-def read_channels(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, ChannelData]:
-    """The channels that are there, by the same keys, in one pass over the bag.
+def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False) -> dict[str, ChannelData]:
+    """The channels that are there, by the same keys, in one pass over the bag, or of its ``ends`` alone.
 
     Raises:
         InputError: where a channel that a map names is missing, or its field never appears.
@@ -97,7 +97,7 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, Channe
         if topic is not None:
             wanted.setdefault(topic, []).append(key)
     parts: dict[str, list[ChannelData]] = {key: [] for keys in wanted.values() for key in keys}
-    for batch in bag.batches(list(wanted)) if wanted else ():
+    for batch in bag.batches(list(wanted), ends=ends) if wanted else ():
         for topic, keys in wanted.items():
             columns = batch.columns(topic, tuple(channels[key].field for key in keys))
             for i, key in enumerate(keys):

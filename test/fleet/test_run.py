@@ -159,3 +159,9 @@ def test_another_version_on_the_worker_ends_the_work(run, drives):
     (task,) = run(drives / "car_b" / "*.mcap").tasks
     with pytest.raises(InputError, match="install the same"):
         carry_out(task, quick, "0.0.0")
+
+
+def test_workers_take_no_samples_of_themselves(client):
+    """Dask would keep an hour of them, which fills the memory."""
+    samplers = client.run(lambda dask_worker: [name for name in dask_worker.periodic_callbacks if "profile" in name])
+    assert len(samplers) == 2 and not any(samplers.values())
