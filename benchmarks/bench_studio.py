@@ -16,12 +16,12 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "test" / "studio"))
 from hand import BROWSER, Hand, hand, served  # noqa: E402
 from hour_bag import write_hour  # noqa: E402
 
-from damper_estimator.studio.figures import Scene, figures  # noqa: E402
+from damper_estimator.studio.figures import Scene, cloud_figure, time_figure  # noqa: E402
 from damper_estimator.studio.folder import Folder  # noqa: E402
 from damper_estimator.studio.paint import painted  # noqa: E402
 from damper_estimator.studio.session import Session  # noqa: E402
 from damper_estimator.studio.stage import Choice  # noqa: E402
-from damper_estimator.studio.view import View  # noqa: E402
+from damper_estimator.studio.view import MOTIONS, View  # noqa: E402
 
 MODEL = "linear_viscous"
 
@@ -60,8 +60,9 @@ def server_alone(folder: Path, name: str) -> None:
 
 def drawn(session: Session, view: View) -> dict:
     """The figures as they go to the page."""
-    shown = session.shown(session.model)
-    return {name: painted(own, "light") for name, own in figures(Scene([shown], [MODEL], view)).items()}
+    scene = Scene([session.shown(session.model)], [MODEL], view)
+    clouds = {motion: cloud_figure(scene, motion) for motion in MOTIONS}
+    return {name: painted(own, "light") for name, own in ({"time": time_figure(scene)} | clouds).items()}
 
 
 def in_browser(folder: Path, name: str) -> None:
@@ -76,22 +77,25 @@ def in_browser(folder: Path, name: str) -> None:
         own.until(lambda: own.told("regions"))
         print(f"browser: regions, map and quality {perf_counter() - began:.1f} s")
         took = [redraw(own, start, start + width) for start, width in ((100, 1800), (500, 300), (2000, 20), (3000, 2))]
-        print(f"browser: redraw {', '.join(f'{1e3 * seconds:.0f}' for seconds in took)} ms")
+        for what, i in (("the figure that is zoomed", 0), ("all four figures", 1)):
+            print(f"browser: redraw of {what} {', '.join(f'{1e3 * seconds[i]:.0f}' for seconds in took)} ms")
         print(f"browser: memory of the server at most {memory(process.pid):.2f} GB")
 
 
-def redraw(own: Hand, start: float, stop: float) -> float:
-    """Seconds from a zoom to the figure that was drawn for it."""
+def redraw(own: Hand, start: float, stop: float) -> tuple[float, float]:
+    """Seconds from a zoom until the figure over time, and the last of all, show what the server sent for it."""
     zoom = """([start, stop]) => new Promise((done) => {
-        const figure = document.querySelector(".figure.time .js-plotly-plot"), began = performance.now();
-        const before = figure.data[0].x;
-        figure.on("plotly_afterplot", () => {
+        const figures = [...document.querySelectorAll("#left .js-plotly-plot")].filter((own) => own.data.length);
+        const began = performance.now();
+        const before = figures.map((figure) => figure.data[0].x), took = {};
+        figures.forEach((figure, i) => figure.on("plotly_afterplot", () => {
             // First the browser draws what it has; what the server sent has other points.
-            if (figure.data[0].x !== before) done((performance.now() - began) / 1000);
-        });
-        Plotly.relayout(figure, { "xaxis.range[0]": start, "xaxis.range[1]": stop });
+            if (figure.data[0].x !== before[i]) took[i] ??= (performance.now() - began) / 1000;
+            if (Object.keys(took).length === figures.length) done([took[0], Math.max(...Object.values(took))]);
+        }));
+        Plotly.relayout(figures[0], { "xaxis.range[0]": start, "xaxis.range[1]": stop });
     })"""
-    return own.page.evaluate(zoom, [start, stop])
+    return tuple(own.page.evaluate(zoom, [start, stop]))
 
 
 def main() -> None:

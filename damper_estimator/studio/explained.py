@@ -19,7 +19,7 @@ def explained_figure(found: Diagnosis, effect: str) -> Figure:
     before = [np.where(t.judged, t.residual, np.nan) for t in traces]
     index, span = _worst([t.time for t in traces], before)
     own, time = traces[index], traces[index].time
-    rows = line_rows(before[index], span, 1200)
+    rows = span.start + line_rows(before[index][span], 1200)
     data = [line(time[rows], before[index][rows], "residual now", BEFORE)]
     notes = []
     if index < len(change) and change[index].size == time.size:

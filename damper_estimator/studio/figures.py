@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from damper_estimator.report.figures import packed
 from damper_estimator.report.plots import FOUND, Figure, axis, line, points
 from damper_estimator.studio.rows import cloud_rows, line_rows, span_of
-from damper_estimator.studio.shown import Shown
-from damper_estimator.studio.view import MOTIONS, View, marked, place
+from damper_estimator.studio.shown import Curves, Shown
+from damper_estimator.studio.view import SCALES, View, marked
+from damper_estimator.validation import Trace
 
 TITLES = {
     "velocity": "velocity in m/s", "displacement": "displacement in mm", "acceleration": "acceleration in m/s²",
@@ -35,59 +37,89 @@ class Scene:
     view: View
     tried: np.ndarray | None = None
 
-    @property
-    def time(self) -> np.ndarray:
-        """(n,) s since the first sample of the recording."""
-        own = self.models[0].traces[self.view.recording].time
-        return own - own[0]
-
-    @property
+    @cached_property
     def span(self) -> slice:
-        """The samples on view."""
-        return span_of(self.time, self.view.start, self.view.stop)
+        """The samples on view; what follows is of these."""
+        own, view = self._trace(0).time, self.view
+        ends = (None, None) if view.start is None or view.stop is None else (own[0] + view.start, own[0] + view.stop)
+        return span_of(own, *ends)
 
-    @property
+    @cached_property
     def measured(self) -> np.ndarray:
         """(n,) N."""
-        return self.models[0].traces[self.view.recording].measured
+        return self._trace(0).measured[self.span]
+
+    @cached_property
+    def marked(self) -> np.ndarray | None:
+        """(n,) bool: what is marked; None where nothing is."""
+        inside = marked(self.models[0], self.view)
+        return None if inside is None else inside[self.span]
 
     @property
     def backwards(self) -> list[tuple[int, str]]:
         """Index and name of each model, the one that is worked on last: it is drawn over the others."""
         return list(enumerate(self.names))[::-1]
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last time on view, s since the first sample of the recording."""
+        if self.view.start is not None and self.view.stop is not None:
+            return self.view.start, self.view.stop
+        return tuple(self.time(np.array([0, -1])).tolist())
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """(k,) indices of the first samples after gaps of the recording."""
+        own = self._curves(0).gaps
+        return own[np.searchsorted(own, self.span.start) : np.searchsorted(own, self.span.stop)] - self.span.start
+
+    def time(self, rows: np.ndarray) -> np.ndarray:
+        """(k,) s since the first sample of the recording, at some of the samples."""
+        own = self._trace(0).time
+        return own[self.span][rows] - own[0]
+
+    def motion(self, name: str) -> np.ndarray:
+        """(n,) as it was recorded; ``SCALES`` has its units in the figures."""
+        return getattr(self._trace(0).measurement.kinematics, name)[self.span]
+
     def modelled(self, index: int) -> np.ndarray:
         """(n,) N, NaN where it is not judged."""
-        own = self.models[index].traces[self.view.recording]
         if index == 0 and self.tried is not None:
-            return np.where(own.judged, self.tried, np.nan)
-        return np.where(own.judged, own.modelled, np.nan)
+            return np.where(self._trace(0).judged[self.span], self.tried[self.span], np.nan)
+        return self._curves(index).modelled[self.span]
+
+    def residual(self, index: int) -> np.ndarray:
+        """(n,) N, modelled - measured, NaN where it is not judged."""
+        if index == 0 and self.tried is not None:
+            return self.modelled(0) - self.measured
+        return self._curves(index).residual[self.span]
+
+    def _trace(self, index: int) -> Trace:
+        return self.models[index].traces[self.view.recording]
+
+    def _curves(self, index: int) -> Curves:
+        return self.models[index].curves[self.view.recording]
 
 
 def time_figure(scene: Scene) -> Figure:
     """Measured and modelled forces, residuals below, and what is marked."""
-    time, span = scene.time, scene.span
-    starts = np.flatnonzero(scene.models[0].traces[scene.view.recording].measurement.kinematics.dt <= 0.0)
 
     def drawn(values: np.ndarray, name: str, colour: str, **more: object) -> Figure:
-        x, y = _broken(time, values, line_rows(values, span), starts)
+        x, y = _broken(scene, values, line_rows(values))
         # Single precision would blur the time of a long recording.
         return line(x, y, name, colour, **more) | {"x": packed(x, "f8")}
 
     data = [drawn(scene.measured, "measured", "@measured", width=2.2)]
     below = []
     for i, name in scene.backwards:
-        values = scene.modelled(i)
-        data.append(drawn(values, name, f"@model{i % 5}", width=1.3, legendrank=1001 + i))
-        residual = values - scene.models[i].traces[scene.view.recording].measured
-        below.append(drawn(residual, f"{name} - measured", f"@model{i % 5}", width=1.3, yaxis="y2", showlegend=False))
-    inside = marked(scene.models[0], scene.view)
-    if inside is not None:
-        values = np.where(inside, scene.measured, np.nan)
+        colour, named = f"@model{i % 5}", f"{name} - measured"
+        data.append(drawn(scene.modelled(i), name, colour, width=1.3, legendrank=1001 + i))
+        below.append(drawn(scene.residual(i), named, colour, width=1.3, yaxis="y2", showlegend=False))
+    if scene.marked is not None:
+        values = np.where(scene.marked, scene.measured, np.nan)
         data.insert(0, drawn(values, "marked", FOUND, width=7.0) | {"opacity": 0.6, "connectgaps": False})
-    ends = [scene.view.start, scene.view.stop] if scene.view.start is not None else [float(time[0]), float(time[-1])]
     layout = {
-        "xaxis": axis("time in s", anchor="y2", range=ends),
+        "xaxis": axis("time in s", anchor="y2", range=list(scene.ends)),
         "yaxis": axis("force in N", domain=[0.41, 1.0], fixedrange=True),
         "yaxis2": axis("residual<br>in N", domain=[0.0, 0.34], fixedrange=True),
         "hovermode": "x",
@@ -100,33 +132,29 @@ def time_figure(scene: Scene) -> Figure:
 
 def cloud_figure(scene: Scene, motion: str) -> Figure:
     """Force over one motion in the stretch on view, and what is marked."""
-    first, span = scene.models[0], scene.span
-    x = place(first, scene.view.recording, motion)
-    rows = cloud_rows(x, scene.measured, span)
-    data = [points(x[rows], scene.measured[rows], "measured", "@measured", 3.0)]
-    for i, name in scene.backwards:
-        values = scene.modelled(i)
-        data.append(points(x[rows], values[rows], name, f"@model{i % 5}", 2.6))
-    inside = marked(first, scene.view)
-    if inside is not None:
-        chosen = np.flatnonzero(inside[span]) + span.start
+    x, scale = scene.motion(motion), SCALES[motion]
+
+    def drawn(rows: np.ndarray, force: np.ndarray, *look: object) -> Figure:
+        return points(scale * x[rows], force[rows], *look)
+
+    rows = cloud_rows(x, scene.measured)
+    data = [drawn(rows, scene.measured, "measured", "@measured", 3.0)]
+    data += [drawn(rows, scene.modelled(i), name, f"@model{i % 5}", 2.6) for i, name in scene.backwards]
+    if scene.marked is not None:
+        chosen = np.flatnonzero(scene.marked)
         chosen = chosen[:: max(chosen.size // _MARKED_POINTS, 1)]
-        data.insert(0, points(x[chosen], scene.measured[chosen], "marked", FOUND, 9.0) | {"opacity": 0.6})
+        data.insert(0, drawn(chosen, scene.measured, "marked", FOUND, 9.0) | {"opacity": 0.6})
     layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
     return {"data": data, "layout": layout}
 
 
-def figures(scene: Scene) -> dict[str, Figure]:
-    """All linked figures by name."""
-    return {"time": time_figure(scene)} | {motion: cloud_figure(scene, motion) for motion in MOTIONS}
-
-
-def _broken(time: np.ndarray, values: np.ndarray, rows: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, ...]:
+def _broken(scene: Scene, values: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     """Time and values at rows, with a NaN where a gap of the recording is wide enough to be seen."""
-    x, y = time[rows], values[rows].astype(float)
+    x, y = scene.time(rows), values[rows].astype(float)
     if x.size < 2:
         return x, y
-    lost = starts[(starts > rows[0]) & (starts <= rows[-1])]
-    lost = lost[time[lost] - time[lost - 1] > _BREAK * (x[-1] - x[0])]
-    places = np.searchsorted(rows, lost)
-    return np.insert(x, places, 0.5 * (time[lost] + time[lost - 1])), np.insert(y, places, np.nan)
+    lost = scene.gaps[(scene.gaps > rows[0]) & (scene.gaps <= rows[-1])]
+    before, after = scene.time(lost - 1), scene.time(lost)
+    wide = after - before > _BREAK * (x[-1] - x[0])
+    places = np.searchsorted(rows, lost[wide])
+    return np.insert(x, places, 0.5 * (before + after)[wide]), np.insert(y, places, np.nan)

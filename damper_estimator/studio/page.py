@@ -29,7 +29,8 @@ def layout(page: str, folder: Folder) -> html.Div:
     stores = {
         "page": page,
         "generation": 0,
-        "drawn": None,
+        "drawn": None,  # generation, theme and opening that the figures show
+        "scene": None,  # what the figure over time shows: generation, view, tried parameters, theme, tool
         "rebuilt": 0,
         "view": {},
         "hovered": "",

@@ -7,31 +7,42 @@ import numpy as np
 from tsdownsample import MinMaxDownsampler
 
 LINE_POINTS = 2400  # about two per pixel
-CLOUD_POINTS = 1000
+CLOUD_SAMPLES = 20_000  # that are looked at
+CLOUD_CELLS = (44, 32)  # across and up, about four pixels wide
 _THINNER = MinMaxDownsampler()
 
 
-def line_rows(values: np.ndarray, span: slice, most: int = LINE_POINTS) -> np.ndarray:
-    """Rising indices of at most ``most`` samples of a span; smallest and largest value of each bucket are among them.
+def line_rows(values: np.ndarray, most: int = LINE_POINTS) -> np.ndarray:
+    """Rising indices of at most ``most`` samples (n,); smallest and largest value of each bucket are among them.
 
-    Args:
-        values: (n,), NaN counts as no value.
-        span: of the samples that are on view.
+    NaN counts as no value.
     """
-    part = np.ascontiguousarray(values[span])
-    if part.size <= most:
-        return np.arange(span.start, span.stop)
-    rows = _THINNER.downsample(part, n_out=most - most % 2).astype(np.int64)
-    return span.start + np.unique(np.concatenate([[0], rows, [part.size - 1]]))
+    if values.size <= most:
+        return np.arange(values.size)
+    rows = _THINNER.downsample(np.ascontiguousarray(values), n_out=most - most % 2).astype(np.int64)
+    return np.unique(np.concatenate([[0], rows, [values.size - 1]]))
 
 
-def cloud_rows(over: np.ndarray, force: np.ndarray, span: slice, most: int = CLOUD_POINTS) -> np.ndarray:
-    """Rising indices of samples of a span for a cloud: evenly spread in time, and the extremes of both quantities."""
-    size = span.stop - span.start
-    if size <= most:
-        return np.arange(span.start, span.stop)
-    even = np.arange(span.start, span.stop, -(-2 * size // most))
-    return np.unique(np.concatenate([even, line_rows(over, span, most // 4), line_rows(force, span, most // 4)]))
+def cloud_rows(over: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Rising indices of samples (n,) for a cloud: one in each cell of a grid that any is in, and the extremes of both.
+
+    A browser draws a cloud in proportion to its points, so points that would lie over each other are left out.
+    """
+    even = np.arange(0, over.size, -(-over.size // CLOUD_SAMPLES))
+    across, up = (_cells(values[even], cells) for values, cells in zip((over, force), CLOUD_CELLS, strict=True))
+    _, first = np.unique(across * CLOUD_CELLS[1] + up, return_index=True)
+    extremes = [reach(values) for values in (over, force) for reach in (np.nanargmin, np.nanargmax) if _any(values)]
+    return np.unique(np.concatenate([even[first], np.array(extremes, np.int64)]))
+
+
+def _cells(values: np.ndarray, cells: int) -> np.ndarray:
+    """(n,) int: the cell of each value between the smallest and the largest; NaN lies in the first."""
+    low, high = (np.nanmin(values), np.nanmax(values)) if _any(values) else (0.0, 1.0)
+    return np.nan_to_num((values - low) * ((cells - 1) / max(high - low, 1e-300))).astype(np.int64)
+
+
+def _any(values: np.ndarray) -> bool:
+    return bool(np.isfinite(values).any())
 
 
 def span_of(time: np.ndarray, start: float | None, stop: float | None) -> slice:

@@ -1,6 +1,7 @@
 """A model over what is open: its forces in band, and how well they agree."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -8,6 +9,20 @@ from damper_estimator.model import DamperModel
 from damper_estimator.studio.stage import Stage
 from damper_estimator.validation import Comparison, Measures, Trace, compare, measures
 from damper_estimator.validation.trace import trace
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """What of a trace is drawn, made once so that a zoom costs nothing that grows with the recording.
+
+    Attributes:
+        modelled, residual: (n,) N, NaN where it is not judged.
+        gaps: (k,) rising indices of the first samples after gaps.
+    """
+
+    modelled: np.ndarray
+    residual: np.ndarray
+    gaps: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -24,6 +39,11 @@ class Shown:
     stage: Stage
     traces: tuple[Trace, ...]
     measures: Measures
+
+    @cached_property
+    def curves(self) -> tuple[Curves, ...]:
+        """One per recording."""
+        return tuple(_curves(own) for own in self.traces)
 
     def comparison(self) -> Comparison:
         """Where it fails, on the judged passages."""
@@ -48,3 +68,8 @@ def shown(model: DamperModel, stage: Stage) -> Shown:
         gathered(lambda t: t.measurement.kinematics.dt),
     )
     return Shown(model, stage, traces, agreement)
+
+
+def _curves(own: Trace) -> Curves:
+    modelled = np.where(own.judged, own.modelled, np.nan)
+    return Curves(modelled, modelled - own.measured, np.flatnonzero(own.measurement.kinematics.dt <= 0.0))

@@ -63,25 +63,6 @@ def _mark(own: Mapping) -> Mark | None:
     return Mark(mark["figure"], x, y)
 
 
-def mark_of(figure: str, change: Mapping) -> dict[str, object] | None:
-    """What a figure's own event says was marked in it, as the page holds it; None where all marks were taken away.
-
-    Args:
-        change: plotly's relayout event with ``selections``.
-    """
-    drawn = change.get("selections") or []
-    if not drawn:
-        return None
-    last = drawn[-1]
-    if last.get("type") == "path":
-        corners = [part.split(",") for part in last["path"].strip("MZ").split("L")]
-        x, y = ([float(corner[i]) for corner in corners] for i in (0, 1))
-    else:
-        x0, x1, y0, y1 = (float(last[name]) for name in ("x0", "x1", "y0", "y1"))
-        x, y = [x0, x1, x1, x0], [y0, y0, y1, y1]
-    return {"figure": figure, "x": x, "y": y}
-
-
 def place(shown: Shown, recording: int, motion: str) -> np.ndarray:
     """(n,) a motion in the figures' units."""
     kinematics = shown.traces[recording].measurement.kinematics

@@ -44,8 +44,11 @@ def data_quality(traces: Sequence[Trace]) -> DataQuality:
     """Quality over all recordings of a damper: counts added, the middle rate, one skew."""
     measurements = [t.measurement for t in traces]
 
+    # Passages of one recording share what arrived in it.
+    arrived = {id(m.counts): m.counts for m in measurements}.values()
+
     def total(name: str) -> int:
-        return sum(getattr(m.counts, name) for m in measurements)
+        return sum(getattr(counts, name) for counts in arrived)
 
     names = ("samples", "gaps", "inversions", "duplicates", "non_finite", "steps_back")
     return DataQuality(

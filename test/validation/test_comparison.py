@@ -46,6 +46,12 @@ def test_pooled_measures_weigh_recordings_by_their_samples(viscous, motion, meas
     assert together.data_quality.samples == sum(c.data_quality.samples for c in alone)
 
 
+def test_passages_of_one_recording_count_what_arrived_once(viscous, motion, measured):
+    whole = measured(*motion(20.0), double)
+    passages = [whole.part(k * 2000, (k + 1) * 2000) for k in range(4)]
+    assert compare(viscous, *passages).data_quality.samples == compare(viscous, whole).data_quality.samples
+
+
 def test_the_record_has_the_documented_keys_and_is_plain(viscous, motion, measured):
     from damper_estimator.cli.common import plain
 

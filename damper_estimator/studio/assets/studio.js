@@ -19,15 +19,48 @@
       drawn = now;
       return { address: JSON.parse(cause.prop_id.slice(0, cause.prop_id.lastIndexOf("."))).address, place: cause.value };
     },
+    // What is on view after something happened on the page.
+    look(...given) {
+      const [view, drawn] = given.slice(-2), cause = window.dash_clientside.callback_context.triggered[0];
+      if (!drawn || !cause) return window.dash_clientside.no_update;
+      const now = view.opened === drawn.opened ? view : { opened: drawn.opened };
+      const [id] = cause.prop_id.split(/\.(?=[^.]*$)/), after = changed(now, id, cause.value);
+      return !after || JSON.stringify(after) === JSON.stringify(view) ? window.dash_clientside.no_update : after;
+    },
   } });
 
-  function look(event) {
+  function changed(view, id, value) {
+    if (id === "recording") return (value || 0) === (view.recording || 0) ? view : { opened: view.opened, recording: value };
+    if (!value) return null;
+    if (id === "all") return { ...view, start: null, stop: null };
+    if (id === "unmark") return { ...view, mark: null };
+    return relaid(view, JSON.parse(id).name, value);
+  }
+
+  // After zooming or marking in a figure.
+  function relaid(view, figure, change) {
+    if ("selections" in change) return { ...view, mark: markOf(figure, change.selections || []) };
+    if (figure !== "time") return null;
+    if (change["xaxis.autorange"]) return { ...view, start: null, stop: null };
+    return "xaxis.range[0]" in change ? { ...view, start: change["xaxis.range[0]"], stop: change["xaxis.range[1]"] } : null;
+  }
+
+  // Corners of what was marked last; null where all marks were taken away.
+  function markOf(figure, selections) {
+    const own = selections[selections.length - 1];
+    if (!own) return null;
+    if (own.type !== "path") return { figure, x: [own.x0, own.x1, own.x1, own.x0], y: [own.y0, own.y0, own.y1, own.y1] };
+    const corners = own.path.replace(/[MZ]/g, "").split("L").map((corner) => corner.split(",").map(Number));
+    return { figure, x: corners.map((corner) => corner[0]), y: corners.map((corner) => corner[1]) };
+  }
+
+  function hover(event) {
     const row = event.target.closest && event.target.closest("[data-effect]");
     if (row && row.dataset.effect !== looked) { looked = row.dataset.effect; set("hovered", { data: looked }); }
   }
   const unlook = () => { looked = ""; set("hovered", { data: "" }); };
-  document.addEventListener("mouseover", look);
-  document.addEventListener("focusin", look);
+  document.addEventListener("mouseover", hover);
+  document.addEventListener("focusin", hover);
   document.addEventListener("click", (event) => { if (event.target.closest("#unlook")) unlook(); });
 
   document.addEventListener("keydown", (event) => {

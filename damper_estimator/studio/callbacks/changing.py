@@ -159,7 +159,7 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         session = opened(sessions, page)
         if session is None or drawn is None:
             raise PreventUpdate
-        theme = drawn[1]
+        theme = drawn["theme"]
         history = session.history
         floor = session.comparison(session.shown(session.model)).noise_floor_n
         errors = [own.step.rmse_unseen_n for own in history.versions]

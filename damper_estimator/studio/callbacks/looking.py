@@ -1,19 +1,20 @@
 """The linked figures, what is on view in them, and where the model fails."""
 
-from dash import ALL, Dash, Input, Output, State, ctx, no_update
+from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.report.figures import error_map
+from damper_estimator.report.plots import Figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import opened
-from damper_estimator.studio.figures import Scene, figures
+from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.page import names_of
 from damper_estimator.studio.paint import painted
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 from damper_estimator.studio.tried import tried_force
-from damper_estimator.studio.view import View, mark_of, marked, parsed_view
+from damper_estimator.studio.view import MOTIONS, View, marked, parsed_view
 
 _LINKED = {"type": "linked", "name": ALL}
 _ABOUT = 1.0  # s before and after the worst moment of a region
@@ -21,32 +22,43 @@ _ABOUT = 1.0  # s before and after the worst moment of a region
 
 def connect(app: Dash, sessions: Sessions) -> None:
     """What is on view is one store, which figures and lists change and from which all figures are drawn."""
-    _connect_judgement(app, sessions)
-
-    @app.callback(
+    app.clientside_callback(
+        ClientsideFunction("studio", "look"),
         Output("view", "data"),
         Input(_LINKED, "relayoutData"),
-        Input({"type": "region", "index": ALL}, "n_clicks"),
         Input("all", "n_clicks"),
         Input("unmark", "n_clicks"),
         Input("recording", "value"),
         State("view", "data"),
+        State("drawn", "data"),
+        prevent_initial_call=True,
+    )
+
+    @app.callback(
+        Output("view", "data", allow_duplicate=True),
+        Input({"type": "region", "index": ALL}, "n_clicks"),
         State("page", "data"),
         prevent_initial_call=True,
     )
-    def look(_changes, _regions, _all, _unmark, recording, view, page):
+    def go(clicks, page):
         session = opened(sessions, page)
-        if session is None or not ctx.triggered[0]["value"] and ctx.triggered_id != "recording":
-            raise PreventUpdate
-        changed = _changed(session, dict(view or {}), ctx.triggered_id, ctx.triggered[0]["value"])
-        if changed is None or changed == view:
+        changed = _at_region(session, ctx.triggered_id["index"]) if session is not None and any(clicks) else None
+        if changed is None:
             raise PreventUpdate
         return changed
 
+    _connect_figures(app, sessions)
+    _connect_judgement(app, sessions)
+
+
+def _connect_figures(app: Dash, sessions: Sessions) -> None:
+    """The figure over time comes first, as it is the one that is zoomed; the clouds follow what it shows."""
+
     @app.callback(
-        Output(_LINKED, "figure"),
+        Output(_linked("time"), "figure"),
         Output("draw-told", "children"),
         Output("marked-told", "children"),
+        Output("scene", "data"),
         Output("drawn", "data"),
         Input("generation", "data"),
         Input("view", "data"),
@@ -60,13 +72,30 @@ def connect(app: Dash, sessions: Sessions) -> None:
         session = opened(sessions, page)
         if session is None or theme is None:
             raise PreventUpdate
-        wanted = [own["id"]["name"] for own in ctx.outputs_list[0]]
-        now = no_update if [generation, theme] == before else [generation, theme]
+        now = {"generation": generation, "theme": theme, "opened": session.opened}
+        drawn = no_update if now == before else now
         try:
-            drawn, told = _drawn(session, view, tried, tool, theme)
+            scene = _scene(session, view, tried)
+            way = "select" if tool == "lasso" else tool  # of a passage only its ends count
+            figure = _styled(time_figure(scene), session, scene.view, way, theme)
         except InputError as error:
-            return [no_update] * len(wanted), str(error), "", now
-        return [drawn[name] for name in wanted], "", told, now
+            return no_update, str(error), "", no_update, drawn
+        return figure, "", _told(scene.models[0], scene.view), [generation, view, tried, theme, tool], drawn
+
+    @app.callback(
+        *(Output(_linked(motion), "figure") for motion in MOTIONS), Input("scene", "data"), State("page", "data")
+    )
+    def draw_clouds(shown, page):
+        session = opened(sessions, page)
+        if session is None or shown is None:
+            raise PreventUpdate
+        _, view, tried, theme, tool = shown
+        try:
+            scene = _scene(session, view, tried)
+            clouds = [cloud_figure(scene, motion) for motion in MOTIONS]
+        except InputError as error:  # what was shown is gone: another draw is on its way
+            raise PreventUpdate from error
+        return tuple(_styled(own, session, scene.view, tool, theme) for own in clouds)
 
 
 def _connect_judgement(app: Dash, sessions: Sessions) -> None:
@@ -93,7 +122,7 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         session = opened(sessions, page)
         if session is None or drawn is None:
             raise PreventUpdate
-        theme = drawn[1]
+        theme = drawn["theme"]
         try:
             found = session.comparison(session.shown(session.model))
         except InputError as error:
@@ -107,54 +136,38 @@ def _names(session: Session) -> list[str]:
     return names_of(session.models(), session.history.at > 0)
 
 
-def _changed(session: Session, view: dict, cause: object, value: object) -> dict | None:
-    """The view after something happened on the page; None where that is nothing to it."""
-    if view.get("opened") != session.opened:
-        view = {"opened": session.opened}
-    if cause == "recording":
-        return view if value == view.get("recording", 0) else {"opened": session.opened, "recording": value or 0}
-    if cause == "unmark":
-        return view | {"mark": None}
-    if cause == "all":
-        return view | {"start": None, "stop": None}
-    if cause["type"] == "region":
-        return _at_region(session, view, cause["index"])
-    return _relaid(view, cause["name"], value)
+def _linked(name: str) -> dict[str, str]:
+    return _LINKED | {"name": name}
 
 
-def _relaid(view: dict, figure: str, change: dict) -> dict | None:
-    """After zooming or marking in a figure."""
-    if "selections" in change:
-        return view | {"mark": mark_of(figure, change)}
-    if figure != "time":
-        return None
-    if change.get("xaxis.autorange") or change.get("autosize") and "xaxis.range[0]" not in change:
-        return view | {"start": None, "stop": None} if change.get("xaxis.autorange") else None
-    if "xaxis.range[0]" in change:
-        return view | {"start": change["xaxis.range[0]"], "stop": change["xaxis.range[1]"]}
-    return None
-
-
-def _at_region(session: Session, view: dict, index: int) -> dict | None:
+def _at_region(session: Session, index: int) -> dict | None:
+    """The view of the worst moment of a region; None where there is no such region."""
     found = session.comparison(session.shown(session.model)).regions
     if index >= len(found):
         return None
     passage = session.stage.judged[found[index].recording]
     time = passage.begin + found[index].time
-    return view | {"recording": passage.recording, "start": time - _ABOUT, "stop": time + _ABOUT, "mark": None}
+    ends = {"start": time - _ABOUT, "stop": time + _ABOUT}
+    return {"opened": session.opened, "recording": passage.recording, "mark": None} | ends
 
 
-def _drawn(session: Session, data: object, tried: dict | None, tool: str, theme: str) -> tuple[dict, str]:
-    """The figures by name, and how much is marked."""
+def _scene(session: Session, data: object, tried: dict | None) -> Scene:
+    """What is to be drawn.
+
+    Raises:
+        InputError: for a view that no page of ours asks for, and parameters that give no force.
+    """
     current = data if (data or {}).get("opened") == session.opened else {}
     view = parsed_view(current, len(session.stage.whole))
     models = [session.shown(own) for own in session.models()]
     force = tried_force(models[0], tried["values"], view) if _is_tried(session, tried) else None
-    drawn = figures(Scene(models, _names(session), view, force))
-    for name, own in drawn.items():
-        way = "select" if (name, tool) == ("time", "lasso") else tool  # of a passage only its ends count
-        own["layout"] |= {"dragmode": way, "uirevision": f"{session.opened} {view.start} {view.stop}"}
-    return {name: painted(own, theme) for name, own in drawn.items()}, _told(models[0], view)
+    return Scene(models, _names(session), view, force)
+
+
+def _styled(figure: Figure, session: Session, view: View, tool: str, theme: str) -> Figure:
+    """A linked figure with the chosen tool and colours; it keeps the user's own zoom as long as the view stays."""
+    figure["layout"] |= {"dragmode": tool, "uirevision": f"{session.opened} {view.start} {view.stop}"}
+    return painted(figure, theme)
 
 
 def _is_tried(session: Session, tried: dict | None) -> bool:
