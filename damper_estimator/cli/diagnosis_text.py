@@ -6,9 +6,9 @@ from textwrap import fill
 
 from damper_estimator.cli.data_findings import print_findings
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
+from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
 from damper_estimator.report.diagnosis_wording import mend_rows, moved_rows, parameter_rows, step_name
-from damper_estimator.report.wording import number
 
 _WIDTH = 110
 

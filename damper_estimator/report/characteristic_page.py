@@ -6,9 +6,10 @@ import numpy as np
 
 from damper_estimator.characterization import MEANINGS, Characterization, Diagram
 from damper_estimator.characterization.record import peaks
+from damper_estimator.numbers import number
 from damper_estimator.report.figures import packed
 from damper_estimator.report.page import render
-from damper_estimator.report.wording import number, recording_name
+from damper_estimator.report.wording import recording_name
 
 _ROLES = {
     "total": "total force", "semi_active": "semi-active part", "command": "command's part", "pressure": "pressure part",

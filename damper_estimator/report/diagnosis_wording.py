@@ -7,8 +7,9 @@ import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, Judged, Step
 from damper_estimator.diagnosis.mend import in_yaml
+from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
-from damper_estimator.report.wording import number, recording_name
+from damper_estimator.report.wording import recording_name
 
 _UNITS = {"1": "", "m/s^2": "m/s²", "deg C": "°C"}
 

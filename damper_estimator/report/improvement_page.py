@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
+from damper_estimator.numbers import number
 from damper_estimator.report.before_after import before_after, first_diagnosis
 from damper_estimator.report.diagnosis_page import (
     SCRIPT,
@@ -23,7 +24,6 @@ from damper_estimator.report.diagnosis_wording import (
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import apart
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
-from damper_estimator.report.wording import number
 
 
 def improvement_section(damper: str, found: Improvement) -> DiagnosisSection:

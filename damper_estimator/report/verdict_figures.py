@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from damper_estimator.diagnosis import Finding, Improvement, Judged, Judgement, Moved
+from damper_estimator.numbers import number
 from damper_estimator.report.diagnosis_wording import plain_name, step_name
 from damper_estimator.report.plots import AFTER, BEFORE, FOUND, GREY, INK, SOFT, Figure, axis, note, short
-from damper_estimator.report.wording import number
 
 _LOWEST, _HIGHEST = -15.0, 104.0  # %, what of a gain is worth the space
 _APART = 0.17  # of a row, between the two ways of judging

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from damper_estimator.numbers import number
 from damper_estimator.validation import Comparison
 
 MEASURES = (
@@ -18,14 +19,6 @@ MEASURES = (
 )
 
 _GRAVE = ("sign", "dead_channel", "saturation", "held", "clock_drift")
-
-
-def number(value: float, digits: int = 3) -> str:
-    """Three digits, or a dash where it is not known."""
-    if not np.isfinite(value):
-        return "–"
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e+" in text else text
 
 
 def measure_text(name: str, value: float) -> str:

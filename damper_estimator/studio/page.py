@@ -250,8 +250,8 @@ def _number(name: str, hint: str) -> dcc.Input:
 
 
 def names_of(models: Sequence, changed: bool) -> list[str]:
-    """Names of the models on view; the one that is worked on and the same as given are told apart."""
+    """Names of the models on view; what has the same name is told apart, as is the model that is worked on."""
     names = [own.name for own in models]
     if changed:
         names[1] = f"{names[1]} as given"
-    return names
+    return [f"{name} ({names[:i].count(name) + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]

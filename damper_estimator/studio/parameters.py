@@ -6,7 +6,7 @@ from dash import dcc, html
 from damper_estimator.model import DamperModel
 from damper_estimator.model.damper_model import Slot
 from damper_estimator.model.element import labels
-from damper_estimator.report.wording import number
+from damper_estimator.numbers import number
 from damper_estimator.studio.scale import to_place
 
 _MOST = 60  # sliders; the numbers of a longer model (a force surface) are told, not moved by hand

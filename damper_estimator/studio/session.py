@@ -48,7 +48,7 @@ class Session:
         self.jobs = 0
         self.centres: dict[str, float] = {}
         self.opened = self.generation = self.rebuilt = 0
-        self._lock = threading.RLock()
+        self._lock, self._judging = threading.RLock(), threading.Lock()
         self._shown: list[Shown] = []
         self._compared: list[tuple[Shown, Comparison]] = []
         self._saved: list[tuple[Version, str]] = []
@@ -88,8 +88,8 @@ class Session:
             return own
 
     def comparison(self, shown: Shown) -> Comparison:
-        """Where a model fails; kept for the last few."""
-        with self._lock:
+        """Where a model fails; kept for the last few. Long recordings take seconds, in which the page is looked at."""
+        with self._judging:
             for own, comparison in self._compared:
                 if own is shown:
                     return comparison

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from damper_estimator.model import DamperModel
+from damper_estimator.numbers import number
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import A, V, X
 from damper_estimator.validation.drift import drift
@@ -229,7 +230,7 @@ def _zeros_differ(told: Sequence[tuple[Measurement, Surrogate]]) -> Iterator[Dat
     names = [m.recording for m, _ in pair]
     yield DataFinding(
         "zero_differs",
-        f"the force at standstill is {change:.3g} N higher in {names[1]} than in {names[0]}: the gauge's zero",
+        f"the force at standstill is {number(change)} N higher in {names[1]} than in {names[0]}: the gauge's zero",
         "tare each recording (`damper-estimator tare BAG -o MAP.yaml`) and give each its own map",
         "",
         min(change / rms, 1.0),

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from damper_estimator.numbers import number
 from damper_estimator.validation.bands import Bands, all_bands, directions
 from damper_estimator.validation.trace import Pool
 
@@ -229,10 +230,10 @@ def _error_in_words(error: np.ndarray, velocity: np.ndarray, acceleration: np.nd
     rmse = float(np.sqrt(np.mean(error**2)))
     if max(abs(bias), abs(along)) >= 0.4 * rmse:
         if abs(along) >= 0.999 * abs(bias):
-            return f"model {abs(along):.3g} N too {'stiff' if along > 0.0 else 'soft'}"
-        return f"model {abs(bias):.3g} N too {'high' if bias > 0.0 else 'low'}"
+            return f"model {number(abs(along))} N too {'stiff' if along > 0.0 else 'soft'}"
+        return f"model {number(abs(bias))} N too {'high' if bias > 0.0 else 'low'}"
     with_acceleration = float(np.mean(error * np.sign(acceleration)))
     if abs(with_acceleration) >= 0.4 * rmse:
         first, then = ("high", "low") if with_acceleration > 0.0 else ("low", "high")
-        return f"model {abs(with_acceleration):.3g} N too {first} at positive acceleration, too {then} at negative"
-    return f"error of {rmse:.3g} N without a steady sign"
+        return f"model {number(abs(with_acceleration))} N too {first} at positive acceleration, too {then} at negative"
+    return f"error of {number(rmse)} N without a steady sign"

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from damper_estimator.numbers import number
 from damper_estimator.validation.drift import Drift, drift
 from damper_estimator.validation.surrogate import surrogate
 from damper_estimator.validation.trace import Trace
@@ -177,11 +178,13 @@ def _side_in_words(rest: np.ndarray, velocity: np.ndarray) -> list[str]:
     middle = float(np.median(means))
     if middle**2 < _GAIN_SHARE * float(np.mean(rest**2)) or np.ptp(means) > abs(middle):
         return []
-    return [f"the model is {abs(middle):.3g} N too {'stiff' if middle > 0.0 else 'soft'} both ways, whatever the speed"]
+    return [
+        f"the model is {number(abs(middle))} N too {'stiff' if middle > 0.0 else 'soft'} both ways, whatever the speed"
+    ]
 
 
 def _high(offset: float) -> str:
-    return f"{abs(offset):.3g} N {'high' if offset > 0.0 else 'low'}"
+    return f"{number(abs(offset))} N {'high' if offset > 0.0 else 'low'}"
 
 
 def _drift_in_words(trace: Trace, count: int, own: Drift) -> str:

@@ -1,6 +1,8 @@
 """A page's session: verbs, steps back and forth, work that is refused, cancelled or goes wrong; and its end."""
 
+import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +12,11 @@ from damper_estimator.errors import InputError
 from damper_estimator.studio import apart, panels
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.job import Job
+from damper_estimator.studio.page import names_of
 from damper_estimator.studio.saving import KINDS
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import MOST, Sessions
+from damper_estimator.studio.shown import Shown
 from damper_estimator.studio.stage import Choice
 
 
@@ -226,3 +230,29 @@ def test_work_in_a_process_of_its_own_gives_its_result_and_its_refusal():
         apart.run_apart(refusing, (), lambda text, share: None)
     with pytest.raises(RuntimeError, match="has died"):
         apart.run_apart(dying, (), lambda text, share: None)
+
+
+def test_models_of_one_name_are_told_apart():
+    models = [SimpleNamespace(name=name) for name in ("soft", "soft", "hard", "soft")]
+    assert names_of(models, False) == ["soft (1)", "soft (2)", "hard", "soft (3)"]
+    assert names_of(models, True) == ["soft (1)", "soft as given", "hard", "soft (2)"]
+
+
+def test_the_figures_do_not_wait_for_the_judgement(session, monkeypatch):
+    began, go_on = threading.Event(), threading.Event()
+    shown = session.shown(session.model)
+
+    def slow(_):
+        began.set()
+        assert go_on.wait(60.0)
+
+    monkeypatch.setattr(Shown, "comparison", slow)
+    judging = threading.Thread(target=session.comparison, args=(shown,))
+    drawing = threading.Thread(target=session.shown, args=(session.model,))
+    judging.start()
+    assert began.wait(60.0)
+    drawing.start()
+    drawing.join(60.0)
+    assert not drawing.is_alive() and judging.is_alive()
+    go_on.set()
+    judging.join()
