@@ -63,10 +63,11 @@ def relative_rms(traces: Sequence[Trace]) -> tuple[FrequencyError, ...]:
     parts: dict[int, list[tuple[float, float, float, int]]] = {}
     grouped = group_cycles([t.measurement for t in traces])
     for trace, cycles in zip(traces, grouped.cycles, strict=True):
+        forces = trace.residual, trace.measured
         for cycle in cycles:
             inside = slice(cycle.first, cycle.last)
             if trace.judged[inside].all():
-                error, force = (float(np.sum(f[inside] ** 2)) for f in (trace.residual, trace.measured))
+                error, force = (float(np.sum(own[inside] ** 2)) for own in forces)
                 place = round(_OCTAVE_SHARE * np.log2(cycle.frequency))
                 parts.setdefault(place, []).append((cycle.frequency, error, force, cycle.last - cycle.first))
     rows = []
