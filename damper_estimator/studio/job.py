@@ -15,14 +15,15 @@ class Job:
 
     Attributes:
         name: what it does, for people.
+        number: tells it from others of its page; the page remembers whose end it has told.
         state: ``running``, ``done``, ``failed`` or ``cancelled``.
         text, share: what goes on, and how much of it is done, 0 to 1.
         error: why it failed, in one line.
     """
 
-    def __init__(self, name: str, work: Callable[[Tell], None]) -> None:
+    def __init__(self, name: str, work: Callable[[Tell], None], number: int = 1) -> None:
         """Starts ``work``; it takes on its results itself, at its end."""
-        self.name = name
+        self.name, self.number = name, number
         self.state, self.text, self.share, self.error = "running", "", 0.0, ""
         self._began, self._ended = monotonic(), 0.0
         self._stop = threading.Event()

@@ -45,7 +45,6 @@ class Session:
         self.others: tuple[DamperModel, ...] = ()
         self.diagnosis: Diagnosis | None = None
         self.job: Job | None = None
-        self.jobs = 0
         self.centres: dict[str, float] = {}
         self.opened = self.generation = self.rebuilt = 0
         self._lock, self._judging = threading.RLock(), threading.Lock()
@@ -266,8 +265,7 @@ class Session:
         with self._lock:
             if self.job is not None and self.job.running:
                 raise InputError(f"{self.job.name} goes on; cancel it first, or wait")
-            self.jobs += 1
-            self.job = Job(name, work)
+            self.job = Job(name, work, self.job.number + 1 if self.job else 1)
 
     def _changed(self, rebuilt: bool = True) -> None:
         self.generation += 1

@@ -6,10 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dash import no_update
 
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
 from damper_estimator.studio import apart, panels
+from damper_estimator.studio.callbacks.page_itself import _work as progress_of
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.page import names_of
@@ -256,3 +258,27 @@ def test_the_figures_do_not_wait_for_the_judgement(session, monkeypatch):
     assert not drawing.is_alive() and judging.is_alive()
     go_on.set()
     judging.join()
+
+
+def test_the_end_of_a_work_is_told_once_also_when_the_page_looks_while_the_next_begins(session, monkeypatch):
+    told = []
+
+    def tick():
+        seen = progress_of(session, told[-1][0] if told else 0)
+        if seen[4] is not no_update:
+            told.append((seen[4], seen[0].split(":")[0]))
+
+    class Slow(Job):
+        def __init__(self, *given):
+            tick()
+            super().__init__(*given)
+            tick()
+
+    monkeypatch.setattr("damper_estimator.studio.session.Job", Slow)
+    for verb in (lambda: session.add("oil_spring"), session.refit):
+        verb()
+        session.job.wait()
+        assert session.job.state == "done", session.job.error
+        tick()
+        tick()
+    assert [name for _, name in told] == ["opening", "identifying", "identifying"]

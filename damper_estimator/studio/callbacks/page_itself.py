@@ -85,7 +85,7 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
 def _work(session: Session, ended: object) -> list[object]:
     """How far the work is, and, once, how it ended; ``ended`` is the number of the last work whose end was told."""
     job, told = session.job, [no_update] * 3
-    if job is None or session.jobs == ended:
+    if job is None or job.number == ended:
         return [no_update] * 6 + told
     if job.running:
         text = f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)"
@@ -93,7 +93,7 @@ def _work(session: Session, ended: object) -> list[object]:
     told[_PLACES[job.name]] = job.error
     # An error that fell is to be seen falling.
     turned = "steps" if job.state == "done" and job.name in _STEPPING else no_update
-    return [_ended(job), no_update, True, True, session.jobs, turned, *told]
+    return [_ended(job), no_update, True, True, job.number, turned, *told]
 
 
 def _ended(job: Job) -> str:
