@@ -102,7 +102,7 @@ def _check_time(entry: object) -> Iterator[str]:
     given = [key for key in ("column", "rate", "interval") if key in entry]
     if len(given) != 1:
         yield f"time needs one of column, rate and interval, not {' and '.join(given) or 'none'}"
-    if "unit" in entry and entry["unit"] not in TIME_UNITS:
+    if "unit" in entry and str(entry["unit"]) not in TIME_UNITS:
         yield f"time.unit is {entry['unit']!r}; it may be {', '.join(TIME_UNITS)}"
     yield from _typed(entry, "time", column=_is_column, format=_is_date_format)
     for key in ("rate", "interval"):

@@ -1,5 +1,6 @@
 """Column maps: every complaint at once, differences by file name, shipped maps that load."""
 
+import copy
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,34 @@ def test_the_example_explains_every_key():
     content = yaml.safe_load((share_path("config/columns") / "example.yaml").read_text())
     assert set(content) == {"dampers", "time", "text", "split", "trim_rest", "center", "name", "files"}
     assert set(content["text"]) == {"separator", "decimal", "skip", "titles"}
+
+
+def places(content, path=()):
+    """Paths to every value in a map, those that hold others included."""
+    for key, value in content.items():
+        yield (*path, key)
+        if isinstance(value, dict):
+            yield from places(value, (*path, key))
+
+
+EXAMPLE = yaml.safe_load((share_path("config/columns") / "example.yaml").read_text())
+
+
+@pytest.mark.parametrize("odd", [{}, {"a": {}}, [], [{}], None, True, 3, -1.5, float("nan"), "", "odd"], ids=repr)
+def test_any_value_at_any_place_is_taken_or_refused(load, odd):
+    refused = 0
+    for *way, last in places(EXAMPLE):
+        content = copy.deepcopy(EXAMPLE)
+        inner = content
+        for key in way:
+            inner = inner[key]
+        inner[last] = odd
+        try:
+            load(content)
+        except InputError as error:
+            assert "\n" not in str(error)
+            refused += 1
+    assert refused
 
 
 def test_an_unknown_name_is_refused():
