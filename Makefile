@@ -31,7 +31,7 @@ real-data: env ## the tables of docs/real_data.md, where the recordings are ther
 	@$(BIN)/python benchmarks/real_story.py -o docs/real_data.md
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
-bench: env ## measure speed and print it, 15 minutes (bench-node: the full bars of the node)
+bench: env ## measure speed and print it, 20 minutes (bench-node: the full bars of the node)
 	@for file in $(filter-out %/bench_diagnosis.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
 
 bench-node: env ## the node against a relay as the bars want it: 60 s, five rounds, 35 minutes on a quiet machine

@@ -4,6 +4,7 @@
 """
 
 import argparse
+import re
 import shutil
 import tempfile
 from itertools import product
@@ -71,7 +72,7 @@ def learn(own: Hand, camera: Camera) -> None:
     own.tab("What is missing")
     own.page.locator("#mode").get_by_text("parameters kept").click()
     own.page.click("#diagnose")
-    own.until(lambda: float(own.page.locator("#progress").get_attribute("value")) > 0.2)
+    own.until(lambda: re.match("diagnosing: [2-9][0-9] %", own.told("job")))
     camera.shot(own, "diagnosing")
     own.done("diagnosing")
     own.until(lambda: "oil compressibility" in own.told("findings"))
