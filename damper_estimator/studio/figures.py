@@ -134,16 +134,16 @@ def cloud_figure(scene: Scene, motion: str) -> Figure:
     """Force over one motion in the stretch on view, and what is marked."""
     x, scale = scene.motion(motion), SCALES[motion]
 
-    def drawn(rows: np.ndarray, force: np.ndarray, *look: object) -> Figure:
+    def drawn(force: np.ndarray, rows: np.ndarray, *look: object) -> Figure:
         return points(scale * x[rows], force[rows], *look)
 
-    rows = cloud_rows(x, scene.measured)
-    data = [drawn(rows, scene.measured, "measured", "@measured", 3.0)]
-    data += [drawn(rows, scene.modelled(i), name, f"@model{i % 5}", 2.6) for i, name in scene.backwards]
+    clouds = [(scene.measured, "measured", "@measured", 3.0)]
+    clouds += [(scene.modelled(i), name, f"@model{i % 5}", 2.6) for i, name in scene.backwards]
+    data = [drawn(force, cloud_rows(x, force), *look) for force, *look in clouds]
     if scene.marked is not None:
         chosen = np.flatnonzero(scene.marked)
         chosen = chosen[:: max(chosen.size // _MARKED_POINTS, 1)]
-        data.insert(0, drawn(chosen, scene.measured, "marked", FOUND, 9.0) | {"opacity": 0.6})
+        data.insert(0, drawn(scene.measured, chosen, "marked", FOUND, 9.0) | {"opacity": 0.6})
     layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
     return {"data": data, "layout": layout}
 

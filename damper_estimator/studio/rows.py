@@ -28,7 +28,8 @@ def cloud_rows(over: np.ndarray, force: np.ndarray) -> np.ndarray:
 
     A browser draws a cloud in proportion to its points, so points that would lie over each other are left out.
     """
-    even = np.arange(0, over.size, -(-over.size // CLOUD_SAMPLES))
+    even = np.arange(0, over.size, max(-(-over.size // CLOUD_SAMPLES), 1))
+    even = even[np.isfinite(over[even]) & np.isfinite(force[even])]
     across, up = (_cells(values[even], cells) for values, cells in zip((over, force), CLOUD_CELLS, strict=True))
     _, first = np.unique(across * CLOUD_CELLS[1] + up, return_index=True)
     extremes = [reach(values) for values in (over, force) for reach in (np.nanargmin, np.nanargmax) if _any(values)]
@@ -36,9 +37,9 @@ def cloud_rows(over: np.ndarray, force: np.ndarray) -> np.ndarray:
 
 
 def _cells(values: np.ndarray, cells: int) -> np.ndarray:
-    """(n,) int: the cell of each value between the smallest and the largest; NaN lies in the first."""
-    low, high = (np.nanmin(values), np.nanmax(values)) if _any(values) else (0.0, 1.0)
-    return np.nan_to_num((values - low) * ((cells - 1) / max(high - low, 1e-300))).astype(np.int64)
+    """(n,) int: the cell of each value between the smallest and the largest."""
+    low, span = (values.min(), np.ptp(values)) if values.size else (0.0, 0.0)
+    return ((values - low) * ((cells - 1) / max(span, 1e-300))).astype(np.int64)
 
 
 def _any(values: np.ndarray) -> bool:

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper_estimator.studio.rows import LINE_POINTS, Mark, cloud_rows, line_rows, span_of
+from damper_estimator.studio.rows import CLOUD_CELLS, LINE_POINTS, Mark, cloud_rows, line_rows, span_of
 from damper_estimator.studio.scale import from_place, to_place
 
 
@@ -31,6 +31,18 @@ def test_a_cloud_keeps_its_outline():
     assert rows.size < 5000
     for own in (x, force):
         assert own[rows].max() == own.max() and own[rows].min() == own.min()
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 1000), size=st.integers(1, 60_000), lost=st.sampled_from([0.0, 0.5, 1.0]))
+def test_a_cloud_has_few_points_and_those_that_there_are(seed, size, lost):
+    draw = np.random.default_rng(seed)
+    x, force = draw.standard_normal((2, size))
+    force[draw.random(size) < lost] = np.nan
+    rows = cloud_rows(x, force)
+    assert rows.size <= CLOUD_CELLS[0] * CLOUD_CELLS[1] + 4 and np.all(np.diff(rows) > 0)
+    if np.isfinite(force).any():
+        assert np.nanmax(force[rows]) == np.nanmax(force) and np.isfinite(force[rows]).sum() >= rows.size - 4
 
 
 def test_a_span_has_a_neighbour_at_either_side():
