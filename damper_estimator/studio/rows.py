@@ -8,7 +8,7 @@ from tsdownsample import MinMaxDownsampler
 
 LINE_POINTS = 2400  # about two per pixel
 CLOUD_SAMPLES = 20_000  # that are looked at
-CLOUD_CELLS = (44, 32)  # across and up, about four pixels wide
+CLOUD_CELLS = (36, 26)  # across and up, about five pixels wide
 _THINNER = MinMaxDownsampler()
 
 
