@@ -25,7 +25,7 @@ from mcap.writer import CompressionType, Writer
 
 source, target, times = sys.argv[1], sys.argv[2], float(sys.argv[3])
 with open(source, "rb") as file, open(target, "wb") as out:
-    writer, schemas, channels, owed = Writer(out, compression=CompressionType.ZSTD), {}, {}, 0.0
+    writer, channels, owed = Writer(out, compression=CompressionType.ZSTD), {}, 0.0
     writer.start(profile="ros2", library="raw")
     for schema, channel, message in make_reader(file).iter_messages():
         if channel.id not in channels:
