@@ -8,13 +8,15 @@ from contextlib import contextmanager
 
 import dask
 from distributed import Client, LocalCluster
+from tornado.ioloop import PeriodicCallback
 
 from damper_estimator.errors import InputError
 
 _PATIENCE = 10  # s in which a scheduler must answer
 _LOOPBACK = "127.0.0.1"
 # Dask keeps an hour of samples of what its workers do: a megabyte for each second of short tasks.
-_SETTINGS = {"distributed.worker.profile.enabled": False}
+_SETTINGS = {"distributed.worker.profile.enabled": False, "distributed.deploy.lost-worker-timeout": "5s"}
+_ROLL_CALL = 1000  # ms between two counts of the workers started here
 
 
 @contextmanager
@@ -28,7 +30,7 @@ def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterat
         scheduler: such as ``tcp://10.0.0.1:8786``; None for this machine.
         workers: how many are started here; None for one per core.
         memory: limit of each worker started here, such as ``2GiB``; ``auto`` shares what there is. A worker over it is
-            started anew.
+            started anew, as is one that dies for another reason.
 
     Raises:
         InputError: where no scheduler answers, or the limit is no amount of memory.
@@ -51,7 +53,7 @@ def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterat
 
 def _local(workers: int, memory: str) -> LocalCluster:
     try:
-        return LocalCluster(
+        cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
@@ -63,6 +65,11 @@ def _local(workers: int, memory: str) -> LocalCluster:
         )
     except ValueError as error:
         raise InputError(f"--memory {memory}: is no amount of memory; write such as 2GiB, or auto") from error
+    # Dask starts a worker anew by itself, except one that dies while it starts.
+    roll_call = PeriodicCallback(lambda: cluster.scale(workers), _ROLL_CALL)
+    cluster.periodic_callbacks["roll-call"] = roll_call  # the cluster stops them when it ends
+    cluster.loop.add_callback(roll_call.start)
+    return cluster
 
 
 def dashboard_of(client: Client) -> str:

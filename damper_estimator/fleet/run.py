@@ -3,6 +3,9 @@
 A task is submitted when another one is done, so that neither client nor scheduler hold thousands; what travels is the
 task and what became of it. Each row lies on the disk before its task counts as done: whoever is killed, at any time,
 the next run goes on from there.
+
+Dask blames a dead worker on everything that lay on it, also on what only waited there. What it gives up so is tried
+once more when all else is done, by itself: only what then takes its workers down has failed.
 """
 
 from collections import deque
@@ -89,6 +92,8 @@ class Fleet:
     tasks: list[Task] = field(default_factory=list)
     tally: Tally = field(default_factory=Tally)
     _models: dict[tuple[str, str], str] = field(default_factory=dict)
+    _suspects: deque[Recording | Task] = field(default_factory=deque)
+    _alone: Recording | Task | None = None  # the suspect that is tried by itself
 
     def run(self, client: Client) -> None:
         """Does what is not done.
@@ -102,7 +107,10 @@ class Fleet:
         finished = as_completed([], raise_errors=False)
         room, counted = 0, -_COUNTED
         try:
-            while waiting or under_way:
+            while waiting or under_way or self._suspects:
+                if not waiting and not under_way:
+                    self._alone = self._suspects.popleft()
+                    waiting.append(self._alone)
                 if monotonic() - counted >= _COUNTED:
                     room, counted = _AHEAD * max(threads_of(client), 1), monotonic()
                 while waiting and len(under_way) < room:
@@ -134,6 +142,9 @@ class Fleet:
         try:
             told: Look | Outcome = future.result()
         except KilledWorker:
+            if own is not self._alone:
+                self._suspects.append(own)
+                return
             told = Outcome(f"{own.recording}: {_KILLED}", 0.0) if isinstance(own, Task) else self._unlooked(own)
             if isinstance(own, Task):
                 write_row(own, FAILED, told.reason, {})

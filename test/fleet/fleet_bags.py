@@ -66,21 +66,28 @@ def quick(task):
 
 def dies_once(task):
     """Kills its worker the first time that it meets a recording named so."""
-    if "deadly" in task.recording and attempts(task) == 1:
+    if "deadly" in Path(task.recording).name and attempts(task) == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return quick(task)
+
+
+def dies_four_times(task):
+    """Kills its worker, as often as Dask bears and once more, when it meets a recording named so."""
+    if "unlucky" in Path(task.recording).name and attempts(task) <= 4:
         os.kill(os.getpid(), signal.SIGKILL)
     return quick(task)
 
 
 def dies_always(task):
     """Kills its worker whenever it meets a recording named so."""
-    if "deadly" in task.recording:
+    if "deadly" in Path(task.recording).name:
         os.kill(os.getpid(), signal.SIGKILL)
     return quick(task)
 
 
 def fills_the_disk(task):
     """Finds no room for its results."""
-    if "large" in task.recording:
+    if "large" in Path(task.recording).name:
         try:
             raise OSError(ENOSPC, os.strerror(ENOSPC), str(task.place("json")))
         except OSError as error:
@@ -90,6 +97,6 @@ def fills_the_disk(task):
 
 def is_mistaken(task):
     """A mistake of ours in one recording."""
-    if "odd" in task.recording:
+    if "odd" in Path(task.recording).name:
         raise ZeroDivisionError("of\nour own")
     return quick(task)

@@ -5,10 +5,11 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from fleet_bags import dies_always, dies_once, fills_the_disk, is_mistaken, quick, write_drive
+from fleet_bags import dies_always, dies_four_times, dies_once, fills_the_disk, is_mistaken, quick, write_drive
 
 from damper_estimator.errors import InputError
 from damper_estimator.fleet.carry import carry_out
+from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.rows import read_rows, write_rows
 
 
@@ -117,6 +118,19 @@ def test_a_recording_that_kills_every_worker_fails_and_stops_nothing(run, drives
     failed = [row for row in rows if row["status"] == "failed"]
     assert len(rows) == 5 and [Path(row["recording"]).name for row in failed] == ["deadly.mcap"]
     assert "took its worker down" in failed[0]["reason"]
+
+
+def test_what_dask_gives_up_is_tried_once_more_by_itself(run, drives):
+    """Dask counts each death of a worker against all that lay there, also what only waited."""
+    write_drive(drives / "car_b" / "unlucky.mcap", 5)
+    rows = rows_of(run(drives / "*" / "*.mcap", work=dies_four_times))
+    assert len(rows) == 5 and {row["status"] for row in rows} == {"done"}
+
+
+def test_a_worker_that_dask_does_not_start_again_is_started_anew():
+    with connected(None, 1, "auto") as client:
+        client.sync(client.cluster.workers[0].close)
+        assert client.submit(pow, 2, 3).result(timeout=60) == 8
 
 
 def test_a_full_disk_ends_the_work_and_keeps_what_was_done(run, drives):
