@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import dask
-from distributed import Client, LocalCluster
+from distributed import CancelledError, Client, LocalCluster
+from distributed.comm import CommClosedError
 from tornado.ioloop import PeriodicCallback
 
 from damper_estimator.errors import InputError
@@ -49,6 +50,19 @@ def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterat
         ) from error
     with client:
         yield client
+
+
+@contextmanager
+def answering() -> Iterator[None]:
+    """What is asked of a scheduler within the block.
+
+    Raises:
+        InputError: where the scheduler is gone.
+    """
+    try:
+        yield
+    except (CancelledError, CommClosedError, TimeoutError) as error:
+        raise InputError("the scheduler is gone; what was done is kept: start again to go on") from error
 
 
 def _local(workers: int, memory: str) -> LocalCluster:

@@ -13,14 +13,11 @@ from time import perf_counter
 import numpy as np
 from distributed import Client
 
-from damper_estimator.errors import InputError
 from damper_estimator.fleet.held import (
     Chosen,
     Place,
     Source,
-    Summary,
     Unknown,
-    answers,
     cycles,
     error_sums,
     excited_errors,
@@ -29,9 +26,8 @@ from damper_estimator.fleet.held import (
     model_of,
     noise_sums,
     point_sums,
-    summary,
 )
-from damper_estimator.fleet.quantiles import SpreadSamples
+from damper_estimator.fleet.shares import Shares
 from damper_estimator.fleet.task import digest
 from damper_estimator.identification import Fit, Point, Wishes, free_slots
 from damper_estimator.identification.bounded import bounded_least_squares
@@ -45,64 +41,6 @@ from damper_estimator.identification.selection import narrowed
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import DamperModel
 from damper_estimator.model.files import model_yaml
-
-
-class Shares:
-    """The recordings, each with a worker that is asked about it first; final.
-
-    Attributes:
-        sources: that can be used, in order.
-        summaries: of each.
-        refused: reasons by source, of those that cannot.
-    """
-
-    def __init__(self, client: Client, sources: Iterable[Source], model: DamperModel) -> None:
-        self._client, self._model = client, model_yaml(model)
-        self._workers = sorted(client.nthreads()) or [None]
-        self.sources = tuple(sorted(sources, key=lambda own: (own.recording, own.damper)))
-        told = self._asked(summary)
-        self.refused = {s: str(own) for s, own in zip(self.sources, told, strict=True) if isinstance(own, InputError)}
-        self.sources = tuple(own for own in self.sources if own not in self.refused)
-        self.summaries: list[Summary] = [own for own in told if not isinstance(own, InputError)]
-        if not self.sources:
-            raise InputError(
-                f"no recording can be used; the first: {next(iter(self.refused.values()), 'there is none')}"
-            )
-
-    def ask(self, question: Callable, *words: object) -> list:
-        """The answers of ``held`` to a question, in the order of the sources.
-
-        Raises:
-            InputError: where a recording could be used before and cannot now.
-        """
-        told = self._asked(question, *words)
-        for own in told:
-            if isinstance(own, InputError):
-                raise own
-        return told
-
-    def _asked(self, question: Callable, *words: object) -> list:
-        count = len(self._workers)
-        futures = [
-            self._client.submit(
-                answers, self.sources[k::count], self._model, question, words,
-                workers=worker, allow_other_workers=True, pure=False,
-            )
-            for k, worker in enumerate(self._workers)
-        ]  # fmt: skip
-        told: list = [None] * len(self.sources)
-        for k, own in enumerate(self._client.gather(futures)):
-            told[k::count] = own
-        return told
-
-    @property
-    def samples(self) -> int:
-        """Of all recordings."""
-        return sum(own.samples for own in self.summaries)
-
-    def channel(self, row: int) -> SpreadSamples:
-        """The judged samples of a row of the block, for ``identification.samples.Channels``."""
-        return SpreadSamples(self.ask, row)
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
 
-from distributed import CancelledError, Client, Future, KilledWorker, as_completed
-from distributed.comm import CommClosedError
+from distributed import Client, Future, KilledWorker, as_completed
 
 from damper_estimator import __version__
 from damper_estimator.errors import InputError
 from damper_estimator.fleet.carry import Outcome, Work, carry_out
-from damper_estimator.fleet.cluster import threads_of
+from damper_estimator.fleet.cluster import answering, threads_of
 from damper_estimator.fleet.look import Look, kept_look, map_checksum, state_of, take_look
 from damper_estimator.fleet.manifest import Recording
 from damper_estimator.fleet.rows import FAILED, kept_row, write_row
@@ -106,7 +105,7 @@ class Fleet:
         under_way: dict[Future, Recording | Task] = {}
         finished = as_completed([], raise_errors=False)
         room, counted = 0, -_COUNTED
-        try:
+        with answering():
             while waiting or under_way or self._suspects:
                 if not waiting and not under_way:
                     self._alone = self._suspects.popleft()
@@ -119,8 +118,6 @@ class Fleet:
                     future = next(finished)
                     self._end(future, under_way.pop(future), waiting)
                 self.tell(self.tally)
-        except (CancelledError, CommClosedError, TimeoutError) as error:
-            raise InputError("the scheduler is gone; what was done is kept: start again to go on") from error
 
     def _begin(self, client: Client, waiting: deque, under_way: dict, finished: as_completed) -> None:
         """Submits the next thing to do, unless it is done already."""

@@ -1,5 +1,7 @@
 """A fit over recordings on two workers is the fit in one process."""
 
+import os
+import signal
 from importlib import import_module
 
 import numpy as np
@@ -7,9 +9,10 @@ import pytest
 from fleet_bags import write_drive
 
 from damper_estimator.errors import InputError
-from damper_estimator.fleet import held
+from damper_estimator.fleet import held, shares
 from damper_estimator.fleet.held import Source
-from damper_estimator.fleet.joint import Shares, fit_spread
+from damper_estimator.fleet.joint import fit_spread
+from damper_estimator.fleet.shares import Shares
 from damper_estimator.identification import Wishes, fit
 from damper_estimator.identification.samples import channels_of
 from damper_estimator.model import load_model, parse_model
@@ -65,6 +68,30 @@ def test_two_workers_fit_what_one_process_fits(client, bags, model):
     spread, refused = fit_spread(client, start, [source(path) for path in bags[::-1]], starts=2, wishes=Wishes(seed=3))
     assert not refused
     alike(spread, fit(start, [here(path) for path in bags], seed=3, starts=2))
+
+
+def test_a_worker_that_is_killed_in_the_middle_changes_nothing(client, bags, monkeypatch):
+    asked, told = Shares._asked, []
+
+    def killing(shares, question, *words):
+        told.append(question)
+        if len(told) == 6:
+            os.kill(min(client.run(os.getpid).values()), signal.SIGKILL)
+        return asked(shares, question, *words)
+
+    monkeypatch.setattr(Shares, "_asked", killing)
+    start = parse_model(CURVE, "here")
+    spread, refused = fit_spread(client, start, [source(path) for path in bags], starts=2)
+    assert len(told) > 6 and not refused
+    alike(spread, fit(start, [here(path) for path in bags], starts=2))
+
+
+def test_workers_that_die_again_and_again_are_one_line(client, bags, monkeypatch):
+    monkeypatch.setattr(shares, "LOOK", 1.0)
+    asked = Shares(client, [source(path) for path in bags], parse_model(CURVE, "here"))
+    with pytest.raises(InputError, match="--memory") as caught:
+        asked.ask(lambda held: os.kill(os.getpid(), signal.SIGKILL))
+    assert "\n" not in str(caught.value)
 
 
 def test_excerpts_are_the_same_as_well(client, bags, monkeypatch):

@@ -1,0 +1,103 @@
+"""Questions to the workers that hold recordings, and what becomes of them when workers are lost."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+from distributed import Client, Future, KilledWorker, wait
+
+from damper_estimator.errors import InputError
+from damper_estimator.fleet.cluster import answering
+from damper_estimator.fleet.held import Source, Summary, answers, summary
+from damper_estimator.fleet.quantiles import SpreadSamples
+from damper_estimator.model import DamperModel
+from damper_estimator.model.files import model_yaml
+
+LOOK = 5.0  # s between two looks for workers that are gone
+_REPLACED = 4  # workers that may be lost over one question, for each there is
+_DYING = (
+    "workers die again and again over the recordings that they hold; they may need more memory (--memory), "
+    "or show a fault: try fleet compare on them"
+)
+
+
+class Shares:
+    """The recordings, each with a worker that is asked about it first; final.
+
+    Attributes:
+        sources: that can be used, in order.
+        summaries: of each.
+        refused: reasons by source, of those that cannot.
+    """
+
+    def __init__(self, client: Client, sources: Iterable[Source], model: DamperModel) -> None:
+        self._client, self._model = client, model_yaml(model)
+        self._workers = sorted(client.nthreads()) or [None]
+        self.sources = tuple(sorted(sources, key=lambda own: (own.recording, own.damper)))
+        told = self._asked(summary)
+        self.refused = {s: str(own) for s, own in zip(self.sources, told, strict=True) if isinstance(own, InputError)}
+        self.sources = tuple(own for own in self.sources if own not in self.refused)
+        self.summaries: list[Summary] = [own for own in told if not isinstance(own, InputError)]
+        if not self.sources:
+            raise InputError(
+                f"no recording can be used; the first: {next(iter(self.refused.values()), 'there is none')}"
+            )
+
+    def ask(self, question: Callable, *words: object) -> list:
+        """The answers of ``held`` to a question, in the order of the sources.
+
+        Raises:
+            InputError: where a recording could be used before and cannot now, or workers or scheduler are lost.
+        """
+        told = self._asked(question, *words)
+        for own in told:
+            if isinstance(own, InputError):
+                raise own
+        return told
+
+    def _asked(self, question: Callable, *words: object) -> list:
+        count, replaced = len(self._workers), 0
+        futures = [self._submitted(k, question, words) for k in range(count)]
+        told: list = [None] * len(self.sources)
+        with answering():
+            while (gathered := self._gathered(futures)) is None:
+                # Dask never gives away a task whose preferred worker died while no other was there.
+                live = sorted(self._client.nthreads())
+                for k, future in enumerate(futures):
+                    if live and self._workers[k] not in live and future.status != "finished":
+                        replaced += 1
+                        if replaced > _REPLACED * count:
+                            raise InputError(_DYING)
+                        self._workers[k] = live[k % len(live)]
+                        future.cancel()
+                        futures[k] = self._submitted(k, question, words)
+        for k, own in enumerate(gathered):
+            told[k::count] = own
+        return told
+
+    def _submitted(self, k: int, question: Callable, words: Sequence) -> Future:
+        """A question about the recordings of the k-th worker, to it if it lives."""
+        return self._client.submit(
+            answers, self.sources[k :: len(self._workers)], self._model, question, words,
+            workers=self._workers[k], allow_other_workers=True, pure=False,
+        )  # fmt: skip
+
+    def _gathered(self, futures: Sequence[Future]) -> list | None:
+        """The answers; None where some are not there yet."""
+        client = self._client
+        try:
+            wait(futures, LOOK)
+            for failed in [own for own in futures if own.status == "error"]:
+                raise failed.exception()
+            return client.sync(lambda: client.gather(futures, asynchronous=True), callback_timeout=LOOK)
+        except KilledWorker as error:
+            raise InputError(_DYING) from error
+        except TimeoutError:
+            return None
+
+    @property
+    def samples(self) -> int:
+        """Of all recordings."""
+        return sum(own.samples for own in self.summaries)
+
+    def channel(self, row: int) -> SpreadSamples:
+        """The judged samples of a row of the block, for ``identification.samples.Channels``."""
+        return SpreadSamples(self.ask, row)
