@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from damper_estimator.report.figures import packed
-from damper_estimator.report.plots import FOUND, Figure, axis, line, points
+from damper_estimator.report.plots import FOUND, Figure, axis, line
 from damper_estimator.studio.rows import cloud_rows, line_rows, span_of
 from damper_estimator.studio.shown import Curves, Shown
 from damper_estimator.studio.view import SCALES, View, marked
@@ -17,6 +17,7 @@ TITLES = {
     "velocity": "velocity in m/s", "displacement": "displacement in mm", "acceleration": "acceleration in m/s²",
 }  # fmt: skip
 _MARKED_POINTS = 1200
+_DOT = np.array([0.009, 0.014])  # of what a cloud reaches over: about three pixels
 _BREAK = 1.0 / 400.0  # of the stretch on view: a gap that is longer is left open
 
 
@@ -134,18 +135,40 @@ def cloud_figure(scene: Scene, motion: str) -> Figure:
     """Force over one motion in the stretch on view, and what is marked."""
     x, scale = scene.motion(motion), SCALES[motion]
 
-    def drawn(force: np.ndarray, rows: np.ndarray, *look: object) -> Figure:
-        return points(scale * x[rows], force[rows], *look)
+    outline = cloud_rows(x, scene.measured)
+    reach = np.array(
+        [np.ptp(values) if values.size else 0.0 for values in (scale * x[outline], scene.measured[outline])]
+    )
 
-    clouds = [(scene.measured, "measured", "@measured", 3.0)]
-    clouds += [(scene.modelled(i), name, f"@model{i % 5}", 2.6) for i, name in scene.backwards]
-    data = [drawn(force, cloud_rows(x, force), *look) for force, *look in clouds]
+    def drawn(force: np.ndarray, rows: np.ndarray, name: str, colour: str, size: float = 1.0) -> Figure:
+        return dots(scale * x[rows], force[rows], size * _DOT * reach, name, colour)
+
+    data = [drawn(scene.measured, outline, "measured", "@measured", 1.2)]
+    for i, name in scene.backwards:
+        force = scene.modelled(i)
+        data.append(drawn(force, cloud_rows(x, force), name, f"@model{i % 5}"))
     if scene.marked is not None:
         chosen = np.flatnonzero(scene.marked)
         chosen = chosen[:: max(chosen.size // _MARKED_POINTS, 1)]
-        data.insert(0, drawn(scene.measured, chosen, "marked", FOUND, 9.0) | {"opacity": 0.6})
+        data.insert(0, drawn(scene.measured, chosen, "marked", FOUND, 3.5))
     layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
     return {"data": data, "layout": layout}
+
+
+def dots(x: np.ndarray, y: np.ndarray, half: np.ndarray, name: str, colour: str) -> Figure:
+    """A cloud of diamonds at (n,), (n,), ``half`` (2,) as wide and as high; in one path, which is fast."""
+    across, up = np.array([-1.0, 0.0, 1.0, 0.0, np.nan]), np.array([0.0, -1.0, 0.0, 1.0, np.nan])
+    return {
+        "type": "scatter",
+        "mode": "none",
+        "fill": "toself",
+        "name": name,
+        "x": packed((x[:, None] + half[0] * across).ravel()),
+        "y": packed((y[:, None] + half[1] * up).ravel()),
+        "fillcolor": colour,
+        "opacity": 0.6,
+        "hoverinfo": "skip",
+    }
 
 
 def _broken(scene: Scene, values: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -39,6 +39,7 @@ def layout(page: str, folder: Folder) -> html.Div:
         "ended": 0,
         "dragged": None,
     }
+    stores |= {f"told-{name}": stores[name] for name in ("generation", "rebuilt", "drawn")}
     return html.Div(
         [
             *(dcc.Store(id=name, data=value) for name, value in stores.items()),

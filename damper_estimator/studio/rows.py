@@ -32,18 +32,15 @@ def cloud_rows(over: np.ndarray, force: np.ndarray) -> np.ndarray:
     even = even[np.isfinite(over[even]) & np.isfinite(force[even])]
     across, up = (_cells(values[even], cells) for values, cells in zip((over, force), CLOUD_CELLS, strict=True))
     _, first = np.unique(across * CLOUD_CELLS[1] + up, return_index=True)
-    extremes = [reach(values) for values in (over, force) for reach in (np.nanargmin, np.nanargmax) if _any(values)]
-    return np.unique(np.concatenate([even[first], np.array(extremes, np.int64)]))
+    extremes = np.concatenate([line_rows(values, 2) for values in (over, force)])
+    rows = np.unique(np.concatenate([even[first], extremes]))
+    return rows[np.isfinite(over[rows]) & np.isfinite(force[rows])]
 
 
 def _cells(values: np.ndarray, cells: int) -> np.ndarray:
     """(n,) int: the cell of each value between the smallest and the largest."""
     low, span = (values.min(), np.ptp(values)) if values.size else (0.0, 0.0)
     return ((values - low) * ((cells - 1) / max(span, 1e-300))).astype(np.int64)
-
-
-def _any(values: np.ndarray) -> bool:
-    return bool(np.isfinite(values).any())
 
 
 def span_of(time: np.ndarray, start: float | None, stop: float | None) -> slice:

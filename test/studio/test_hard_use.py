@@ -1,6 +1,7 @@
 """The studio in hard use: by keyboard alone, in two pages at once, zoomed far, cancelled, and with its server gone."""
 
 import importlib.util
+import re
 import signal
 
 import pytest
@@ -54,6 +55,24 @@ def test_by_keyboard_alone(folder):
         keys.press("Enter")
         own.until(lambda: own.seen()[1] - own.seen()[0] == pytest.approx(2.0))
         assert not own.faults
+
+
+def test_what_is_told_twice_makes_nothing_anew(folder):
+    """Answers overlap on a slow machine; a list that is made anew takes the focus, and the next key, away."""
+    with served(folder) as (_, url), hand(url) as own:
+        own.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
+        own.until(lambda: own.told("regions"))
+        lists = [f"document.querySelector('{own} > *').kept" for own in ("#regions", "#parameters", "#steps")]
+        own.page.evaluate(" = ".join([*lists, "true"]))
+        with own.page.expect_request(lambda sent: '"id":"rebuilt"' in (sent.post_data or "")) as asked:
+            own.page.wait_for_timeout(100)
+        told = re.findall(r'"id":"(generation|rebuilt)","property":"data","value":(\d+)', asked.value.post_data)
+        assert len(told) == 2
+        for name, count in told * 3:
+            own.page.evaluate(f"dash_clientside.set_props('told-{name}', {{ data: {count} }})")
+        own.page.wait_for_load_state("networkidle")
+        own.page.wait_for_timeout(1000)
+        assert own.page.evaluate(" && ".join(lists))
 
 
 def test_two_pages_do_not_disturb_each_other_and_a_cancelled_work_changes_nothing(folder):

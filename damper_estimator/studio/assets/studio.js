@@ -19,6 +19,7 @@
       drawn = now;
       return { address: JSON.parse(cause.prop_id.slice(0, cause.prop_id.lastIndexOf("."))).address, place: cause.value };
     },
+    news: (told, before) => (JSON.stringify(told) === JSON.stringify(before) ? window.dash_clientside.no_update : told),
     // What is on view after something happened on the page.
     look(...given) {
       const [view, drawn] = given.slice(-2), cause = window.dash_clientside.callback_context.triggered[0];

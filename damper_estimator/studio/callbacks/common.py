@@ -2,14 +2,26 @@
 
 from collections.abc import Callable
 
-from dash import Output, no_update
+from dash import ClientsideFunction, Dash, Input, Output, State, no_update
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
-CHANGES = (Output("generation", "data", allow_duplicate=True), Output("rebuilt", "data", allow_duplicate=True))
-"""What every callback that changes the session writes; whatever shows the session listens to it."""
+CHANGES = tuple(Output(f"told-{name}", "data", allow_duplicate=True) for name in ("generation", "rebuilt"))
+"""What every callback that changes the session writes; whatever shows the session listens to what becomes of it."""
+
+
+def hand_on(app: Dash) -> None:
+    """Hands on once what several answers may tell: nothing is made anew under the user's hands that did not change."""
+    for name in ("generation", "rebuilt", "drawn"):
+        app.clientside_callback(
+            ClientsideFunction("studio", "news"),
+            Output(name, "data"),
+            Input(f"told-{name}", "data"),
+            State(name, "data"),
+            prevent_initial_call=True,
+        )
 
 
 def answered(sessions: Sessions, page: object, verb: Callable[[Session], None]) -> tuple[object, object, str]:

@@ -59,21 +59,19 @@ def _connect_figures(app: Dash, sessions: Sessions) -> None:
         Output("draw-told", "children"),
         Output("marked-told", "children"),
         Output("scene", "data"),
-        Output("drawn", "data"),
+        Output("told-drawn", "data"),
         Input("generation", "data"),
         Input("view", "data"),
         Input("tried", "data"),
         Input("theme", "data"),
         Input("tool", "value"),
         State("page", "data"),
-        State("drawn", "data"),
     )
-    def draw(generation, view, tried, theme, tool, page, before):
+    def draw(generation, view, tried, theme, tool, page):
         session = opened(sessions, page)
         if session is None or theme is None:
             raise PreventUpdate
-        now = {"generation": generation, "theme": theme, "opened": session.opened}
-        drawn = no_update if now == before else now
+        drawn = {"generation": generation, "theme": theme, "opened": session.opened}
         try:
             scene = _scene(session, view, tried)
             way = "select" if tool == "lasso" else tool  # of a passage only its ends count
