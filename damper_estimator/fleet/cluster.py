@@ -15,8 +15,12 @@ from damper_estimator.errors import InputError
 
 _PATIENCE = 10  # s in which a scheduler must answer
 _LOOPBACK = "127.0.0.1"
-# Dask keeps an hour of samples of what its workers do: a megabyte for each second of short tasks.
-_SETTINGS = {"distributed.worker.profile.enabled": False, "distributed.deploy.lost-worker-timeout": "5s"}
+_SETTINGS = {
+    # Dask keeps an hour of samples of what its workers do: a megabyte for each second of short tasks.
+    "distributed.worker.profile.enabled": False,
+    # After this a worker that has not come back counts as lost, and is replaced at the next roll call.
+    "distributed.deploy.lost-worker-timeout": "5s",
+}
 _ROLL_CALL = 1000  # ms between two counts of the workers started here
 
 

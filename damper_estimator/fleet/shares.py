@@ -59,19 +59,25 @@ class Shares:
         told: list = [None] * len(self.sources)
         with answering():
             while (gathered := self._gathered(futures)) is None:
-                # Dask never gives away a task whose preferred worker died while no other was there.
-                live = sorted(self._client.nthreads())
-                for k, future in enumerate(futures):
-                    if live and self._workers[k] not in live and future.status != "finished":
-                        replaced += 1
-                        if replaced > _REPLACED * count:
-                            raise InputError(_DYING)
-                        self._workers[k] = live[k % len(live)]
-                        future.cancel()
-                        futures[k] = self._submitted(k, question, words)
+                for k, worker in self._heirs(futures):
+                    replaced += 1
+                    if replaced > _REPLACED * count:
+                        raise InputError(_DYING)
+                    self._workers[k] = worker
+                    futures[k].cancel()
+                    futures[k] = self._submitted(k, question, words)
         for k, own in enumerate(gathered):
             told[k::count] = own
         return told
+
+    def _heirs(self, futures: Sequence[Future]) -> list[tuple[int, str]]:
+        """Index of each question that is open and whose worker is gone, and a worker that lives in its stead.
+
+        Dask never gives away a task whose preferred worker died while no other was there.
+        """
+        live = sorted(self._client.nthreads())
+        lost = [k for k, own in enumerate(futures) if self._workers[k] not in live and own.status != "finished"]
+        return [(k, live[k % len(live)]) for k in lost] if live else []
 
     def _submitted(self, k: int, question: Callable, words: Sequence) -> Future:
         """A question about the recordings of the k-th worker, to it if it lives."""
@@ -85,7 +91,8 @@ class Shares:
         client = self._client
         try:
             wait(futures, LOOK)
-            for failed in [own for own in futures if own.status == "error"]:
+            failed = next((own for own in futures if own.status == "error"), None)
+            if failed is not None:
                 raise failed.exception()
             return client.sync(lambda: client.gather(futures, asynchronous=True), callback_timeout=LOOK)
         except KilledWorker as error:

@@ -62,7 +62,7 @@ def test_what_is_told_twice_makes_nothing_anew(folder):
     with served(folder) as (_, url), hand(url) as own:
         own.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         own.until(lambda: own.told("regions"))
-        lists = [f"document.querySelector('{own} > *').kept" for own in ("#regions", "#parameters", "#steps")]
+        lists = [f"document.querySelector('{name} > *').kept" for name in ("#regions", "#parameters", "#steps")]
         own.page.evaluate(" = ".join([*lists, "true"]))
         with own.page.expect_request(lambda sent: '"id":"rebuilt"' in (sent.post_data or "")) as asked:
             own.page.wait_for_timeout(100)
