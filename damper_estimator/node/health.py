@@ -22,7 +22,7 @@ from damper_estimator.node.commands import CommandTally
 from damper_estimator.node.drift import Drift
 from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
 
-SUBSCRIBERS = "subscribers"
+SUBSCRIBERS, PUBLISHERS = "subscribers", "publishers"
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
@@ -36,6 +36,7 @@ class InputTally:
         malformed: messages that do not fit their type.
         failures: messages that the node could not process because of a bug of its own.
         lost: messages that the middleware reports as lost.
+        publishers: whom we hear at the moment.
         incompatible: publishers whose quality of service does not match ours.
         other_types: publishers of another type than ours.
         last: steady time of the last message, s; None before the first.
@@ -48,6 +49,7 @@ class InputTally:
     malformed: int = 0
     failures: int = 0
     lost: int = 0
+    publishers: int = 0
     incompatible: int = 0
     other_types: int = 0
     last: float | None = None
@@ -66,6 +68,7 @@ def input_status(prefix: str, now: InputTally, before: InputTally, time: float, 
     """
     values = {
         "topic": now.topic,
+        PUBLISHERS: now.publishers,
         "messages": now.messages,
         "lost by the middleware": now.lost,
         "incompatible publishers": now.incompatible,
@@ -85,6 +88,8 @@ def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[byte
         )
     if now.other_types and now.last is None:
         return ERROR, "a publisher is there, but it publishes another type of message"
+    if now.last is None and now.publishers:
+        return WARN, "a publisher is there, but it has sent nothing yet"
     if now.last is None:
         return WARN, "no message yet; check the topic, the namespace and ROS_DOMAIN_ID"
     if now.messages == before.messages:

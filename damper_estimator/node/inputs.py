@@ -108,6 +108,9 @@ class Inputs:
         def on_incompatible(event: object) -> None:
             tally.incompatible = event.total_count
 
+        def on_matched(event: object) -> None:
+            tally.publishers = event.current_count
+
         def on_lost(event: object) -> None:
             tally.lost = event.total_count
 
@@ -145,7 +148,7 @@ class Inputs:
             if took > self._longest:
                 self._longest = took
 
-        events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, message_lost=on_lost)
+        events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, matched=on_matched, message_lost=on_lost)
         return node.create_subscription(
             message_type(type_name), topic, receive, self._quality, event_callbacks=events, raw=True
         )

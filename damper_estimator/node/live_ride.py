@@ -202,6 +202,7 @@ def _processes(scenario: Scenario, folder: Path) -> Iterator[list[subprocess.Pop
     signals = folder / "signals.yaml"
     signals.write_text(yaml.safe_dump(_signal_map()))
     estimator = {"model": scenario.model, "signals": signals, "stale_after": 10.0, "use_sim_time": "true"}
+    estimator["qos_reliability"] = "reliable"  # a sample that is lost would be waited for
     controller = scenario.law | {"use_sim_time": "true"} | ({"table": scenario.table} if scenario.table else {})
     words = {EXECUTABLE: estimator, EXECUTABLE.with_name("controller_node"): controller}
     running = [

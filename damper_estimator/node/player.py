@@ -12,11 +12,12 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.health import SUBSCRIBERS
+from damper_estimator.node.health import PUBLISHERS, SUBSCRIBERS
 from damper_estimator.node.inputs import message_type
 
 WINDOW = 20  # displacement messages that may be unanswered
 PATIENCE = 0.5  # s, after which an unanswered message counts as one that gives no estimate
+LINGER = 10.0  # s without any answer, after which those that are missing are taken for lost
 PAUSE = 0.02  # s after a message of a slow channel: topics overtake each other
 DISCOVERY = (
     120.0  # s; the kernels of a model that never ran here are compiled first, which a busy machine takes its time for
@@ -71,16 +72,21 @@ class Player:
         """Makes a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and
         waits for the estimator.
 
+        Args:
+            topics: those of displacement last. A node learns of publishers one after the other, and this is what the
+                estimator tells of.
+
         Raises:
             InputError: where nobody listens on one of them in time.
         """
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
         for topic, kind in topics.items():
             self._publishers[topic] = self._node.create_publisher(message_type(kind), topic, quality)
-        # Its forces reach us when its publisher, not only our subscription, knows of the other; it says so itself.
-        self.wait(lambda: any(map(_has_subscribers, self.health[-1:])), "the estimator's forces")
         for topic, publisher in self._publishers.items():
             self.wait(lambda publisher=publisher: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
+        # That we know of the estimator does not mean that it knows of us. It says so itself, in a later report.
+        seen = len(self.health)
+        self.wait(lambda: any(map(_hears_and_is_heard, self.health[seen + 1 :])), "the estimator to hear and be heard")
 
     def play(self, messages: Iterable[tuple[str, bytes]], answered: set[str]) -> None:
         """Publishes (topic, serialised message) in order.
@@ -114,6 +120,14 @@ class Player:
             if time.monotonic() - since > PATIENCE:
                 pending.clear()
 
+    def linger(self, count: int) -> None:
+        """Listens until there are ``count`` forces, or none has come for ``LINGER``: a busy machine takes its time."""
+        seen, since = len(self.forces), time.monotonic()
+        while len(self.forces) < count and time.monotonic() - since < LINGER:
+            self._executor.spin_once(timeout_sec=0.05)
+            if len(self.forces) > seen:
+                seen, since = len(self.forces), time.monotonic()
+
     def wait(self, condition: Callable[[], bool], what: str, patience: float = DISCOVERY) -> None:
         """Listens until a condition holds.
 
@@ -136,5 +150,6 @@ class Player:
         self._node.destroy_node()
 
 
-def _has_subscribers(health: DiagnosticArray) -> bool:
-    return any(pair.key == SUBSCRIBERS and pair.value != "0" for status in health.status for pair in status.values)
+def _hears_and_is_heard(health: DiagnosticArray) -> bool:
+    known = [pair for status in health.status for pair in status.values if pair.key in (PUBLISHERS, SUBSCRIBERS)]
+    return {pair.key for pair in known} == {PUBLISHERS, SUBSCRIBERS} and all(pair.value != "0" for pair in known)

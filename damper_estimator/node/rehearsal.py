@@ -1,7 +1,9 @@
 """Plays the inputs of a replayed recording to the live node and holds its forces against ``replay``, bit for bit.
 
-damper-estimator replay bag.mcap -m model.yaml -o replayed.mcap python -m damper_estimator.node.rehearsal
-replayed.mcap -m model.yaml
+::
+
+    damper-estimator replay bag.mcap -m model.yaml -o replayed.mcap
+    python -m damper_estimator.node.rehearsal replayed.mcap -m model.yaml
 """
 
 import argparse
@@ -24,6 +26,7 @@ from damper_estimator.recordings import Bag, open_bag
 from damper_estimator.signals import SignalMap, load_signal_map
 from damper_estimator.signals.channels import find_topic, signals_for
 
+DEPTH = 1000  # messages that may wait; what is compared is the estimates, not what a busy machine loses
 FORCE = "/damper_estimator/force"
 EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
 FIELDS = (
@@ -66,10 +69,12 @@ def rehearse(player: Player, replayed: Path, signal_map: SignalMap) -> Outcome:
     """
     with open_bag(replayed) as bag:
         displacement, slow = _inputs(bag, signal_map)
-        kinds = {topic.name: topic.type for topic in bag.topics if topic.name in displacement | slow}
+        types = {topic.name: topic.type for topic in bag.topics}
+        kinds = {name: types[name] for name in (*sorted(slow - displacement), *sorted(displacement))}
         player.connect(kinds)
         player.play(_messages(bag, kinds), displacement)
         expected = [message for batch in bag.batches([FORCE]) for _, message in batch.messages(FORCE)]
+        player.linger(len(expected))
     return compared(expected, player.forces)
 
 
@@ -112,7 +117,8 @@ def _rehearse_with_own_node(replayed: Path, model: str, signals: Path | None) ->
     signal_map = load_signal_map(signals)
     with open_bag(replayed) as bag:
         dampers = list(signals_for(bag, signal_map).dampers)
-    parameters = {"model": model, "dampers": json.dumps(dampers)} | ({"signals": signals} if signals else {})
+    parameters = {"model": model, "dampers": json.dumps(dampers), "qos_reliability": "reliable", "qos_depth": DEPTH}
+    parameters |= {"signals": signals} if signals else {}
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
     node = subprocess.Popen([EXECUTABLE, "--ros-args", *words])
     rclpy.init()

@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
 STOPPED_WITHIN = 60.0  # s, far more than a node needs on a busy machine
+NOTHING_LOST = {"qos_reliability": "reliable", "qos_depth": 2000}  # by the middleware: tests judge the node
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -48,12 +49,12 @@ def domain(ros, tmp_path_factory) -> Iterator[None]:
 def start() -> Iterator[Callable[..., subprocess.Popen]]:
     """Starts estimator processes with ROS parameters (and further ROS arguments); they end with the test.
 
-    ``before`` runs in the new process first.
+    ``before`` runs in the new process first. The quality of service is ``NOTHING_LOST`` unless the test says otherwise.
     """
     running = []
 
     def run(*ros_arguments: str, before: Callable | None = None, **parameters: object) -> subprocess.Popen:
-        words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
+        words = [word for name, value in (NOTHING_LOST | parameters).items() for word in ("-p", f"{name}:={value}")]
         process = subprocess.Popen(
             [EXECUTABLE, "--ros-args", *words, *ros_arguments],
             stdout=subprocess.PIPE,
@@ -76,7 +77,9 @@ def shared(domain) -> Iterator[Callable[..., None]]:
     Models and filters begin anew with every change; counts of messages go on.
     """
     defaults = {"model": "coulomb", "dampers": ["left"], "signals": "", "stale_after": 60.0, "wish_timeout": 0.1}
-    process = subprocess.Popen([EXECUTABLE, "--ros-args", "-p", "model:=coulomb", "-p", "dampers:=[left]"])
+    first = NOTHING_LOST | {"model": "coulomb", "dampers": "[left]"}
+    words = [word for name, value in first.items() for word in ("-p", f"{name}:={value}")]
+    process = subprocess.Popen([EXECUTABLE, "--ros-args", *words])
 
     def bring(rig, **parameters: object) -> None:
         taken, reason = rig.set(**defaults | parameters)

@@ -92,11 +92,12 @@ class Rig:
         before = len(self.forces)
         for i in range(count):
             self.send([0.02 * np.sin(0.02 * i)] * len(names), names, step=step)
-            self.wait(lambda i=i: self._answered(before) >= i - window, "answers")
-        self.wait(lambda: self._answered(before) >= count, f"{count} answers")
+            self.wait(lambda i=i: self.answered(before) >= i - window, "answers")
+        self.wait(lambda: self.answered(before) >= count, f"{count} answers")
         return [m for m in self.forces[before:] if 4 not in m.status]
 
-    def _answered(self, before: int) -> int:
+    def answered(self, before: int) -> int:
+        """How many of the forces since the first ``before`` are answers, not repeated because the input stopped."""
         return sum(4 not in m.status for m in self.forces[before:])
 
     def status(self, ending: str):

@@ -107,6 +107,9 @@ def test_health_follows_the_input(start, player):
     player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet")
     assert level(player, ": left") == WARN
     player.connect({"/suspension/displacement": JOINT_STATE})
+    status = next(s for s in player.health[-1].status if s.name.endswith(told))
+    assert {pair.key: pair.value for pair in status.values}["publishers"] == "1"
+    assert (bytes(status.level), status.message) == (WARN, "a publisher is there, but it has sent nothing yet")
     stamps = np.arange(10**18, 10**18 + 10**8, 10**6)
     messages = joint_states(["left", "stranger"], stamps, position=np.zeros((stamps.size, 2)))
     for first in range(0, stamps.size, 10):
