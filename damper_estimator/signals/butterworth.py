@@ -72,7 +72,7 @@ def differentiate(cutoff, dt, raw, state, x, v, a):
 
 def low_pass(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
     """The causal low-pass of a whole signal: (n,) in, (n,) out; starts at rest, and again where ``dt`` is 0."""
-    x, v, a = np.empty((3, raw.size))
+    x, (v, a) = np.empty(raw.size), np.empty((2, raw.size))  # x by itself: it is kept, the others are not
     at_rest = np.array([raw[0], 0.0, 0.0, raw[0]]) if raw.size else np.zeros(STATE_SIZE)
     differentiate(cutoff, dt, np.ascontiguousarray(raw, float), at_rest, x, v, a)
     return x

@@ -139,18 +139,18 @@ def per_recording(comparison: Comparison) -> tuple[Comparison, ...]:
 
 
 def _judged(model: DamperModel, traces: Sequence[Trace]) -> Comparison:
-    parts = split(traces)
-    together = pool(traces, parts.slow)
     floors = [noise_floor(model, t.measurement) for t in traces]
     shares = [t.judged.sum() for t in traces]
+    coherent, quality, parts = coherence(traces), data_quality(traces), split(traces)
+    together = pool(traces, parts.slow)  # last: the others need as much memory for themselves
     return Comparison(
         model=model,
         traces=tuple(traces),
         measures=measures(together.measured, together.modelled, together.velocity, together.dt),
         split=parts,
         regions=find_regions(together),
-        coherence=coherence(traces),
-        data_quality=data_quality(traces),
+        coherence=coherent,
+        data_quality=quality,
         noise_floor_n=float(np.sqrt(np.average(np.square(floors), weights=shares))),
         warnings=tuple(_warnings(model, traces)),
     )

@@ -197,10 +197,11 @@ def _model_error(model: DamperModel, m: Measurement) -> np.ndarray | None:
     if channel is None:
         return None
     error = _filtered(m, channel.error(1), 0.0)
-    still, shaken = k.block.copy(), k.block.copy()
-    still[[X, V, A]] = _quiet(m, _filtered(m, channel.smooth, channel.smooth[0]), error)
-    shaken[[X, V, A]] = still[[X, V, A]] + error
-    return model.force(shaken) - model.force(still)
+    block = k.block.copy()
+    block[[X, V, A]] = _quiet(m, _filtered(m, channel.smooth, channel.smooth[0]), error)
+    still = model.force(block)
+    block[[X, V, A]] += error
+    return model.force(block) - still
 
 
 def _quiet(m: Measurement, motion: np.ndarray, error: np.ndarray) -> np.ndarray:

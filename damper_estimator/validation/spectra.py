@@ -49,8 +49,23 @@ class PartialCoherence:
 
 def partial_coherence(measurements: Sequence[Measurement]) -> PartialCoherence:
     """Of the measured force with the curves over velocity, displacement and acceleration, all recordings pooled."""
-    names = ("velocity", "displacement", "acceleration")
-    judged = [m.judged for m in measurements]
+    curves, sizes, telling = _told_curves(measurements)
+    rate = float(np.median([m.kinematics.rate for m in measurements]))
+    parts = []
+    for m in measurements:
+        columns = [m.force, *(np.interp(getattr(m.kinematics, n), *curves[n]) for n in telling)]
+        parts += _even_parts(m, columns, rate)
+    found = coherences(telling, parts, rate, max(m.band for m in measurements))
+    nothing = {n: np.zeros(found.frequency.size) for n in curves}
+    partial, ordinary = nothing | dict(found.partial), nothing | dict(found.ordinary)
+    return replace(found, partial=partial, ordinary=ordinary, curve_rms_n=sizes)
+
+
+def _told_curves(
+    measurements: Sequence[Measurement],
+) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], dict[str, float], list[str]]:
+    """The curves over the motion, their sizes in N rms, and those that are large enough to tell of, at least one."""
+    names, judged = ("velocity", "displacement", "acceleration"), [m.judged for m in measurements]
     raw = {
         n: np.concatenate([getattr(m.kinematics, n)[j] for m, j in zip(measurements, judged, strict=True)])
         for n in names
@@ -58,16 +73,7 @@ def partial_coherence(measurements: Sequence[Measurement]) -> PartialCoherence:
     force = np.concatenate([m.force[j] for m, j in zip(measurements, judged, strict=True)])
     curves = additive_curves(raw, force)
     sizes = {n: float(np.std(np.interp(raw[n], *curves[n]))) for n in names}
-    telling = [n for n in names if sizes[n] >= _LEAST_CURVE * force.std()] or list(names[:1])
-    rate = float(np.median([m.kinematics.rate for m in measurements]))
-    parts = []
-    for m in measurements:
-        columns = [m.force, *(np.interp(getattr(m.kinematics, n), *curves[n]) for n in telling)]
-        parts += _even_parts(m, np.stack(columns), rate)
-    found = coherences(telling, parts, rate, max(m.band for m in measurements))
-    nothing = {n: np.zeros(found.frequency.size) for n in names}
-    partial, ordinary = nothing | dict(found.partial), nothing | dict(found.ordinary)
-    return replace(found, partial=partial, ordinary=ordinary, curve_rms_n=sizes)
+    return curves, sizes, [n for n in names if sizes[n] >= _LEAST_CURVE * force.std()] or list(names[:1])
 
 
 def additive_curves(inputs: Mapping[str, np.ndarray], force: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -79,7 +85,7 @@ def additive_curves(inputs: Mapping[str, np.ndarray], force: np.ndarray) -> dict
     for name, values in inputs.items():
         edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
         place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, max(edges.size - 2, 0))
-        places[name] = place
+        places[name] = place.astype(np.int16)
         count = np.bincount(place, minlength=max(edges.size - 1, 1))
         centres[name] = np.bincount(place, values, count.size) / np.maximum(count, 1)
     curves = {name: np.zeros(centre.size) for name, centre in centres.items()}
@@ -92,8 +98,8 @@ def additive_curves(inputs: Mapping[str, np.ndarray], force: np.ndarray) -> dict
     return {name: (centres[name], curves[name]) for name in inputs}
 
 
-def _even_parts(measurement: Measurement, columns: np.ndarray, rate: float) -> list[np.ndarray]:
-    """The judged runs of the columns (c, n) on an even grid."""
+def _even_parts(measurement: Measurement, columns: Sequence[np.ndarray], rate: float) -> list[np.ndarray]:
+    """The judged runs of columns (n,) on an even grid, (c, r) each."""
     time, parts = measurement.kinematics.time, []
     for part in measurement.kinematics.stretches():
         inside = np.flatnonzero(measurement.judged[part]) + part.start

@@ -8,7 +8,7 @@ recording: what is there at standstill, and what comes and goes without any moti
 cycles of the motion, over which a hysteresis that g does not know adds up to nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,7 +105,7 @@ def surrogate(measurements: Sequence[Measurement], forces: Sequence[np.ndarray] 
     curves = np.vstack([_curves(*own, ranges) for own in zip(measurements, rows, cycles, strict=True)])
     middle = np.full(1, ranges.middle)
     still = _columns(np.zeros(1), middle, middle, np.zeros(1), np.full(1, np.mean(ranges.command)), ranges)
-    curves = curves - np.concatenate(still)
+    curves -= np.concatenate(list(still))
     size = np.sqrt(np.mean(curves**2, axis=0))
     curves = curves[:, size > 1e-9 * size.max()] / size[size > 1e-9 * size.max()]
     time = [m.kinematics.time[own] - m.kinematics.time[0] for m, own in zip(measurements, rows, strict=True)]
@@ -162,23 +162,37 @@ def _curves(m: Measurement, rows: np.ndarray, cycles: np.ndarray, ranges: _Range
     known = np.isfinite(k.command)
     command = np.where(known, k.command, ranges.command[0])
     columns = _columns(k.velocity, k.displacement, middle, k.acceleration, command, ranges)
-    return np.stack([m.in_band(own)[rows] for own in columns], axis=1)
+    in_band = [m.in_band(own)[rows] for own in columns]  # whole columns one at a time: there are dozens
+    return np.stack(in_band, axis=1)
 
 
 def _columns(
     v: np.ndarray, x: np.ndarray, middle: np.ndarray, a: np.ndarray, command: np.ndarray, ranges: _Ranges
-) -> list[np.ndarray]:
-    """What g is made of. Where the middle of the cycles wanders, a hysteresis is stiff within them and not between."""
+) -> Iterator[np.ndarray]:
+    """What g is made of, column by column. Where the middle of the cycles wanders, a hysteresis is stiff within them
+    and not between.
+    """
     v, x, a, middle = v / ranges.speed, x / ranges.stroke, a / ranges.acceleration, middle / ranges.stroke
     steep = np.tanh(v / 0.05)
     edges = np.array([-s for s in _SPEED_KNOTS[:0:-1]] + list(_SPEED_KNOTS))
-    columns = [*_hats(np.clip(v, -1.0, 1.0), edges).T, np.tanh(v / 0.01), np.tanh(v / 0.3)]
-    columns += [x - middle, x**2, x**3, middle, a, a * np.abs(v), a * (1.0 - steep**2), x * v, x * steep]
+    yield from _each_hat(np.clip(v, -1.0, 1.0), edges)
+    yield np.tanh(v / 0.01)
+    yield np.tanh(v / 0.3)
+    yield x - middle
+    yield x**2
+    yield x**3
+    yield middle
+    yield a
+    yield a * np.abs(v)
+    yield a * (1.0 - steep**2)
+    yield x * v
+    yield x * steep
     low, high = ranges.command
     if high > low:  # False where there is none
-        for hat in _hats(np.clip(command, low, high), np.linspace(low, high, _COMMAND_KNOTS)).T[1:]:
-            columns += [hat * own for own in (np.ones_like(v), v, steep, np.tanh(v / 0.3), x)]
-    return columns
+        hats = _each_hat(np.clip(command, low, high), np.linspace(low, high, _COMMAND_KNOTS))
+        next(hats)
+        for hat in hats:
+            yield from (hat * own for own in (np.ones_like(v), v, steep, np.tanh(v / 0.3), x))
 
 
 def least_squares(columns: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -248,15 +262,27 @@ def _scatter(residual: np.ndarray, time: np.ndarray, knots: np.ndarray) -> float
     return float(np.sum(np.bincount(block, residual) ** 2) / residual.size / freedom)
 
 
+def _each_hat(value: np.ndarray, knots: np.ndarray) -> Iterator[np.ndarray]:
+    """The columns (n,) of `_hats`, one by one."""
+    place, share = _place(value, knots)
+    for i in range(knots.size):
+        yield np.where(place == i, 1.0 - share, np.where(place == i - 1, share, 0.0))
+
+
 def _hats(value: np.ndarray, knots: np.ndarray) -> np.ndarray:
     """(n, k) weights of the knots between which each value lies."""
-    place = np.clip(np.searchsorted(knots, value, side="right") - 1, 0, knots.size - 2)
-    share = (value - knots[place]) / (knots[place + 1] - knots[place])
+    place, share = _place(value, knots)
     hats = np.zeros((value.size, knots.size))
     rows = np.arange(value.size)
     hats[rows, place] = 1.0 - share
     hats[rows, place + 1] = share
     return hats
+
+
+def _place(value: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) the knot at or before each value (the last but one at most), and (n,) how far it is to the next."""
+    place = np.clip(np.searchsorted(knots, value, side="right") - 1, 0, knots.size - 2)
+    return place, (value - knots[place]) / (knots[place + 1] - knots[place])
 
 
 def _block_diagonal(parts: Sequence[np.ndarray]) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Comparison of a model with measurements: what is judged, how several recordings go together."""
 
 import json
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -98,3 +99,17 @@ def test_a_gap_is_not_judged_for_its_warm_up(viscous, motion, measured):
     c = compare(viscous, measured(time, x, double))
     judged_time = c.traces[0].time[c.traces[0].judged]
     assert c.data_quality.gaps == 1 and not np.any((judged_time > 5.0) & (judged_time < 6.2 - 1e-6))
+
+
+def test_memory_is_some_dozens_of_numbers_per_sample(viscous, motion, measured):
+    """An hour at 1 kHz is judged within a worker's limit."""
+    time = np.arange(300_000) / 1000.0
+    m = measured(time, 0.02 * np.sin(9.0 * time) + 0.004 * np.sin(61.0 * time), double)
+    compare(viscous, m.part(0, 20_000)).record()  # what is loaded and compiled once
+    tracemalloc.start()
+    try:
+        record = compare(viscous, m).record()
+        assert record["samples"] > 299_000
+        assert tracemalloc.get_traced_memory()[1] < 32 * 8 * time.size
+    finally:
+        tracemalloc.stop()
