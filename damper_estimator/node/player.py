@@ -3,7 +3,7 @@
 import struct
 import subprocess
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 
 from damper_msgs.msg import DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
@@ -86,7 +86,10 @@ class Player:
             self.wait(lambda publisher=publisher: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
         # That we know of the estimator does not mean that it knows of us. It says so itself, in a later report.
         seen = len(self.health)
-        self.wait(lambda: any(map(_hears_and_is_heard, self.health[seen + 1 :])), "the estimator to hear and be heard")
+        self.wait(
+            lambda: any(_hears_and_is_heard(own, self._publishers) for own in self.health[seen + 1 :]),
+            "the estimator to hear and be heard",
+        )
 
     def play(self, messages: Iterable[tuple[str, bytes]], answered: set[str]) -> None:
         """Publishes (topic, serialised message) in order.
@@ -150,6 +153,7 @@ class Player:
         self._node.destroy_node()
 
 
-def _hears_and_is_heard(health: DiagnosticArray) -> bool:
-    known = [pair for status in health.status for pair in status.values if pair.key in (PUBLISHERS, SUBSCRIBERS)]
-    return {pair.key for pair in known} == {PUBLISHERS, SUBSCRIBERS} and all(pair.value != "0" for pair in known)
+def _hears_and_is_heard(health: DiagnosticArray, topics: Container[str]) -> bool:
+    told = [{pair.key: pair.value for pair in status.values} for status in health.status]
+    heard = [own[PUBLISHERS] for own in told if PUBLISHERS in own and own["topic"] in topics]
+    return "0" not in heard and any(own.get(SUBSCRIBERS, "0") != "0" for own in told)

@@ -62,7 +62,7 @@ class Rig:
         """Listens until a condition holds."""
         end = time.monotonic() + patience
         while not condition():
-            assert time.monotonic() < end, f"waited {patience:g} s for {what}"
+            assert time.monotonic() < end, f"waited {patience:g} s for {what}; the node said {self.health[-1:]}"
             self._executor.spin_once(timeout_sec=0.02)
 
     def listen(self, seconds: float) -> None:
