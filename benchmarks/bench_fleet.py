@@ -217,7 +217,7 @@ def hour(folder: Path) -> None:
     path.parent.mkdir(parents=True)
     write_hour(path)
     size = path.stat().st_size / 1e6
-    for verb in ("compare", "fit", "replay"):
+    for verb in ("compare", "fit", "diagnose", "replay"):
         with connected(None, 1, CLUSTER) as client:
             fleet = Fleet(
                 Asked(verb, (), MODEL, folder / "out"),
