@@ -1,6 +1,7 @@
 """Questions to the workers that hold recordings, and what becomes of them when workers are lost."""
 
 from collections.abc import Callable, Iterable, Sequence
+from time import sleep
 
 from distributed import Client, Future, KilledWorker, wait
 
@@ -12,7 +13,8 @@ from damper_estimator.model import DamperModel
 from damper_estimator.model.files import model_yaml
 
 LOOK = 5.0  # s between two looks for workers that are gone
-_REPLACED = 4  # workers that may be lost over one question, for each there is
+PAUSE = 0.2  # s between two looks for any worker
+_AGAIN = 4  # times that a question is asked anew because its worker was lost
 _DYING = (
     "workers die again and again over the recordings that they hold; they may need more memory (--memory), "
     "or show a fault: try fleet compare on them"
@@ -54,18 +56,23 @@ class Shares:
         return told
 
     def _asked(self, question: Callable, *words: object) -> list:
-        count, replaced = len(self._workers), 0
+        count = len(self._workers)
         futures = [self._submitted(k, question, words) for k in range(count)]
-        told: list = [None] * len(self.sources)
-        with answering():
-            while (gathered := self._gathered(futures)) is None:
-                for k, worker in self._heirs(futures):
-                    replaced += 1
-                    if replaced > _REPLACED * count:
-                        raise InputError(_DYING)
-                    self._workers[k] = worker
-                    futures[k].cancel()
-                    futures[k] = self._submitted(k, question, words)
+        asked_anew, told = [0] * count, [None] * len(self.sources)
+        try:
+            with answering():
+                while (gathered := self._gathered(futures)) is None:
+                    for k, worker in self._heirs(futures):
+                        asked_anew[k] += 1
+                        if asked_anew[k] > _AGAIN:
+                            raise InputError(_DYING)
+                        self._workers[k] = worker
+                        futures[k].cancel()
+                        futures[k] = self._submitted(k, question, words)
+        except BaseException:
+            for own in futures:
+                own.release()  # a question that ends workers must not be tried on while the error is looked at
+            raise
         for k, own in enumerate(gathered):
             told[k::count] = own
         return told
@@ -73,11 +80,18 @@ class Shares:
     def _heirs(self, futures: Sequence[Future]) -> list[tuple[int, str]]:
         """Index of each question that is open and whose worker is gone, and a worker that lives in its stead.
 
-        Dask never gives away a task whose preferred worker died while no other was there.
+        Dask never gives away a task whose preferred worker died while no other was there, and blames a worker's death
+        on all that waits there: what it has given up is no more to blame than the others.
         """
         live = sorted(self._client.nthreads())
-        lost = [k for k, own in enumerate(futures) if self._workers[k] not in live and own.status != "finished"]
-        return [(k, live[k % len(live)]) for k in lost] if live else []
+        if not live:
+            sleep(PAUSE)
+            return []
+        lost = [
+            k for k, own in enumerate(futures)
+            if _is_given_up(own) or (self._workers[k] not in live and own.status not in ("finished", "error"))
+        ]  # fmt: skip
+        return [(k, live[k % len(live)]) for k in lost]
 
     def _submitted(self, k: int, question: Callable, words: Sequence) -> Future:
         """A question about the recordings of the k-th worker, to it if it lives."""
@@ -91,13 +105,8 @@ class Shares:
         client = self._client
         try:
             wait(futures, LOOK)
-            failed = next((own for own in futures if own.status == "error"), None)
-            if failed is not None:
-                raise failed.exception()
             return client.sync(lambda: client.gather(futures, asynchronous=True), callback_timeout=LOOK)
-        except KilledWorker as error:
-            raise InputError(_DYING) from error
-        except TimeoutError:
+        except (KilledWorker, TimeoutError):
             return None
 
     @property
@@ -108,3 +117,7 @@ class Shares:
     def channel(self, row: int) -> SpreadSamples:
         """The judged samples of a row of the block, for ``identification.samples.Channels``."""
         return SpreadSamples(self.ask, row)
+
+
+def _is_given_up(question: Future) -> bool:
+    return question.status == "error" and isinstance(question.exception(), KilledWorker)
