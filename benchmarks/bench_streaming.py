@@ -10,8 +10,7 @@ import numpy as np
 
 from damper_estimator.compiled import COMPILED
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import deployed
-from damper_estimator.model.live_line import LiveLine
+from damper_estimator.runtime import Line, deployed
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
 
 MODELS = ("carrera_akutain", "bouc_wen", "lozoya_santos_complete")
@@ -31,7 +30,7 @@ def model_time(name: str) -> float:
 
 def line_time(name: str, dampers: int) -> float:
     """The same for the whole line of so many dampers: admission, filter, model, status."""
-    line, own = LiveLine(), deployed(load_model(name), 60.0, 0.1)
+    line, own = Line(), deployed(load_model(name), 60.0, 0.1)
     for number in range(dampers):
         line.add(str(number), own)
     displacement = np.repeat(0.02 * np.sin(np.arange(SAMPLES) * 0.01)[:, None], dampers, axis=1)

@@ -132,9 +132,8 @@ def yaml_examples(folder: str) -> list[bytes]:
 def models(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     """Model files; what is accepted must run and give numbers or a degraded status."""
     from damper_estimator.model import load_model
-    from damper_estimator.model.estimator import deployed
     from damper_estimator.model.files import model_yaml, parse_model
-    from damper_estimator.model.live_line import LiveLine
+    from damper_estimator.runtime import Line, deployed
 
     path = folder / "x.yaml"
 
@@ -144,11 +143,11 @@ def models(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         import yaml
 
         assert parse_model(yaml.safe_load(model_yaml(model)), "again").slots == model.slots
-        line = LiveLine()
+        line = Line()
         line.add("one", deployed(model, 60.0, 0.1))
         for i in range(4):
             line.step(i * 1_000_000, np.array([0.01 * i]), np.ones(1, bool))
-            assert np.isfinite(line.estimates[3]).all(), "a force that is no number"
+            assert np.isfinite(line.answered.numbers[0, 3]).all(), "a force that is no number"
 
     return run, yaml_examples("models")
 
@@ -218,10 +217,10 @@ def bench(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
 def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     """Messages as the node takes them, with names that come and go."""
     from damper_estimator.model import load_model
-    from damper_estimator.model.estimator import deployed
     from damper_estimator.node.displacement import DisplacementInput, Estimator, names_in
     from damper_estimator.recordings import joint_states
     from damper_estimator.recordings.layout import MalformedMessage
+    from damper_estimator.runtime import deployed
     from damper_estimator.signals import default_signals
 
     own = deployed(load_model("coulomb"), 60.0, 0.1)
@@ -233,8 +232,8 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
             source.take(data, 0.0)
         except MalformedMessage:
             return
-        force = source.line.estimates[3]
-        assert np.isfinite(force[source.line.verdicts == 0]).all(), "a force that is no number"
+        force = source.line.answered.numbers[0, 3]
+        assert np.isfinite(force[source.line.answered.verdict[0] == 0]).all(), "a force that is no number"
 
     stamps = np.arange(3) * 10**6
     seeds = joint_states(["a", "b"], stamps, position=np.ones((3, 2)))

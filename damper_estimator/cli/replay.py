@@ -16,14 +16,22 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.cli.common import add_bags, add_json, add_models, add_signals, add_window, progress, write_json
-from damper_estimator.control import InverseModel
+from damper_estimator.control import InverseModel, checked_limits, usable_limits
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model
-from damper_estimator.model.estimator import DamperEstimator, Estimates
-from damper_estimator.model.residual_line import ResidualLine
-from damper_estimator.model.vehicle_line import SLOW, Arrivals, VehicleLine, together
 from damper_estimator.recordings import Bag, BagWriter, Batch, damper_forces, joint_states, open_bag
-from damper_estimator.signals import DEFAULT_MAX_GAP, Channel, Counts, DamperSignals, SignalMap, load_signal_map
+from damper_estimator.runtime import (
+    SLOW,
+    Arrivals,
+    DamperEstimator,
+    Deployed,
+    Estimates,
+    ResidualLine,
+    VehicleLine,
+    deployed,
+    together,
+)
+from damper_estimator.signals import DEFAULT_MAX_GAP, Channel, Counts, SignalMap, load_signal_map
 from damper_estimator.signals.admission import DUPLICATE
 from damper_estimator.signals.channels import find_topic, signals_for
 
@@ -128,10 +136,11 @@ class Replay:
         self._bag = bag
         self._dampers = chosen.dampers
         self._window = (-np.inf if start is None else start, np.inf if stop is None else stop)
-        self._line = VehicleLine(
-            {n: DamperEstimator(model, chosen.cutoff, max_gap, fusion=chosen.fusion) for n, model in models.items()},
-            _reaches(models, chosen.dampers),
-        )
+        dampers = {
+            name: deployed(model, chosen.cutoff, max_gap, fusion=chosen.fusion, signals=chosen.dampers[name])
+            for name, model in models.items()
+        }
+        self._line = VehicleLine({name: DamperEstimator(own) for name, own in dampers.items()}, _reaches(dampers))
         self._tallies = {name: Tally() for name in models}
         self._fields: dict[str, list[tuple[str, str, Channel]]] = {}
         for name, signals in chosen.dampers.items():
@@ -234,13 +243,13 @@ class Replay:
             )
 
 
-def _reaches(models: Mapping[str, DamperModel], dampers: Mapping[str, DamperSignals]) -> dict[str, Callable]:
-    """What commands can reach, for those dampers whose model has an inverse; as the node with its default horizon and
-    lead."""
+def _reaches(dampers: Mapping[str, Deployed]) -> dict[str, Callable]:
+    """What commands can reach, for those dampers whose model has an inverse; as the node with its default settings."""
     found = {}
-    for name, model in models.items():
+    for name, own in dampers.items():
         with suppress(InputError):
-            found[name] = InverseModel(model, dampers[name].command.value_limits).reach
+            checked_limits(own.model, own.signals.command.value_limits)
+            found[name] = InverseModel(own.model, usable_limits(name, own)[0]).reach
     return found
 
 

@@ -12,9 +12,10 @@ from damper_estimator.control.corner import (
     InverseCommand,
     TableCommand,
 )
-from damper_estimator.control.influence import influence
+from damper_estimator.control.influence import checked_limits, influence
 from damper_estimator.control.inverse import Inverse, InverseModel
 from damper_estimator.control.laws import LAWS, BodyVelocity, Law, groundhook, mixed, passive, skyhook
+from damper_estimator.control.limits import usable_limits
 from damper_estimator.control.table import CurrentTable, load_table, table_from_samples
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "InverseModel",
     "Law",
     "TableCommand",
+    "checked_limits",
     "groundhook",
     "influence",
     "load_table",
@@ -37,4 +39,5 @@ __all__ = [
     "passive",
     "skyhook",
     "table_from_samples",
+    "usable_limits",
 ]

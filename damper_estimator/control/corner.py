@@ -15,7 +15,7 @@ import numpy as np
 from damper_estimator.control.inverse import InverseModel
 from damper_estimator.control.laws import BodyVelocity, Law
 from damper_estimator.control.table import CurrentTable
-from damper_estimator.model.live_line import DT, V
+from damper_estimator.signals.layout import DT, V
 
 
 class Command(Protocol):

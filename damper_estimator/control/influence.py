@@ -4,12 +4,11 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.model.live_line import COMMAND, DT, ROWS, A, T, V, X
+from damper_estimator.runtime.memory import NOTHING, swept_sine
+from damper_estimator.signals.layout import COMMAND
 
-_SECONDS, _STEP = 1.0, 1e-3
-_STROKE = 0.02  # m
+_SECONDS = 1.0
 _LEVELS = 5
-_NOTHING = 1e-6  # of the largest force
 
 
 def influence(model: DamperModel, low: float, high: float) -> float:
@@ -18,7 +17,7 @@ def influence(model: DamperModel, low: float, high: float) -> float:
     Tried on a sine of 20 mm that is swept from 0.5 to 6 Hz, temperature and pressure unknown. Each command is held
     throughout, so lags have their time.
     """
-    block = _swept_sine()
+    block = swept_sine(_SECONDS)
     forces = []
     for command in np.linspace(low, high, _LEVELS):
         block[COMMAND] = command
@@ -45,7 +44,7 @@ def checked_limits(model: DamperModel, limits: tuple[float, float] | None) -> tu
             f"model {model.name}: limits of the command {low:g} to {high:g} are no range; give the lowest and the "
             "highest that the driver can set"
         )
-    if not influence(model, low, high) > _NOTHING * _largest(model, low):
+    if not influence(model, low, high) > NOTHING * _largest(model, low):
         raise InputError(
             f"model {model.name}: its force does not depend on the command between {low:g} and {high:g}, so no command "
             "gives a wanted force; fit a model with a command (damper-estimator models) to recordings that have one"
@@ -65,18 +64,6 @@ def _fitted_commands(model: DamperModel) -> tuple[float, float]:
 
 
 def _largest(model: DamperModel, command: float) -> float:
-    block = _swept_sine()
+    block = swept_sine(_SECONDS)
     block[COMMAND] = command
     return float(np.max(np.nan_to_num(np.abs(model.force(block))), initial=1.0))
-
-
-def _swept_sine() -> np.ndarray:
-    """A motion as a block (8, n)."""
-    time = np.arange(0.0, _SECONDS, _STEP)
-    block = np.full((ROWS, time.size), np.nan)
-    block[T], block[DT] = time, _STEP
-    block[DT, 0] = 0.0
-    block[X] = _STROKE * np.sin(2.0 * np.pi * (0.5 * time + 2.75 * time**2))
-    block[V] = np.gradient(block[X], _STEP)
-    block[A] = np.gradient(block[V], _STEP)
-    return block

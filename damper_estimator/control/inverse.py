@@ -19,7 +19,7 @@ import numpy as np
 from damper_estimator.control import search
 from damper_estimator.control.influence import checked_limits
 from damper_estimator.model import DamperModel, chain
-from damper_estimator.model.live_line import COMMAND, DT, ROWS
+from damper_estimator.signals.layout import COMMAND, DT, ROWS
 
 HORIZON, LEAD = 0.03, 0.01
 """s, defaults: measured on simulated magneto-rheological dampers with a lag of 20 ms behind a filter of 60 Hz."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.model import chain
-from damper_estimator.model.live_line import COMMAND, DT, A, T, V, X
+from damper_estimator.signals.layout import COMMAND, DT, A, T, V, X
 
 # What the search leaves behind; forces in N, the rest as named.
 FORCE, EXPECTED, CURRENT, LOWEST, HIGHEST, SLOPE_CURRENT, SLOPE_VELOCITY, EVALUATIONS, REACHED = range(9)

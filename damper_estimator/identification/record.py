@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from damper_estimator.identification.samples import Channels, channels_of
-from damper_estimator.model.estimator import REGION_ROWS
+from damper_estimator.runtime import REGION_ROWS
 from damper_estimator.signals import Measurement
 
 REGION = (0.1, 99.9)  # percentiles of the judged samples

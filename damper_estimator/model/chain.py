@@ -81,6 +81,50 @@ def run(kernels, table, parameters, settings, kinematics, motions, forces, state
 
 
 @compiled
+def run_with_resets(kernels, table, parameters, settings, kinematics, motions, forces, state, series, restart, trace, out):
+    """Runs the program on a block that may hold resets; a force that is not finite resets the state as well.
+
+    Args:
+        kernels, table, parameters, settings, kinematics, state, trace: as in ``run``.
+        motions, forces: how many registers the program needs.
+        series: whether it has a series operation.
+        restart: (1,) int64, carried: whether the next sample is to be the first after a reset.
+        out: (n,) N, the forces; not finite where the model gave none.
+    """
+    size = kinematics.shape[1]
+    solvers = np.empty((table.shape[0] if series else 0, SOLVER_COLUMNS))
+    first, length = 0, size
+    while first < size:
+        last = first + 1
+        while last < min(first + length, size) and kinematics[DT, last] > 0.0:
+            last += 1
+        part = kinematics if last - first == size and restart[0] == 0 else kinematics[:, first:last].copy()
+        if restart[0] != 0:
+            part[DT, 0] = 0.0
+        if part[DT, 0] <= 0.0:
+            state[:] = 0.0
+        count = last - first
+        registers = np.empty((forces, count))
+        marks = trace if count == size else np.zeros((trace.shape[0], count))
+        run(
+            kernels, table, parameters, settings, part, np.empty((motions, kinematics.shape[0], count)), registers,
+            state, solvers, marks,
+        )  # fmt: skip
+        restart[0] = 0
+        for i in range(count):
+            out[first + i] = registers[0, i]
+            if trace.shape[0] > 0:
+                trace[:, first + i] = marks[:, i]
+            if not np.isfinite(registers[0, i]):
+                # What follows was computed from a lost state: do it again, in growing pieces.
+                restart[0], last, length = 1, first + i + 1, 1
+                break
+        if restart[0] == 0:
+            length = max(2 * length, 2)
+        first = last
+
+
+@compiled
 def _operate(kernels, table, j, parameters, settings, kinematics, motions, forces, state, trace):
     """One operation other than a series."""
     own = table[j, FORCE]

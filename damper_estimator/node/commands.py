@@ -1,23 +1,25 @@
-"""Currents that give wished forces: the inverse of a damper's model behind its estimate. Knows no ROS.
+"""Currents that give desired forces: the inverse of a damper's model behind its estimate. Knows no ROS.
 
-A wish is answered at once, at the last sample. Where samples come faster than wishes, a sample is answered with the
-wish that holds when no wish came since the sample before. Where the wish is old or the estimate not good, the safe
-current is commanded; before the first wish nothing is.
+A desired force is answered at once, at the last sample. Where samples come faster than desired forces, a sample is
+answered with the one that holds when none came since the sample before. Where the desired force is old or the estimate
+not trusted, the safe current is commanded; before the first desired force nothing is.
+
+Whether the estimate is trusted does not depend on where the present command lies in the region of the fit: the safe
+current itself may lie outside of it, and would otherwise keep the damper passive for ever.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from damper_estimator.control import InverseModel
+from damper_estimator.control import InverseModel, checked_limits, usable_limits
 from damper_estimator.errors import InputError
-from damper_estimator.model.estimator import EXTRAPOLATING, GOOD, Deployed
-from damper_estimator.node.wire import float_message
-from damper_estimator.signals import Channel
+from damper_estimator.runtime import EXTRAPOLATING, GOOD, Deployed
 from damper_estimator.signals.layout import COMMAND, ROWS
 
-COMMAND_TYPE = "std_msgs/msg/Float64"
+# Where a command comes from: the constants of damper_msgs/DamperCommand.
+FOLLOWED, LIMITED, SAFE_OLD, SAFE_NOT_TRUSTED, SAFE_UNANSWERED, SAFE_STOPPED, IDLE = range(7)
 
 
 class Rules(Protocol):
@@ -26,17 +28,36 @@ class Rules(Protocol):
     safe_current: float
     wish_timeout: float
     command_extrapolating: bool
+    horizon: float
+    lead: float
+
+
+class Command(NamedTuple):
+    """One command for one damper.
+
+    Attributes:
+        damper: its name.
+        current: in the unit of the command's messages.
+        desired, achievable: N; NaN where there is none.
+        source: one of the constants above.
+    """
+
+    damper: str
+    current: float
+    desired: float
+    achievable: float
+    source: int
 
 
 @dataclass
 class CommandTally:
-    """What became of one damper's wishes since the start; counts only ever grow.
+    """What became of one damper's desired forces since the start; counts only ever grow.
 
     Attributes:
-        wishes: that came.
-        followed: commands whose force the wish is.
+        wishes: desired forces that came.
+        followed: commands whose force the desired one is.
         limited: commands at the nearest force that can be reached.
-        old, not_good, unanswered: safe currents, because the wish was old, the estimate not good, the inverse
+        old, not_good, unanswered: safe currents, because the desired force was old, the estimate not trusted, the inverse
             without an answer.
     """
 
@@ -54,30 +75,55 @@ class CommandTally:
 
 
 class Follower:
-    """What turns the wishes for one damper into currents; final.
+    """What turns the desired forces of one damper into currents; final.
 
     Attributes:
         name: of the damper.
         refusal: why its model has no inverse; "" where it has one.
+        warnings: what its limits and the safe current mean for the region of the fit, in words.
         tally: counts.
-        wanted: N, the last wish; NaN before the first.
+        wanted: N, the last desired force; NaN before the first.
         sent: the last command, in the unit of the command's messages; NaN before the first.
     """
 
-    def __init__(self, name: str, deployed: Deployed, channel: Channel, horizon: float, lead: float) -> None:
-        """``channel`` of the command, with its limits; ``horizon`` and ``lead`` in s, as `InverseModel`."""
+    def __init__(self, name: str, deployed: Deployed, rules: Rules) -> None:
+        """Raises InputError as `usable_limits`, and where the safe current lies outside the driver's limits."""
         self.name, self.refusal, self.tally = name, "", CommandTally()
+        self.warnings: tuple[str, ...] = ()
         self.wanted = self.sent = float("nan")
-        self._wished = float("-inf")
-        self._is_followed = False  # whether a wish came since the last sample
-        self._channel = channel
+        self._asked = float("-inf")
+        self._is_followed = False  # whether a desired force came since the last sample
+        self._channel = channel = deployed.signals.command
         self._sample = np.zeros(ROWS)
+        self._deployed = deployed
         try:
-            self._inverse = InverseModel(deployed.model, channel.value_limits, horizon, lead)
+            checked_limits(deployed.model, channel.value_limits)
         except InputError as error:
             self.refusal = str(error)
-        else:
-            self._warm_up()
+            return
+        limits, narrowed = usable_limits(name, deployed, rules.command_extrapolating)
+        self.warnings = (*self.check_safe_current(rules.safe_current), *narrowed)
+        self._inverse = InverseModel(deployed.model, limits, rules.horizon, rules.lead)
+        self._warm_up()
+
+    def check_safe_current(self, safe_current: float) -> tuple[str, ...]:
+        """What the user should know about a safe current; raises InputError where the driver cannot set it."""
+        if self.refusal:
+            return ()
+        channel = self._channel
+        (low, high), safe = self._deployed.bounds[COMMAND], float(channel.value(safe_current))
+        limits, unit = channel.value_limits, channel.unit or "A"
+        if limits is not None and not limits[0] <= safe <= limits[1]:
+            raise InputError(
+                f"{self.name}: the safe current {safe:g} {unit} lies outside the limits {limits[0]:g} to {limits[1]:g} "
+                f"{unit} of the command; set the parameter safe_current, or the limits in the signal map"
+            )
+        if low <= safe <= high:
+            return ()
+        return (
+            f"the safe current {safe:g} {unit} lies outside the region {low:g} to {high:g} {unit} that the model was fitted "
+            "on: EXTRAPOLATING while it flows",
+        )
 
     def _warm_up(self) -> None:
         """Has the search compiled now, so that the first sample does not wait for it."""
@@ -93,41 +139,56 @@ class Follower:
             sample = self._sample
         return self._inverse.solve(sample, slope=True).reach
 
-    def wish(self, force: float, now: float) -> None:
-        """Takes a wish in N (NaN takes the last one back) at the steady time ``now``, s."""
-        self.wanted, self._wished = force, now if np.isfinite(force) else float("-inf")
+    def ask(self, force: float, now: float) -> None:
+        """Takes a desired force in N (NaN takes the last one back) at the steady time ``now``, s."""
+        self.wanted, self._asked = force, now if np.isfinite(force) else float("-inf")
         self.tally.wishes += 1
         self._is_followed = True
 
+    def drop_desired_force(self) -> None:
+        """The last desired force no longer counts."""
+        self._asked = float("-inf")
+
     def is_due(self) -> bool:
-        """Asked once per sample: whether the sample is answered without waiting for a wish."""
+        """Asked once per sample: whether the sample is answered without waiting for a desired force."""
         due = self.tally.wishes > 0 and not self._is_followed
         self._is_followed = False
         return due and not self.refusal
 
-    def command(self, status: int, now: float, rules: Rules) -> bytes | None:
-        """The command for the last sample, serialised; None where the model has no inverse."""
+    def command(self, status: int, now: float, rules: Rules) -> Command | None:
+        """The command for the last sample; None where the model has no inverse.
+
+        Args:
+            status: by which the damper may be commanded (``DisplacementInput.trusted``).
+            now: steady time, s.
+        """
         if self.refusal:
             return None
         tally = self.tally
-        if now - self._wished > rules.wish_timeout:
+        if not 0.0 <= now - self._asked <= rules.wish_timeout:
             tally.old += 1
-            return self.safe(rules)
+            return self._safe(rules, SAFE_OLD)
         if status != GOOD and not (status == EXTRAPOLATING and rules.command_extrapolating):
             tally.not_good += 1
-            return self.safe(rules)
+            return self._safe(rules, SAFE_NOT_TRUSTED)
         answer = self._inverse.again(self.wanted)
         if not np.isfinite(answer.current):
             tally.unanswered += 1
-            return self.safe(rules)
+            return self._safe(rules, SAFE_UNANSWERED)
         tally.followed += answer.reached
         tally.limited += not answer.reached
-        return self._message(self._channel.raw(answer.current))
+        self.sent = self._channel.raw(answer.current)
+        source = FOLLOWED if answer.reached else LIMITED
+        return Command(self.name, self.sent, self.wanted, answer.expected, source)
 
-    def safe(self, rules: Rules) -> bytes | None:
+    def safe(self, rules: Rules) -> Command | None:
         """The safe current; None where this damper was never commanded."""
-        return None if self.refusal or not self.tally.wishes else self._message(rules.safe_current)
+        return None if self.refusal or not self.tally.wishes else self._safe(rules, SAFE_STOPPED)
 
-    def _message(self, current: float) -> bytes:
-        self.sent = current
-        return float_message(current)
+    def idle(self, rules: Rules) -> Command:
+        """What holds before the first desired force; not to be sent to a driver that knows no more than a current."""
+        return Command(self.name, rules.safe_current, float("nan"), float("nan"), IDLE)
+
+    def _safe(self, rules: Rules, source: int) -> Command:
+        self.sent = rules.safe_current
+        return Command(self.name, self.sent, self.wanted, float("nan"), source)

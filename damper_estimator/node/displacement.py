@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.control.inverse import HORIZON, LEAD
-from damper_estimator.model.estimator import FIELDS, STALE, Deployed
-from damper_estimator.model.live_line import SLOW, LiveLine
-from damper_estimator.node.commands import Follower, Rules
-from damper_estimator.node.wire import ForcesTemplate, MalformedMessage, names_and_frame, reader_of
+from damper_estimator.node.commands import Command, Follower, Rules
+from damper_estimator.node.stamp_age import StampAge
+from damper_estimator.node.wire import NANOSECONDS, ForcesTemplate, MalformedMessage, names_and_frame, reader_of
+from damper_estimator.runtime import FIELDS, SLOW, STALE, Deployed, Line
 from damper_estimator.signals import Channel, DamperSignals
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -33,28 +32,27 @@ class DisplacementInput:
 
     Attributes:
         line: their running state.
-        followers: what turns wishes for them into currents.
+        followers: what turns desired forces for them into currents.
         missing: (k,) int64, messages that did not hold the damper.
         last_good: (k,) steady time of the last sample that was used, s; NaN before the first.
+        age: of the stamps on arrival.
         stamp: of the last message, ns.
     """
 
-    def __init__(self, estimators: Sequence[Estimator], horizon: float = HORIZON, lead: float = LEAD) -> None:
-        """``horizon`` and ``lead`` in s, of the inverse models.
-
-        Raises:
-            InputError: where a field path does not fit the message type.
-        """
+    def __init__(self, estimators: Sequence[Estimator], rules: Rules) -> None:
+        """Raises InputError where a field path does not fit the message type, or limits and safe current do not fit a
+        model."""
         self.estimators: tuple[Estimator, ...] = ()
         self.followers: tuple[Follower, ...] = ()
-        self._inverse = (horizon, lead)
+        self._rules = rules
         self._leading: list[tuple[int, Follower]] = []
-        self.line = LiveLine()
+        self.line = Line()
         self.missing = np.zeros(0, np.int64)
         self.last_good = np.zeros(0)
+        self.age = StampAge()
+        self._stamps = np.zeros(0, np.int64)  # of the last sample that was used
         self._templates: dict[tuple[bytes, bytes], ForcesTemplate] = {}
         self.stamp = 0
-        self._stamp = bytes(8)
         self._frame = b""
         for one in estimators:
             self.line.add(one.name, one.deployed)
@@ -67,8 +65,8 @@ class DisplacementInput:
 
     def _grow(self, more: Sequence[Estimator]) -> None:
         self.estimators = (*self.estimators, *more)
-        self.followers += tuple(Follower(own.name, own.deployed, own.signals.command, *self._inverse) for own in more)
-        self._leading = [(d, own) for d, own in enumerate(self.followers) if not own.refusal]
+        self.followers += tuple(Follower(one.name, one.deployed, self._rules) for one in more)
+        self._leading = [(d, follower) for d, follower in enumerate(self.followers) if not follower.refusal]
         channels = [one.signals.displacement for one in self.estimators]
         self._reader = reader_of("displacement", JOINT_STATE, channels)
         self._scale = np.array([channel.scale for channel in channels])
@@ -77,10 +75,18 @@ class DisplacementInput:
         self._values = np.zeros(len(channels))
         self.missing = np.append(self.missing, np.zeros(len(more), np.int64))
         self.last_good = np.append(self.last_good, np.full(len(more), np.nan))
+        self._stamps = np.append(self._stamps, np.zeros(len(more), np.int64))
         self._templates.clear()
 
-    def take(self, data: bytes, now: float) -> bytes | None:
-        """The answer to one message, None where it gives no estimate; ``now`` is the steady time in s.
+    def take(self, data: bytes, now: float, clock: int = 0, max_age: float = 0.0, suspect: bool = False) -> bytes | None:
+        """The answer to one message, None where it gives no estimate.
+
+        Args:
+            data: serialised JointState.
+            now: steady time, s.
+            clock: ROS time, ns, against which the age of the stamp is judged.
+            max_age: s, 0 to judge no age.
+            suspect: whether the sender is in doubt.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
@@ -93,45 +99,60 @@ class DisplacementInput:
         if not reading.is_whole:
             self.missing += ~reading.present
         self.stamp = reading.stamp
-        count = self.line.step(reading.stamp, values, reading.present)
+        is_late = self.age.is_late(reading.stamp, clock, max_age)
+        count = self.line.step(reading.stamp, values, reading.present, suspect or is_late)
         if not count:
             return None
-        self._stamp, self._frame = _head(data)
+        stamp, self._frame = _head(data)
+        answered = self.line.answered
+        numbers, status = answered.numbers[0], answered.status[0]
         for d, follower in self._leading:
             if self.line.is_good(d):
-                self.line.estimates[_REACH, d] = follower.look(self.line.sample(d))
+                numbers[_REACH, d] = follower.look(self.line.sample(d))
         if count == values.size:
-            self.last_good[:] = now
-            return self._template(None).message(self._stamp, self.line.estimates, self.line.status)
+            self.last_good[:], self._stamps[:] = now, reading.stamp
+            return self._template(None).message(stamp, numbers, status)
         chosen = self.line.is_good(slice(None))
-        self.last_good[chosen] = now
-        return self._template(chosen).message(self._stamp, self.line.estimates[:, chosen], self.line.status[chosen])
+        self.last_good[chosen], self._stamps[chosen] = now, reading.stamp
+        return self._template(chosen).message(stamp, numbers[:, chosen], status[chosen])
 
-    def due(self, now: float, after: float, rules: Rules) -> list[tuple[str, bytes]]:
-        """Commands that the last message brings about by itself, by damper; arguments as `status`, and the rules."""
+    def due(self, now: float, after: float, rules: Rules) -> list[Command]:
+        """Commands that the last message brings about by itself; arguments as `trusted`, and the rules of the moment."""
         return [
-            (own.name, own.command(self.status(d, now, after), now, rules))
-            for d, own in self._leading
-            if self.line.is_good(d) and own.is_due()
+            follower.command(self.trusted(d, now, after), now, rules)
+            for d, follower in self._leading
+            if self.line.is_good(d) and follower.is_due()
         ]
 
-    def status(self, damper: int, now: float, after: float) -> int:
-        """Of the damper of this number at the steady time ``now``; STALE where its last sample is older than
-        ``after`` s."""
-        return int(self.line.status[damper]) if now - self.last_good[damper] <= after else STALE
+    def trusted(self, damper: int, now: float, after: float) -> int:
+        """Status by which the damper of this number may be commanded at the steady time ``now``: that of the line, STALE
+        where its last sample is older than ``after`` s or none came."""
+        fresh = now - self.last_good[damper] <= after
+        return int(self.line.answered.trusted[0, damper]) if fresh else STALE
 
     def is_new_structure(self, data: bytes) -> bool:
         """Whether the message differs in names or lengths from those that were read lately."""
         return not self._reader.knows(data)
 
-    def stale(self, now: float, after: float) -> bytes | None:
+    def stale(self, now: float, after: float) -> list[bytes]:
         """What to say of the dampers whose input stopped ``after`` s ago or earlier: their last estimate, marked STALE,
-        under the last stamp; None where there are none."""
+        under its stamp."""
         silent = now - self.last_good > after
         if not silent.any():
-            return None
-        status = np.full(int(np.count_nonzero(silent)), STALE, np.uint8)
-        return self._template(silent).message(self._stamp, self.line.estimates[:, silent], status)
+            return []
+        messages = []
+        for stamp in np.unique(self._stamps[silent]):
+            chosen = silent & (self._stamps == stamp)
+            status = np.full(int(np.count_nonzero(chosen)), STALE, np.uint8)
+            numbers = self.line.answered.numbers[0][:, chosen]
+            messages.append(self._template(chosen).message(_stamp_bytes(int(stamp)), numbers, status))
+        return messages
+
+    def rewind(self, now: float) -> None:
+        """After the clock was set back to ``now`` s: what was received counts from now, desired forces are dropped."""
+        self.last_good = np.minimum(self.last_good, now)
+        for follower in self.followers:
+            follower.drop_desired_force()
 
     def _template(self, chosen: np.ndarray | None) -> ForcesTemplate:
         key = (self._frame, b"" if chosen is None else chosen.tobytes())
@@ -142,6 +163,11 @@ class DisplacementInput:
             names = [one.name for d, one in enumerate(self.estimators) if chosen is None or chosen[d]]
             found = self._templates[key] = ForcesTemplate(names, self._frame.rstrip(b"\0").decode("utf-8", "replace"))
         return found
+
+
+def _stamp_bytes(stamp: int) -> bytes:
+    seconds, nanoseconds = divmod(stamp, NANOSECONDS)
+    return struct.pack("<iI", seconds, nanoseconds)
 
 
 def _head(data: bytes) -> tuple[bytes, bytes]:
@@ -167,31 +193,32 @@ def names_in(data: bytes) -> list[str]:
 class AccelerationInput:
     """The accelerometer of one damper, where it is taken in; final."""
 
-    def __init__(self, type_name: str, channel: Channel, line: LiveLine, damper: int) -> None:
+    def __init__(self, type_name: str, channel: Channel, line: Line, damper: int) -> None:
         """Of the damper of this number on the line; raises InputError where the field path does not fit the type."""
         self._reader = reader_of("acceleration", type_name, [channel])
         self._channel, self._line, self._damper = channel, line, damper
 
-    def take(self, data: bytes, _: float) -> None:
+    def take(self, data: bytes) -> None:
         """Holds value and stamp of one message."""
         reading = self._reader.read(data)
         if reading.is_whole:
-            self._line.felt[self._damper] = float(self._channel.value(float(reading.values[0])))
-            self._line.felt_at[self._damper] = reading.stamp
+            arrived = self._line.arrived
+            arrived.felt[0, self._damper] = float(self._channel.value(float(reading.values[0])))
+            arrived.felt_at[0, self._damper] = reading.stamp
 
 
 class HeldInput:
     """A slow channel of one damper: its value reaches the line as it arrives; final."""
 
-    def __init__(self, role: str, type_name: str, channel: Channel, line: LiveLine, damper: int) -> None:
+    def __init__(self, role: str, type_name: str, channel: Channel, line: Line, damper: int) -> None:
         """Of the damper of this number on the line; raises InputError where the field path does not fit the type."""
         self._reader = reader_of(role, type_name, [channel])
         self._channel, self._line, self._row, self._damper = channel, line, SLOW.index(role), damper
-        self.last: float | None = None
 
-    def take(self, data: bytes, now: float) -> None:
+    def take(self, data: bytes) -> None:
         """Holds the value of one message."""
         reading = self._reader.read(data)
         if reading.is_whole:
-            self._line.held[self._row, self._damper] = float(self._channel.value(float(reading.values[0])))
-            self.last = now
+            arrived = self._line.arrived
+            arrived.slow[0, self._row, self._damper] = float(self._channel.value(float(reading.values[0])))
+            arrived.heard[0, self._row, self._damper] += 1

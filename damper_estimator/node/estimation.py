@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from damper_estimator.errors import InputError
-from damper_estimator.model.estimator import STALE
-from damper_estimator.model.live_line import SLOW
+from damper_estimator.node.commands import Command
 from damper_estimator.node.displacement import (
     JOINT_STATE,
     AccelerationInput,
@@ -21,6 +20,7 @@ from damper_estimator.node.residuals import Comparison, GaugeInput
 from damper_estimator.node.roster import MOST_DAMPERS, Roster
 from damper_estimator.node.settings import Settings
 from damper_estimator.node.wire import reader_of
+from damper_estimator.runtime import SLOW, STALE
 from damper_estimator.signals import Channel, default_signals
 
 WISH = "~/desired_force"
@@ -34,10 +34,10 @@ SLOW_TYPES = {
 
 
 class Answer(NamedTuple):
-    """What one message brings about: forces to publish, commands by damper, whether there are new topics."""
+    """What one message brings about: forces to publish, commands, whether there are new topics."""
 
     forces: bytes | None = None
-    commands: Sequence[tuple[str, bytes]] = ()
+    commands: Sequence[Command] = ()
     has_grown: bool = False
 
 
@@ -76,7 +76,7 @@ class Estimation:
         if roster.template is not None:
             by_topic = {default_signals("").displacement.topic: []}
         for topic, estimators in by_topic.items():
-            source = DisplacementInput(estimators, settings.horizon, settings.lead)
+            source = DisplacementInput(estimators, settings)
             self.displacement[topic] = Displacement(source, _comparison(source, settings, roster))
             self._subscribe(topic, JOINT_STATE, True)
             for one in estimators:
@@ -84,7 +84,14 @@ class Estimation:
         self._measure()
 
     def changed(self, settings: Settings) -> "Estimation":
-        """The same filters and models in their present state, with other settings of staleness and drift."""
+        """The same filters and models in their present state, with other settings that leave them as they are.
+
+        Raises:
+            InputError: where a driver cannot set the safe current.
+        """
+        for own in self.displacement.values():
+            for follower in own.source.followers:
+                follower.check_safe_current(settings.safe_current)
         other = copy(self)
         other.settings = settings
         other.displacement = {
@@ -142,49 +149,60 @@ class Estimation:
         """The dampers to which currents can be sent."""
         return [own.name for one in self.displacement.values() for own in one.source.followers if not own.refusal]
 
-    def take(self, topic: str, data: bytes, now: float) -> Answer:
-        """Takes one message at the steady time ``now``, s.
+    def take(self, topic: str, data: bytes, now: float, clock: int = 0, suspect: bool = False) -> Answer:
+        """Takes one message.
+
+        Args:
+            topic: on which it came; ``data``: serialised.
+            now: steady time, s.
+            clock: ROS time, ns.
+            suspect: whether its sender is in doubt.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
-        own = self.displacement.get(topic)
+        own, settings = self.displacement.get(topic), self.settings
         if own is None:
             for _, _, held in self.slow.get(topic, ()):
-                held.take(data, now)
+                held.take(data)
             if topic in self._gauges:
-                self._gauges[topic][1].take(data, now)
-            return Answer(commands=self._wish(data, now)) if topic == WISH else Answer()
+                self._gauges[topic][1].take(data)
+            return Answer(commands=self._ask(data, now)) if topic == WISH else Answer()
         grown = self.roster.template is not None and self._admit(own.source, data)
         if topic in self._gauges:
-            self._gauges[topic][1].take(data, now)
-        answer = own.source.take(data, now)
+            self._gauges[topic][1].take(data)
+        answer = own.source.take(data, now, clock, settings.max_age, suspect)
         own.comparison.collected.keep(own.source.stamp)
-        return Answer(answer, own.source.due(now, self.settings.stale_after, self.settings), grown)
+        return Answer(answer, own.source.due(now, settings.stale_after, settings), grown)
 
-    def _wish(self, data: bytes, now: float) -> list[tuple[str, bytes]]:
-        """Takes a message of wishes; the commands that answer them."""
+    def _ask(self, data: bytes, now: float) -> list[Command]:
+        """Takes a message of desired forces; the commands that answer them."""
         reading, commands, number = self._wishes.read(data), [], 0
         for own in self.displacement.values():
             for d, follower in enumerate(own.source.followers):
                 if reading.present[number]:
-                    follower.wish(float(reading.values[number]), now)
-                    status = own.source.status(d, now, self.settings.stale_after)
+                    follower.ask(float(reading.values[number]), now)
+                    status = own.source.trusted(d, now, self.settings.stale_after)
                     command = follower.command(status, now, self.settings)
-                    commands += [(follower.name, command)] if command is not None else []
+                    commands += [command] if command is not None else []
                 number += 1
         return commands
 
-    def safe(self, now: float | None = None) -> list[tuple[str, bytes]]:
+    def safe(self, now: float | None = None) -> list[Command]:
         """Safe currents for the dampers that were commanded; only those without a good sample lately, where the steady
         time ``now`` is given."""
         found = []
         for own in self.displacement.values():
             for d, follower in enumerate(own.source.followers):
-                if now is None or own.source.status(d, now, self.settings.stale_after) == STALE:
+                if now is None or own.source.trusted(d, now, self.settings.stale_after) == STALE:
                     command = follower.safe(self.settings)
-                    found += [(follower.name, command)] if command is not None else []
+                    found += [command] if command is not None else []
         return found
+
+    def rewind(self, now: float) -> None:
+        """The clock was set back to ``now``, s."""
+        for own in self.displacement.values():
+            own.source.rewind(now)
 
     def _admit(self, source: DisplacementInput, data: bytes) -> bool:
         """Takes the dampers that arrive by name."""
@@ -208,8 +226,8 @@ class Estimation:
 
     def stale(self, now: float) -> list[bytes]:
         """What to say of dampers whose input has stopped, at the steady time ``now``, s."""
-        told = (own.source.stale(now, self.settings.stale_after) for own in self.displacement.values())
-        return [message for message in told if message is not None]
+        after = self.settings.stale_after
+        return [message for own in self.displacement.values() for message in own.source.stale(now, after)]
 
 
 def _comparison(source: DisplacementInput, settings: Settings, roster: Roster) -> Comparison:

@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.commands import COMMAND_TYPE
+from damper_estimator.node.commands import Command
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.inputs import Inputs
 from damper_estimator.node.meanwhile import meanwhile
@@ -27,18 +27,16 @@ from damper_estimator.node.recorder import Recorder
 from damper_estimator.node.report import Reporter
 from damper_estimator.node.roster import make_roster
 from damper_estimator.node.settings import CONFIGURING, DECLARATIONS, declare, read_settings
+from damper_estimator.node.wire import float_message
 
 HEALTH_PERIOD = 1.0  # s, REP-107
 COMPARE_PERIOD = 0.05  # s
 LONGEST_WATCH = 0.05  # s between two looks for inputs that have stopped
 OUTPUT_DEPTH = 100
-# These are changed without starting filters and models anew.
-LIGHT = {"stale_after", "drift_window", "drift_factor", "safe_current", "wish_timeout", "command_extrapolating"}
-DONE, REFUSED, FAILED = (
-    TransitionCallbackReturn.SUCCESS,
-    TransitionCallbackReturn.FAILURE,
-    TransitionCallbackReturn.ERROR,
-)
+# Changes of these leave filters and models as they are.
+LIGHT = {"max_age", "stale_after", "drift_window", "drift_factor", "safe_current", "wish_timeout"}
+DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+FAILED = TransitionCallbackReturn.ERROR
 
 
 class EstimatorNode(LifecycleNode):
@@ -165,8 +163,8 @@ class EstimatorNode(LifecycleNode):
         """From the next message on."""
         if self.is_active and estimation.roster is not self.estimation.roster:
             self.publish_commands(self.estimation.safe())  # the new one begins without wishes
-        self.inputs.is_simulated = self.get_clock().ros_time_is_active
         self.estimation = estimation
+        self.inputs.look_at_clock()
         self._watch_every(min(0.5 * estimation.settings.stale_after, LONGEST_WATCH))
         self.inputs.subscribe(estimation)
         self.currents.offer(estimation.commanded)
@@ -262,12 +260,13 @@ class EstimatorNode(LifecycleNode):
         if self.recorder is not None:
             self.recorder.keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
 
-    def publish_commands(self, commands: Iterable[tuple[str, bytes]]) -> None:
-        """Publishes and records serialised currents by damper."""
-        for name, message in commands:
-            topic = self.currents.publish(name, message)
-            if topic is not None and self.recorder is not None:
-                self.recorder.keep(topic, COMMAND_TYPE, message)
+    def publish_commands(self, commands: Iterable[Command]) -> None:
+        """Publishes and records currents."""
+        for command in commands:
+            message = float_message(command.current)
+            topic = self.currents.publish(command.damper, message)
+            if topic and self.recorder is not None:
+                self.recorder.keep(topic, "std_msgs/msg/Float64", message)
 
     def _compare(self) -> None:
         if not self.is_active:
@@ -280,7 +279,7 @@ class EstimatorNode(LifecycleNode):
                     self.recorder.keep(self.residuals.topic_name, "sensor_msgs/msg/JointState", message)
 
     def _tell_health(self) -> None:
-        self.inputs.is_simulated = self.get_clock().ros_time_is_active
+        self.inputs.look_at_clock()
         message = DiagnosticArray(status=self._reporter.statuses())
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

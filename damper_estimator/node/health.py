@@ -6,20 +6,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from damper_estimator.model.status import (
+from damper_estimator.node.commands import CommandTally
+from damper_estimator.node.drift import Drift
+from damper_estimator.runtime import (
     BY_STATUS,
     COUNTS,
     DEGRADED,
     EXTRAPOLATING,
     GOOD,
+    IMPLAUSIBLE,
     JUMPS,
     LATE,
     NOT_FINITE,
+    SILENT,
+    SLOW,
+    SUSPECT,
     WARMING_UP,
-    velocity_noise,
 )
-from damper_estimator.node.commands import CommandTally
-from damper_estimator.node.drift import Drift
 from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
 
 SUBSCRIBERS, PUBLISHERS = "subscribers", "publishers"
@@ -103,28 +106,27 @@ def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[byte
     return OK, "receiving"
 
 
-def silent_slow_channels(tallies: Mapping[str, InputTally], time: float, patience: float) -> dict[str, float]:
-    """Slow channels that once spoke and have been silent for longer than ``patience`` s: how long, by topic."""
-    return {
-        tally.topic: time - tally.last
-        for tally in tallies.values()
-        if tally.last is not None and time - tally.last > patience
-    }
-
-
 @dataclass(frozen=True, eq=False)
 class DamperNow:
-    """What the node knows of one damper at one moment; ``counts`` and ``levels`` as in ``model.status``."""
+    """What the node knows of one damper at one moment.
+
+    Attributes:
+        counts: by the constants of ``runtime.record``.
+        noise: m/s, standard deviation of the velocity.
+        is_identified: whether the model was fitted to measurements.
+        heeded: the slow channels that the model's force depends on.
+    """
 
     name: str
     model: str
     fitted_cutoff: float | None
     counts: np.ndarray
+    noise: float
+    is_identified: bool
+    heeded: Sequence[str]
     missing: int
-    levels: np.ndarray
     is_stale: bool
     drift: Drift | None
-    silent: Mapping[str, float]
 
 
 def nothing_yet(now: DamperNow) -> DamperNow:
@@ -152,7 +154,10 @@ def damper_status(prefix: str, now: DamperNow, before: DamperNow, cutoff: float,
         "estimates: warming up": counts[BY_STATUS + WARMING_UP],
         "estimates: extrapolating": counts[BY_STATUS + EXTRAPOLATING],
         "estimates: degraded": counts[BY_STATUS + DEGRADED],
-        "noise of the velocity [m/s]": f"{velocity_noise(cutoff, now.levels):.3g}",
+        "samples in doubt (age, sender)": counts[SUSPECT],
+        **{f"{role}: values that cannot be": counts[IMPLAUSIBLE + row] for row, role in enumerate(SLOW)},
+        **{f"{role}: samples while silent": counts[SILENT + row] for row, role in enumerate(SLOW)},
+        "noise of the velocity [m/s]": f"{now.noise:.3g}",
         "filter cutoff [Hz]": f"{cutoff:g}",
         "filter delay [ms]": f"{1e3 * delay:.2f}",
         "model identified at cutoff [Hz]": "" if now.fitted_cutoff is None else f"{now.fitted_cutoff:g}",
@@ -183,7 +188,9 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
     told += [f"{missing} messages did not hold this damper"] if missing else []
     told += [f"{new[JUMPS]} jumps of the displacement"] if new[JUMPS] else []
     told += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
-    told += [f"{topic} silent for {time:.0f} s, its last value is held" for topic, time in now.silent.items()]
+    told += [f"{new[SUSPECT]} samples were too old or from a doubtful sender"] if new[SUSPECT] else []
+    told += _judge_slow(now, new)
+    told += [] if now.is_identified else ["the model was never identified: fit it to recordings of this damper"]
     if now.drift is not None and now.drift.is_alarm:
         told.insert(0, now.drift.sentence())
     told += ["the displacement is noisy"] if not told and new[BY_STATUS + DEGRADED] else []
@@ -191,6 +198,17 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
         return WARN, "; ".join(told)
     outside = int(new[BY_STATUS + EXTRAPOLATING])
     return OK, f"estimating; {outside} of {samples} samples outside the region of the fit" if outside else "estimating"
+
+
+def _judge_slow(now: DamperNow, new: np.ndarray) -> list[str]:
+    told = []
+    for row, role in enumerate(SLOW):
+        effect = "the force depends on it" if role in now.heeded else "the force does not depend on it"
+        if new[IMPLAUSIBLE + row]:
+            told.append(f"{new[IMPLAUSIBLE + row]} values of {role} cannot be and were dropped ({effect})")
+        if new[SILENT + row]:
+            told.append(f"{role} is silent, its last value is held ({effect})")
+    return told
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ class Inputs:
     Attributes:
         tallies: counts by topic; they survive changes of parameters.
         data: the last message by topic.
-        is_simulated: whether the node's time is a simulated one; looked up once a second, asking costs too much.
+        is_simulated: whether the node's time is a simulated one; see `look_at_clock`.
         busy: s, time spent on messages; ``longest`` the longest of one since `take_longest`.
     """
 
@@ -37,6 +37,7 @@ class Inputs:
         self.data: dict[str, bytes] = {}
         self.busy = 0.0
         self.is_simulated = False
+        self._latest = float("-inf")
         self._longest = 0.0
 
     def open(self, quality: QoSProfile) -> None:
@@ -88,9 +89,24 @@ class Inputs:
                 subscription.callback(taken[0])
         return found
 
+    def look_at_clock(self) -> None:
+        """Whether time is simulated; looked up once a second, since asking costs too much."""
+        is_simulated = self._node.get_clock().ros_time_is_active
+        if is_simulated != self.is_simulated:
+            self.is_simulated, self._latest = is_simulated, float("inf")
+            self.now()
+
     def now(self) -> float:
-        """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace."""
-        return self._node.get_clock().now().nanoseconds / 1e9 if self.is_simulated else time.monotonic()
+        """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace. A clock that
+        is set back takes along what was received and asked before."""
+        now = self._clock() / 1e9 if self.is_simulated else time.monotonic()
+        if now < self._latest and self._node.estimation is not None:
+            self._node.estimation.rewind(now)
+        self._latest = now
+        return now
+
+    def _clock(self) -> int:
+        return self._node.get_clock().now().nanoseconds
 
     def take_longest(self) -> float:
         """The longest time that one message took since the last call, s."""
@@ -125,7 +141,8 @@ class Inputs:
                 node.recorder.keep(tally.topic, type_name, data)
             try:
                 now = self.now() if self.is_simulated else begin
-                answer = node.estimation.take(topic, data, now)
+                clock = round(now * 1e9) if self.is_simulated else time.time_ns()
+                answer = node.estimation.take(topic, data, now, clock)
                 if answer.forces is not None:
                     node.publish_forces(answer.forces)
                 if answer.commands:

@@ -38,7 +38,7 @@ from damper_estimator.control import (
 )
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.node.domain import own_domain
 from damper_estimator.node.inputs import message_type
 from damper_estimator.node.rehearsal import EXECUTABLE
@@ -234,7 +234,7 @@ def offline(scenario: Scenario) -> Ride:
     )
     law = scenario.law
     controller = CornerController(mixed(law["damping"], law["share"]), command, law["rest_force"])
-    estimator = DamperEstimator(model, load_signal_map(None).cutoff, DEFAULT_MAX_GAP)
+    estimator = DamperEstimator(deployed(model, load_signal_map(None).cutoff, DEFAULT_MAX_GAP))
     return ride(scenario.corner.car, scenario.corner.damper, scenario.road, controller, estimator)
 
 

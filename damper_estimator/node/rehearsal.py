@@ -19,7 +19,7 @@ import numpy as np
 import rclpy
 
 from damper_estimator.errors import InputError
-from damper_estimator.model.live_line import SLOW
+from damper_estimator.runtime import SLOW
 from damper_estimator.node.domain import own_domain
 from damper_estimator.node.player import Player
 from damper_estimator.recordings import Bag, open_bag

@@ -12,8 +12,6 @@ from damper_estimator.node.displacement import JOINT_STATE, names_in
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.wire import MalformedMessage
 
-SILENT = 2.0  # s, after which a slow channel that once spoke is reported
-
 
 class Reporter:
     """The node's view of itself, and what it said a second ago; final.
@@ -40,12 +38,19 @@ class Reporter:
         cutoff = estimation.roster.signal_map.cutoff
         logger = self._node.get_logger()
         for topic, own in estimation.displacement.items():
-            for one in own.source.estimators:
+            for one, follower in zip(own.source.estimators, own.source.followers, strict=True):
                 model = one.deployed.model
                 key = (one.name, model.name, topic, cutoff)
                 if key in self._introduced:
                     continue
                 self._introduced.add(key)
+                for warning in follower.warnings:
+                    logger.warning(f"{one.name}: {warning}")
+                if not one.deployed.is_identified:
+                    logger.warning(
+                        f"{one.name}: model {model.name} was never identified, so no estimate is better than DEGRADED; "
+                        "fit it to recordings of this damper (damper-estimator fit)"
+                    )
                 logger.info(f"{one.name}: model {model.name}, displacement from {self._node.resolve_topic_name(topic)}")
                 fitted = model.fit.get("cutoff")
                 if fitted is not None and fitted != cutoff:
@@ -70,7 +75,7 @@ class Reporter:
             before = self._inputs.get(topic, health.InputTally(""))
             told.append(health.input_status(prefix, tally, before, now, known))
             for d, one in enumerate(own.source.estimators):
-                told.append(self._damper(prefix, topic, estimation, d, one.name, inputs))
+                told.append(self._damper(prefix, topic, estimation, d, one.name))
             told += [self._command(prefix, follower) for follower in own.source.followers if follower.tally.wishes]
         self._inputs = inputs
         told.append(health.output_status(prefix, self._output(), self._incompatible))
@@ -94,22 +99,21 @@ class Reporter:
             waited = time.monotonic() - tally.last
             tally.age = (self._node.get_clock().now().nanoseconds - stamp) / 1e9 - waited
 
-    def _damper(
-        self, prefix: str, topic: str, estimation: Estimation, d: int, name: str, inputs: dict[str, health.InputTally]
-    ) -> DiagnosticStatus:
+    def _damper(self, prefix: str, topic: str, estimation: Estimation, d: int, name: str) -> DiagnosticStatus:
         own = estimation.displacement[topic]
         source, model = own.source, own.source.estimators[d].deployed.model
-        slow = {t: inputs[t] for t, held in estimation.slow.items() if t in inputs and any(h[0] == name for h in held)}
+        memories = source.estimators[d].deployed.memories
         now = health.DamperNow(
             name,
             model.name,
             model.fit.get("cutoff"),
-            source.line.counts[d].copy(),
+            source.line.records["counts"][d].copy(),
+            source.line.velocity_noise(d),
+            source.estimators[d].deployed.is_identified,
+            [role for role, memory in memories.items() if memory is not None],
             int(source.missing[d]),
-            source.line.levels[d].copy(),
             bool(self._node.inputs.now() - source.last_good[d] > estimation.settings.stale_after),
             own.comparison.drifts.get(name),
-            health.silent_slow_channels(slow, time.monotonic(), SILENT),
         )
         before = self._before.get(name)
         # Counts begin anew where a change of parameters did.

@@ -8,14 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from damper_estimator.model.estimator import FIELDS, WARMING_UP, Estimates
-from damper_estimator.model.live_line import ABSENT, SLOW
-from damper_estimator.model.residual_line import ResidualLine, Residuals
-from damper_estimator.model.vehicle_line import together
 from damper_estimator.node.displacement import JOINT_STATE, DisplacementInput
 from damper_estimator.node.drift import Drift
 from damper_estimator.node.wire import reader_of
 from damper_estimator.recordings import joint_states
+from damper_estimator.runtime import ABSENT, FIELDS, SLOW, WARMING_UP, Estimates, ResidualLine, Residuals, together
 from damper_estimator.signals import DamperSignals, Kinematics
 from damper_estimator.signals.admission import ACCEPTED, DUPLICATE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
@@ -37,7 +34,7 @@ class GaugeInput:
         self._present = np.zeros((_ROOM, len(signals)), bool)
         self._count = 0
 
-    def take(self, data: bytes, _: float) -> None:
+    def take(self, data: bytes) -> None:
         """Keeps the values of one message until they are compared."""
         reading = self._reader.read(data)
         if self._count < _ROOM:
@@ -77,8 +74,9 @@ class Collected:
             self._count = 0
         if self._count < _ROOM:
             self._stamps[self._count] = stamp
-            self._verdicts[self._count], self._status[self._count] = line.verdicts, line.status
-            self._numbers[self._count], self._modelled[self._count] = line.estimates, line.modelled
+            answered = line.answered
+            self._verdicts[self._count], self._status[self._count] = answered.verdict[0], answered.status[0]
+            self._numbers[self._count], self._modelled[self._count] = answered.numbers[0], answered.modelled[0]
             self._count += 1
 
     def taken(self) -> list[Estimates]:
@@ -153,7 +151,7 @@ class Comparison:
         settled = (stamp[row] == residuals.stamp) & (status[row] != WARMING_UP)
         row, value = row[settled], residuals.value[settled]
         damper = self._source.line.names.index(name)
-        temperature = float(self._source.line.held[SLOW.index("temperature"), damper])
+        temperature = float(self._source.line.records["held"][damper, SLOW.index("temperature")])
         self.drifts[name].add(stamp[row], value, force[row] - value, velocity[row], displacement[row], temperature)
         last = int(residuals.stamp[-1])
         self._motion[name] = tuple(part[stamp > last] for part in self._motion[name])

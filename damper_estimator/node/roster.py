@@ -7,11 +7,10 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import Deployed, deployed
-from damper_estimator.model.live_line import LiveLine
 from damper_estimator.node.displacement import Estimator
 from damper_estimator.node.settings import Settings
-from damper_estimator.signals import SignalMap, default_signals, delay_seconds, load_signal_map
+from damper_estimator.runtime import Deployed, Line, deployed
+from damper_estimator.signals import DamperSignals, SignalMap, default_signals, delay_seconds, load_signal_map
 
 MOST_DAMPERS = 64  # of those that nobody named: a publisher of ever new names must not fill the memory
 
@@ -64,22 +63,23 @@ def make_roster(settings: Settings) -> Roster:
         raise InputError(f"{settings.model}: holds no model; give a folder with one DAMPER.yaml each")
     names = settings.dampers or tuple(signal_map.dampers) or tuple(folder)
 
-    def prepared(damper: str | None) -> Deployed:
+    def prepared(damper: str | None, signals: DamperSignals | None = None) -> Deployed:
         lead = settings.compensation * delay_seconds(signal_map.cutoff)
         model = load_model(settings.model, damper)
-        own = deployed(model, signal_map.cutoff, settings.max_gap, lead, signal_map.fusion)
+        own = deployed(model, signal_map.cutoff, settings.max_gap, lead, signal_map.fusion, signals)
         _warm_up(own)
         return own
 
     if not names:
         return Roster(signal_map, (), prepared(None))
-    known = (Estimator(name, signal_map.dampers.get(name) or default_signals(name), prepared(name)) for name in names)
+    signals = {name: signal_map.dampers.get(name) or default_signals(name) for name in names}
+    known = (Estimator(name, own, prepared(name, own)) for name, own in signals.items())
     return Roster(signal_map, tuple(known), None)
 
 
 def _warm_up(own: Deployed) -> None:
     """Has the kernels of a model compiled now, so that the first message does not wait for it."""
-    line = LiveLine()
+    line = Line()
     line.add("", own)
     for millisecond in range(2):
         line.step(millisecond * 1_000_000, np.zeros(1), np.ones(1, bool))

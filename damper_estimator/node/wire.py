@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.model.estimator import FIELDS
+from damper_estimator.runtime import FIELDS
 from damper_estimator.recordings import encode, parse_path
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
 from damper_estimator.recordings.field_path import check_path, request_tree

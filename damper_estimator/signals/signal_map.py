@@ -25,7 +25,10 @@ class Channel:
         skew: s, positive where the channel is late.
         table: raw values and values, instead of scale (motion ratio); None without.
         unit: of the command, for people.
-        limits: of the command, raw, lowest and highest that its driver can set; None: those of the model's fit.
+        limits: raw, lowest and highest: of the command what its driver can set (None: those of the model's fit), of
+            temperature and pressure what the sensor can give (None: ordinary bounds).
+        max_age: s, of command, temperature and pressure: how old a value may be before it counts as silent; None: the
+            role's ordinary age.
         given: whether a map names it, so that its absence is an error.
     """
 
@@ -37,6 +40,7 @@ class Channel:
     table: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     unit: str = ""
     limits: tuple[float, float] | None = None
+    max_age: float | None = None
     given: bool = False
 
     def value(self, raw: np.ndarray) -> np.ndarray:
@@ -232,9 +236,9 @@ def _damper(name: str, entry: object, faults: list[str]) -> DamperSignals:
 
 
 def _channel(what: str, entry: object, default: Channel, spring: dict[str, float], faults: list[str]) -> Channel:
-    of_force, of_command = what.endswith(".force"), what.endswith(".command")
-    allowed = [f.name for f in fields(Channel) if f.name not in ("limits", "given")]
-    allowed += ["spring_rate", "preload"] if of_force else ["limits"] if of_command else []
+    of_force, is_slow = what.endswith(".force"), what.endswith((".command", ".temperature", ".pressure"))
+    allowed = [f.name for f in fields(Channel) if f.name not in ("limits", "max_age", "given")]
+    allowed += ["spring_rate", "preload"] if of_force else ["limits", "max_age"] if is_slow else []
     given = dict(_mapping(entry, what, tuple(allowed), faults))
     values: dict[str, object] = {}
     for key in ("topic", "field", "unit"):
@@ -246,8 +250,12 @@ def _channel(what: str, entry: object, default: Channel, spring: dict[str, float
     for key in ("spring_rate", "preload"):
         if of_force and key in given:
             spring[key] = _number(given[key], f"{what}.{key}", faults)
-    if of_command and "limits" in given:
+    if is_slow and "limits" in given:
         values["limits"] = _limits(f"{what}.limits", given["limits"], faults)
+    if is_slow and "max_age" in given:
+        values["max_age"] = _number(given["max_age"], f"{what}.max_age", faults)
+        if values["max_age"] <= 0.0:
+            faults.append(f"{what}.max_age = {given['max_age']!r} must be above 0 s")
     if "table" in given:
         values["table"] = _table(f"{what}.table", given["table"], faults)
         if "scale" in given or "offset" in given:
@@ -257,7 +265,7 @@ def _channel(what: str, entry: object, default: Channel, spring: dict[str, float
 
 def _limits(what: str, entry: object, faults: list[str]) -> tuple[float, float] | None:
     if not isinstance(entry, list) or len(entry) != 2:
-        faults.append(f"{what} must be two numbers, the lowest and the highest command")
+        faults.append(f"{what} must be two numbers, the lowest and the highest")
         return None
     low, high = (_number(item, what, faults) for item in entry)
     if not low < high:

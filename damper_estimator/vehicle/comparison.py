@@ -7,7 +7,7 @@ import numpy as np
 
 from damper_estimator.control import Command, CornerController, Law
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.plant import STEP
 from damper_estimator.vehicle.closed_loop import Ride, RunningRide, attainable, ride
 from damper_estimator.vehicle.ride_measures import RideMeasures, ride_measures
@@ -48,7 +48,7 @@ def compare_commands(
         rest_force = RunningRide(corner.car, corner.damper, road, step=step).rest_force
         controller = CornerController(law or corner.law, command, rest_force)
         # Only the filter in it is used here: every controller sees the same kinematics.
-        estimator = DamperEstimator(load_model("linear_viscous"), CUTOFF, MAX_GAP)
+        estimator = DamperEstimator(deployed(load_model("linear_viscous"), CUTOFF, MAX_GAP))
         run = ride(corner.car, corner.damper, road, controller, estimator, seed=seed, step=step)
         limits = attainable(corner.damper, run.travel, LIMITS, step)
         found[name] = Trial(run, limits, ride_measures(run, limits, REST))

@@ -12,7 +12,7 @@ from scipy.linalg import expm
 
 from damper_estimator.compiled import compiled
 from damper_estimator.model import DamperModel, chain
-from damper_estimator.model.live_line import DT, ROWS, A, T, V, X
+from damper_estimator.signals.layout import DT, ROWS, A, T, V, X
 from damper_estimator.vehicle.full_car import WHEELS, FullCar
 
 STEP = 2.5e-4

@@ -8,7 +8,7 @@ al., section 3.1.1.
 import numpy as np
 
 from damper_estimator.model import DamperModel, parse_model
-from damper_estimator.model.live_line import DT, ROWS, A, T, V, X
+from damper_estimator.signals.layout import DT, ROWS, A, T, V, X
 
 SPEEDS = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.4, 0.55, 0.7, 0.9, 1.2)
 """m/s, peaks of the sines."""

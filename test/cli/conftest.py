@@ -13,6 +13,9 @@ source: made for a test
 effects:
   - linear_viscous: {rebound: 1500.0, compression: 1200.0}
   - tanh_hysteresis: {}
+fit:
+  residual_stddev: 20.0
+  region: {velocity: [-5.0, 5.0]}
 """
 
 

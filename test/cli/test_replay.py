@@ -9,7 +9,7 @@ import pytest
 from damper_estimator.cli.main import main
 from damper_estimator.cli.replay import Replay
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.recordings import BagWriter, joint_states, open_bag
 from damper_estimator.signals import SignalMap, load_signal_map, measure
 from damper_estimator.signals.channels import signals_for
@@ -36,7 +36,7 @@ def messages(path, topic):
 
 def sample_by_sample(model_file, stamp, x, **held):
     """What the node would do, one sample at a time: stamps and fields of the estimates."""
-    estimator = DamperEstimator(load_model(model_file), 60.0, 0.1)
+    estimator = DamperEstimator(deployed(load_model(model_file), 60.0, 0.1))
     stamps, rows = [], []
     for i in range(stamp.size):
         slow = {role: values[i] for role, values in held.items()}

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sysconfig
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,22 @@ def domain(ros, tmp_path_factory) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session")
+def identified(tmp_path_factory) -> Callable[..., str]:
+    """Library models as if they had been fitted to a damper, without which no estimate is GOOD: their files."""
+    from damper_estimator.model import load_model, save_model
+
+    folder = tmp_path_factory.mktemp("identified")
+
+    def make(name: str, **region: list[float]) -> str:
+        path = folder / f"{name}.yaml"
+        fit = {"residual_stddev": 10.0, "region": {"velocity": [-20.0, 20.0]} | region}
+        save_model(replace(load_model(name), fit=fit), path)
+        return str(path)
+
+    return make
+
+
 @pytest.fixture
 def start() -> Iterator[Callable[..., subprocess.Popen]]:
     """Starts estimator processes with ROS parameters (and further ROS arguments); they end with the test.
@@ -71,13 +88,13 @@ def start() -> Iterator[Callable[..., subprocess.Popen]]:
 
 
 @pytest.fixture(scope="module")
-def shared(domain) -> Iterator[Callable[..., None]]:
+def shared(domain, identified) -> Iterator[Callable[..., None]]:
     """One estimator for all tests of a module: it is started once, and brought to each test's parameters while it runs.
 
     Models and filters begin anew with every change; counts of messages go on.
     """
-    defaults = {"model": "coulomb", "dampers": ["left"], "signals": "", "stale_after": 60.0, "wish_timeout": 0.1}
-    first = NOTHING_LOST | {"model": "coulomb", "dampers": "[left]"}
+    defaults = {"model": identified("coulomb"), "dampers": ["left"], "signals": "", "stale_after": 60.0, "wish_timeout": 0.1}
+    first = NOTHING_LOST | {"model": identified("coulomb"), "dampers": "[left]"}
     words = [word for name, value in first.items() for word in ("-p", f"{name}:={value}")]
     process = subprocess.Popen([EXECUTABLE, "--ros-args", *words])
 

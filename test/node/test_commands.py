@@ -1,6 +1,6 @@
 """Wishes in, currents out: the inverse behind the running node, its safe current, and what it says of itself."""
 
-import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +10,13 @@ from rig import MS, START
 
 from damper_estimator.control import InverseModel
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import DamperEstimator
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.recordings import floats, joint_states
 
 SAFE = 0.25
 CURRENT, JOINT_STATE, FLOAT = "/suspension/left/current", "sensor_msgs/msg/JointState", "std_msgs/msg/Float64"
 WISH = "/damper_estimator/desired_force"
-GOOD, ACTIVATE, DEACTIVATE = 0, 3, 4
+GOOD, DEGRADED, ACTIVATE, DEACTIVATE = 0, 3, 3, 4
 
 
 @pytest.fixture
@@ -24,7 +24,9 @@ def semi_active(tmp_path) -> dict[str, object]:
     """Parameters of a node with a magneto-rheological damper and one whose force knows no current."""
     effects = [{"command_lag": {}}, {"viscous": {"rate": 800.0}}, {"semi_active_squash": {"gain": 600.0}}]
     for name, own in (("left", effects), ("right", effects[1:2])):
-        content = {"name": name, "source": "test", "effects": own}
+        region = {"velocity": [-9.0, 9.0], "command": [0.0, 2.0]} if name == "left" else {"velocity": [-9.0, 9.0]}
+        fit = {"residual_stddev": 10.0, "region": region}
+        content = {"name": name, "source": "test", "effects": own, "fit": fit}
         (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(content))
     signals = {"dampers": {"left": {"command": {"topic": CURRENT, "limits": [0.0, 2.0]}}, "right": {}}}
     (tmp_path / "signals").mkdir()
@@ -36,12 +38,13 @@ def semi_active(tmp_path) -> dict[str, object]:
 
 
 class Commanded:
-    """A rig that wishes, and hears the currents; final. ``motion`` is what it has sent, m."""
+    """A rig that wishes, and hears the currents; final. ``motion`` is what it has sent, m; ``flows`` what the
+    driver reports with it, A, or None."""
 
     def __init__(self, rig) -> None:
         from std_msgs.msg import Float64
 
-        self.rig, self.currents, self.motion = rig, [], []
+        self.rig, self.currents, self.motion, self.flows = rig, [], [], 0.5
         self._expected, self._is_wished, self._is_fresh = 0, False, False
         rig.node.create_subscription(
             Float64, "/suspension/left/current_command", lambda m: self.currents.append(m.data), 1000
@@ -50,13 +53,19 @@ class Commanded:
         rig.publisher(CURRENT, FLOAT)
         rig.publisher(WISH, JOINT_STATE)
         rig.wait(lambda: rig.node.count_publishers("/suspension/left/current_command") > 0, "the currents")
-        rig.send_raw(floats(np.array([0.5]))[0], CURRENT)
+        self.flow(0.5)
         rig.listen(0.5)
+
+    def flow(self, current: float) -> None:
+        """What the driver says that flows."""
+        self.rig.send_raw(floats(np.array([current]))[0], CURRENT)
 
     def drive(self, count: int) -> None:
         """Good samples of both dampers, and all that answers them."""
         before = len(self.rig.forces)
         for i in range(count):
+            if i % 20 == 0 and self.flows is not None:
+                self.flow(self.flows)
             self.motion.append(0.02 * np.sin(0.02 * len(self.motion)))
             self.rig.send([self.motion[-1]] * 2, ["left", "right"])
             self.rig.wait(lambda i=i: len(self.rig.forces) > before + i, "an answer")
@@ -91,7 +100,7 @@ def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active,
     answers = [node.wish(force) for force in wishes]
     # The same samples off line.
     motion = np.array(node.motion)
-    estimator = DamperEstimator(load_model(semi_active["model"], "left"), 60.0, 0.1)
+    estimator = DamperEstimator(deployed(load_model(semi_active["model"], "left"), 60.0, 0.1))
     kinematics = estimator.block(START + MS * (1 + np.arange(motion.size)), motion, 0.5).kinematics
     inverse = InverseModel(load_model(semi_active["model"], "left"), (0.0, 2.0))
     looked = [inverse.solve(column, slope=True) for column in kinematics.block.T][-1]
@@ -152,16 +161,83 @@ def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_acti
     assert rig.status(": right command").level == b"\x01" and node.currents == []
 
 
-def test_outside_the_region_of_the_fit_wishes_are_followed_only_where_that_is_set(semi_active, shared, rig):
+def with_region(semi_active, **region: list[float]) -> None:
+    """Another region of the left damper's fit."""
     path = Path(semi_active["model"]) / "left.yaml"
-    narrow = {"fit": {"region": {"command": [0.0, 0.4], "velocity": [-2.0, 2.0]}, "residual_stddev": 10.0}}
-    path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | narrow))
+    fit = {"residual_stddev": 10.0, "region": {"velocity": [-9.0, 9.0], "command": [0.0, 2.0]} | region}
+    path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | {"fit": fit}))
+
+
+def test_outside_the_region_of_the_fit_desired_forces_are_followed_only_where_that_is_set(semi_active, shared, rig):
+    with_region(semi_active, velocity=[-0.001, 0.001])
     shared(rig, **semi_active)
-    node = Commanded(rig)  # its current is 0.5
+    node = Commanded(rig)
     node.drive(250)
     assert node.wish(500.0) == SAFE
     assert rig.set(command_extrapolating=True) == (True, "")
+    node.drive(250)  # the filter was reset
     assert node.wish(500.0) != SAFE
+
+
+def test_currents_stay_within_the_region_of_the_fit_unless_that_is_set(semi_active, shared, rig):
+    with_region(semi_active, command=[0.0, 0.4])
+    shared(rig, **semi_active)
+    node = Commanded(rig)
+    node.flows = 0.3
+    node.drive(250)
+    assert node.wish(1e5) == 0.4
+    assert rig.set(command_extrapolating=True) == (True, "")
+    node.drive(250)
+    assert node.wish(1e5) == 2.0
+
+
+@pytest.mark.parametrize("safe", [0.0, SAFE])
+def test_a_safe_current_outside_the_region_of_the_fit_does_not_keep_the_damper_passive(safe, semi_active, shared, rig):
+    """The command that was sent flows, as in a car: cold start, then a gap of the input, and it recovers both times."""
+    with_region(semi_active, command=[0.5, 1.9])
+    shared(rig, **semi_active | {"safe_current": safe})
+    node = Commanded(rig)
+    node.flows = None
+    for gap in (0, 150 * MS):
+        rig.stamp += gap
+        node.wish(500.0)
+        for _ in range(40):
+            node.flow(node.currents[-1])
+            node.drive(10)
+        assert node.wish(500.0) != safe and node.currents[-1] >= 0.5
+    assert rig.forces[-1].status[0] == GOOD
+
+
+def test_limits_and_safe_current_that_contradict_the_model_are_refused(semi_active, shared, rig):
+    shared(rig, **semi_active)
+    taken, reason = rig.set(safe_current=2.5)
+    assert not taken and "safe current 2.5 A lies outside the limits 0 to 2 A" in reason
+    with_region(semi_active, command=[3.0, 4.0])
+    taken, reason = rig.set(model=semi_active["model"])
+    assert not taken and "nothing in common with the region 3 to 4 A" in reason
+
+
+def test_a_silent_or_wild_current_leaves_no_estimate_good_until_the_model_has_forgotten_it(semi_active, shared, rig):
+    shared(rig, **semi_active)
+    node = Commanded(rig)
+    node.drive(260)
+    assert rig.forces[-1].status[0] == GOOD
+    node.flows = None
+    node.drive(300)
+    assert rig.forces[-1].status[0] == DEGRADED and node.wish(500.0) == SAFE
+    node.flows = 0.5
+    node.drive(300)
+    assert rig.forces[-1].status[0] == GOOD and node.wish(500.0) != SAFE
+    for wild in (65535.0, 1e300, float("nan"), -50.0):
+        before = rig.forces[-1].force[0]
+        node.flow(wild)
+        node.flows = None
+        node.drive(1)
+        assert rig.forces[-1].status[0] == DEGRADED and abs(rig.forces[-1].force[0] - before) < 100.0
+        node.flows = 0.5
+        node.drive(260)
+        assert rig.forces[-1].status[0] == GOOD
+    assert int(rig.fresh_values(": left")["command: values that cannot be"]) >= 4
 
 
 def test_a_command_in_another_unit_comes_back_in_that_unit():
@@ -172,6 +248,7 @@ def test_a_command_in_another_unit_comes_back_in_that_unit():
 
     class Rules:
         safe_current, wish_timeout, command_extrapolating = SAFE, 1.0, False
+        horizon, lead = DECLARATIONS["horizon"].default, 0.0
 
     effects = {"name": "one", "effects": [{"viscous": {}}, {"semi_active_squash": {"gain": 600.0}}]}
     model = load_model_from(effects)
@@ -184,12 +261,12 @@ def test_a_command_in_another_unit_comes_back_in_that_unit():
     sample = np.array([0.0, 0.0, 0.01, 0.3, 0.0, 0.5, np.nan, np.nan])
     sent = {}
     for name, channel in channels.items():
-        follower = Follower("one", deployed_as(model), channel, DECLARATIONS["horizon"].default, 0.0)
+        follower = Follower("one", deployed_with(model, channel), Rules)
         follower.look(sample)
-        follower.wish(700.0, 0.0)
-        (sent[name],) = struct.unpack_from("<d", follower.command(GOOD, 0.0, Rules), 4)
+        follower.ask(700.0, 0.0)
+        sent[name] = follower.command(GOOD, 0.0, Rules).current
         assert follower.tally.followed == 1 and follower.sent == sent[name]
-        assert follower.safe(Rules) == floats(np.array([SAFE]))[0]
+        assert follower.safe(Rules).current == SAFE
     assert 0.0 < sent["plain"] < 2.0
     assert sent["milli"] == pytest.approx(1e3 * sent["plain"])
     assert sent["table"] == pytest.approx(np.interp(sent["plain"], table[1], table[0]))
@@ -201,7 +278,7 @@ def load_model_from(content: dict):
     return parse_model(content, "test")
 
 
-def deployed_as(model):
-    from damper_estimator.model.estimator import deployed
+def deployed_with(model, channel):
+    from damper_estimator.signals import default_signals
 
-    return deployed(model, 60.0, 0.1)
+    return deployed(model, 60.0, 0.1, signals=replace(default_signals("one"), command=channel))

@@ -28,8 +28,8 @@ def checked(rig) -> None:
 
 
 @pytest.mark.parametrize("executor", ["events", "single"])
-def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(executor, start, rig):
-    start(model="linear_viscous", dampers="[left, right]", stale_after=0.2, executor=executor)
+def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(executor, start, identified, rig):
+    start(model=identified("linear_viscous"), dampers="[left, right]", stale_after=0.2, executor=executor)
     rig.ready()
     settle(rig, ["left", "right"])
     last = rig.forces[-1]
@@ -50,8 +50,8 @@ def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(ex
     checked(rig)
 
 
-def test_values_that_cannot_be_are_dropped_counted_and_degrade(shared, rig):
-    shared(rig, model="carrera_akutain")
+def test_values_that_cannot_be_are_dropped_counted_and_degrade(shared, identified, rig):
+    shared(rig, model=identified("carrera_akutain"))
     rig.ready()
     settle(rig)
     before = {k: v for k, v in rig.fresh_values(": left").items()}
@@ -69,8 +69,8 @@ def test_values_that_cannot_be_are_dropped_counted_and_degrade(shared, rig):
     checked(rig)
 
 
-def test_clock_steps_and_disorder_are_dropped_or_begin_anew(shared, rig):
-    shared(rig, model="carrera_akutain")
+def test_clock_steps_and_disorder_are_dropped_or_begin_anew(shared, identified, rig):
+    shared(rig, model=identified("carrera_akutain"))
     rig.ready()
     settle(rig)
     now = rig.stamp
@@ -97,8 +97,8 @@ def test_clock_steps_and_disorder_are_dropped_or_begin_anew(shared, rig):
     checked(rig)
 
 
-def test_names_that_vanish_change_places_or_come_twice_are_looked_up(shared, rig):
-    shared(rig, model="linear_viscous", dampers=["left", "right"])
+def test_names_that_vanish_change_places_or_come_twice_are_looked_up(shared, identified, rig):
+    shared(rig, model=identified("linear_viscous"), dampers=["left", "right"])
     rig.ready()
     settle(rig, ["left", "right"])
     for i in range(300):
@@ -116,8 +116,8 @@ def test_names_that_vanish_change_places_or_come_twice_are_looked_up(shared, rig
     checked(rig)
 
 
-def test_bytes_that_are_no_message_are_counted_and_change_nothing(shared, rig):
-    shared(rig, model="linear_viscous")
+def test_bytes_that_are_no_message_are_counted_and_change_nothing(shared, identified, rig):
+    shared(rig, model=identified("linear_viscous"))
     rig.ready()
     settle(rig)
     random, good = np.random.default_rng(4), joint_state([0.0], ["left"], rig.stamp + MS)
@@ -134,8 +134,8 @@ def test_bytes_that_are_no_message_are_counted_and_change_nothing(shared, rig):
     checked(rig)
 
 
-def test_a_rate_that_changes_and_a_publisher_that_restarts(shared, rig):
-    shared(rig, model="carrera_akutain")
+def test_a_rate_that_changes_and_a_publisher_that_restarts(shared, identified, rig):
+    shared(rig, model=identified("carrera_akutain"))
     rig.ready()
     settle(rig)
     assert rig.drive(150, step=5 * MS)[-1].status[0] == GOOD
@@ -153,9 +153,9 @@ def test_a_rate_that_changes_and_a_publisher_that_restarts(shared, rig):
 
 
 @pytest.mark.parametrize("seconds", [0.5, 2.5])
-def test_a_burst_after_a_stall_is_worked_off_and_nothing_is_lost(seconds, start, rig):
+def test_a_burst_after_a_stall_is_worked_off_and_nothing_is_lost(seconds, start, identified, rig):
     """After a second the middleware's shared memory gives a process up; what is sent reliably comes all the same."""
-    process = start(model="carrera_akutain", dampers="[left]", stale_after=0.2, qos_depth=400)
+    process = start(model=identified("carrera_akutain"), dampers="[left]", stale_after=0.2, qos_depth=400)
     rig.ready()
     settle(rig)
     before, first = len(rig.forces), rig.stamp + MS
@@ -173,12 +173,12 @@ def test_a_burst_after_a_stall_is_worked_off_and_nothing_is_lost(seconds, start,
     assert seconds > 1.0 or not [m for m in rig.forces[before : before + 300] if STALE in m.status]
 
 
-def test_qualities_of_service_that_do_not_match_are_reported_on_both_sides(start, rig):
+def test_qualities_of_service_that_do_not_match_are_reported_on_both_sides(start, identified, rig):
     from damper_msgs.msg import DamperForces
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import Float64
 
-    start(model="coulomb", dampers="[left]")
+    start(model=identified("coulomb"), dampers="[left]")
     rig.ready()
     wanting = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     rig.node.create_subscription(DamperForces, "/damper_estimator/force", lambda _: None, wanting)
@@ -188,10 +188,10 @@ def test_qualities_of_service_that_do_not_match_are_reported_on_both_sides(start
     rig.wait(lambda: "another type" in rig.message("input /suspension/displacement"), "the other type")
 
 
-def test_a_full_disk_stops_recording_and_never_the_estimates(start, rig, tmp_path):
+def test_a_full_disk_stops_recording_and_never_the_estimates(start, identified, rig, tmp_path):
     """A limit on the size of files acts like a disk that is full, for the log as well."""
     start(
-        model="coulomb", dampers="[left]", stale_after=60.0, record=str(tmp_path / "bags"),
+        model=identified("coulomb"), dampers="[left]", stale_after=60.0, record=str(tmp_path / "bags"),
         before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000)),
     )  # fmt: skip
     rig.ready()
@@ -202,8 +202,8 @@ def test_a_full_disk_stops_recording_and_never_the_estimates(start, rig, tmp_pat
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_in_the_middle_of_the_input_ends_it_without_complaint(number, start, rig):
-    process = start(model="carrera_akutain", dampers="[left, right]")
+def test_a_signal_in_the_middle_of_the_input_ends_it_without_complaint(number, start, identified, rig):
+    process = start(model=identified("carrera_akutain"), dampers="[left, right]")
     rig.ready()
     rig.drive(50, ["left", "right"])
     for _ in range(200):
@@ -222,8 +222,8 @@ def without_the_right_to_priorities() -> None:
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 
 
-def test_a_priority_that_is_not_allowed_is_told_and_the_node_goes_on(start, rig):
-    process = start(model="coulomb", dampers="[left]", realtime_priority=50, before=without_the_right_to_priorities)
+def test_a_priority_that_is_not_allowed_is_told_and_the_node_goes_on(start, identified, rig):
+    process = start(model=identified("coulomb"), dampers="[left]", realtime_priority=50, before=without_the_right_to_priorities)
     rig.ready()
     assert rig.drive(5)
     process.terminate()

@@ -148,7 +148,7 @@ def test_signal_map_and_slow_channels_act_live_as_they_do_off_line(start, player
     assert outcome.is_equal, outcome
 
 
-def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line(start, player, tmp_path):
+def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line(start, identified, player, tmp_path):
     """The accelerometer falls silent on the way."""
     stamps, position = motion(500)
     current = "/suspension/left/current"
@@ -167,8 +167,9 @@ def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line
             ),
             Stream(TOPIC, JOINT_STATE, stamps, joint_states(["left"], stamps, position=position[:, :1])),
         ])  # fmt: skip
-    output = replayed(tmp_path / "bag.mcap", "semi_active_on_mount", "-s", str(tmp_path / "map.yaml"))
-    start(model="semi_active_on_mount", signals=tmp_path / "map.yaml")
+    model = identified("semi_active_on_mount", command=[0.0, 1.8])
+    output = replayed(tmp_path / "bag.mcap", model, "-s", str(tmp_path / "map.yaml"))
+    start(model=model, signals=tmp_path / "map.yaml")
     outcome = rehearsed(player, output, tmp_path / "map.yaml")
     assert outcome.replayed == 500
     assert outcome.is_equal, outcome

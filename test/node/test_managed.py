@@ -88,13 +88,13 @@ def test_a_model_is_exchanged_while_it_runs_or_refused_and_the_old_one_goes_on(s
     assert slope(rig.forces[-1]) == pytest.approx(FORCE_OF["soft"])
 
 
-def test_the_input_is_answered_while_a_model_is_loaded(start, rig):
+def test_the_input_is_answered_while_a_model_is_loaded(start, identified, rig):
     """Forty dampers take their time; nothing of it is seen in the answers to the one that is there."""
     from rcl_interfaces.srv import SetParametersAtomically
     from rclpy.parameter import Parameter
 
     stale_after = 0.3
-    start(model="coulomb", dampers="[left]", stale_after=stale_after)
+    start(model=identified("coulomb"), dampers="[left]", stale_after=stale_after)
     rig.ready()
     client = rig.node.create_client(SetParametersAtomically, f"{rig.name}/set_parameters_atomically")
     rig.wait(client.service_is_ready, "the service")

@@ -5,34 +5,23 @@ import pytest
 
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import DamperModel, make_element
-from damper_estimator.model.estimator import deployed
-from damper_estimator.model.live_line import LiveLine
-from damper_estimator.model.status import (
-    DEGRADED,
-    GOOD,
-    JUMPS,
-    LATE,
-    LEVELS,
-    NOISE,
-    STEP,
-    VARIANCE,
-    WARMING_UP,
-    velocity_noise,
-)
+from damper_estimator.runtime import DEGRADED, GOOD, JUMPS, LATE, WARMING_UP, Line, deployed
+from damper_estimator.runtime.status import NOISE
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
 
 MS = 1_000_000
-MODEL = DamperModel("m", "", (make_element(find_effect("linear_viscous")),))
+FIT = {"residual_stddev": 10.0, "region": {"velocity": [-9.0, 9.0]}}
+MODEL = DamperModel("m", "", (make_element(find_effect("linear_viscous")),), fit=FIT)
 
 
 def driven(stamp, displacement, cutoff=60.0):
     """Status of every sample of one damper, and the line behind them."""
-    line = LiveLine()
+    line = Line()
     line.add("one", deployed(MODEL, cutoff, 0.1))
     status = []
     for now, value in zip(stamp.tolist(), displacement, strict=True):
         line.step(now, np.array([value]), np.ones(1, bool))
-        status.append(int(line.status[0]))
+        status.append(int(line.answered.status[0, 0]))
     return np.array(status), line
 
 
@@ -46,13 +35,13 @@ def test_motion_alone_never_degrades_at_any_rate(step):
     jitter = np.random.default_rng(1).integers(-int(0.3 * step * MS), int(0.3 * step * MS), stamp.size)
     status, line = driven(stamp + jitter, motion(stamp + jitter))
     assert set(status) == {WARMING_UP, GOOD}
-    assert line.counts[0, JUMPS] == line.counts[0, LATE] == 0
+    assert line.records["counts"][0, JUMPS] == line.records["counts"][0, LATE] == 0
 
 
 def test_a_change_of_rate_is_noticed_once_and_forgotten():
     stamp = np.cumsum(np.repeat([1, 10, 1], [1000, 100, 1000])) * MS
     status, line = driven(stamp, motion(stamp))
-    assert line.counts[0, LATE] > 0
+    assert line.records["counts"][0, LATE] > 0
     assert status[999] == GOOD and status[1000] == DEGRADED and status[1099] == GOOD and (status[1100:] == GOOD).all()
 
 
@@ -74,7 +63,7 @@ def test_a_fault_degrades_for_a_fifth_of_a_second(fault, counter):
     assert times.size > 150 and times.min() >= 499 * MS and times.max() < 725 * MS
     assert (status[stamp >= 725 * MS] == GOOD).all() and (status[(stamp > 200 * MS) & (stamp < 499 * MS)] == GOOD).all()
     if counter is not None:
-        assert line.counts[0, counter] == 1
+        assert line.records["counts"][0, counter] == 1
 
 
 @pytest.mark.parametrize("cutoff, step", [(60.0, 1.0), (20.0, 1.0), (60.0, 0.25)])
@@ -84,9 +73,10 @@ def test_the_noise_of_the_velocity_is_foretold(cutoff, step):
     noise = sigma * np.random.default_rng(2).standard_normal(count)
     x, v, a = np.empty((3, count))
     differentiate(cutoff, np.full(count, step * 1e-3), noise, np.zeros(STATE_SIZE), x, v, a)
-    levels = np.zeros(LEVELS)
-    levels[STEP], levels[VARIANCE] = step * 1e-3, sigma**2
-    assert velocity_noise(cutoff, levels) == pytest.approx(v[5000:].std(), rel=0.12)
+    line = Line()
+    line.add("one", deployed(MODEL, cutoff, 0.1))
+    line.records["step"], line.records["variance"] = step * 1e-3, sigma**2
+    assert line.velocity_noise(0) == pytest.approx(v[5000:].std(), rel=0.12)
 
 
 def test_noise_is_told_from_motion():
@@ -94,6 +84,6 @@ def test_noise_is_told_from_motion():
     noise = np.random.default_rng(3).standard_normal(stamp.size)
     quiet, line = driven(stamp, motion(stamp) + 1e-4 * noise)
     assert (quiet[1000:] == GOOD).all()
-    assert velocity_noise(60.0, line.levels[0]) == pytest.approx(0.0094, rel=0.5)
+    assert line.velocity_noise(0) == pytest.approx(0.0094, rel=0.5)
     loud, line = driven(stamp, motion(stamp) + 2e-3 * noise)
-    assert (loud[1000:] == DEGRADED).all() and velocity_noise(60.0, line.levels[0]) > NOISE
+    assert (loud[1000:] == DEGRADED).all() and line.velocity_noise(0) > NOISE

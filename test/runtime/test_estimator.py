@@ -11,7 +11,7 @@ from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, make_element
 from damper_estimator.model.element import Element
-from damper_estimator.model.estimator import DEGRADED, EXTRAPOLATING, GOOD, WARMING_UP, DamperEstimator
+from damper_estimator.runtime import DEGRADED, EXTRAPOLATING, GOOD, WARMING_UP, DamperEstimator, deployed
 from damper_estimator.signals.admission import NON_FINITE
 from damper_estimator.signals.layout import TEMPERATURE, V
 
@@ -22,7 +22,8 @@ def entry(name, **values):
     return make_element(find_effect(name), values)
 
 
-MODEL = DamperModel("m", "", (entry("leak_blow_off_port"), entry("gas_spring"), entry("force_lag")))
+FIT = {"residual_stddev": 12.0, "region": {"velocity": [-9.0, 9.0]}}
+MODEL = DamperModel("m", "", (entry("leak_blow_off_port"), entry("gas_spring"), entry("force_lag")), fit=FIT)
 
 
 def recording(size, seed=0):
@@ -43,8 +44,8 @@ def same(a, b):
 @settings(max_examples=25, deadline=None)
 def test_blocks_of_any_size_give_the_same_bits(seed, splits):
     stamp, displacement = recording(240, seed)
-    whole = DamperEstimator(MODEL, 60.0, 0.1).block(stamp, displacement)
-    live, first, parts = DamperEstimator(MODEL, 60.0, 0.1), 0, []
+    whole = DamperEstimator(deployed(MODEL, 60.0, 0.1)).block(stamp, displacement)
+    live, first, parts = DamperEstimator(deployed(MODEL, 60.0, 0.1)), 0, []
     for size in [*splits, *([1] * 240)]:
         if first < 240:
             parts.append(live.block(stamp[first : first + size], displacement[first : first + size]))
@@ -56,7 +57,7 @@ def test_blocks_of_any_size_give_the_same_bits(seed, splits):
 
 def test_warms_up_after_every_reset():
     stamp = (np.concatenate([np.arange(150), np.arange(150) + 250]) * 2 * MS).astype(np.int64)
-    status = DamperEstimator(MODEL, 60.0, 0.1).block(stamp, np.zeros(300)).status
+    status = DamperEstimator(deployed(MODEL, 60.0, 0.1)).block(stamp, np.zeros(300)).status
     assert (status[:100] == WARMING_UP).all() and (status[100:150] == GOOD).all()
     assert (status[150:250] == WARMING_UP).all() and (status[250:] == GOOD).all()
 
@@ -66,7 +67,7 @@ def test_outside_the_region_of_the_fit_it_extrapolates():
         "m", "", (entry("linear_viscous"),), fit={"region": {"displacement": [-0.01, 0.01]}, "residual_stddev": 12.0}
     )
     stamp = np.arange(300) * 2 * MS
-    estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, np.clip((stamp / 1e9 - 0.4) * 0.5, 0.0, 0.05))
+    estimates = DamperEstimator(deployed(model, 60.0, 0.1)).block(stamp, np.clip((stamp / 1e9 - 0.4) * 0.5, 0.0, 0.05))
     assert estimates.status[120] == GOOD and estimates.status[-1] == EXTRAPOLATING
     assert (estimates.stddev == 12.0).all()
 
@@ -74,7 +75,7 @@ def test_outside_the_region_of_the_fit_it_extrapolates():
 def test_a_force_that_is_not_finite_is_never_good():
     model = DamperModel("m", "", (entry("command_lag"), entry("linear_viscous"), entry("coulomb")))
     stamp = np.arange(300) * 2 * MS
-    estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, np.sin(stamp * 1e-9))
+    estimates = DamperEstimator(deployed(model, 60.0, 0.1)).block(stamp, np.sin(stamp * 1e-9))
     assert np.isfinite(estimates.force[estimates.status == GOOD]).all()
 
 
@@ -88,10 +89,10 @@ def lost_when_hot(parameters, settings, kinematics, state, force):
 def test_what_is_published_is_finite_where_the_model_gives_no_force_and_degraded(heat):
     """The last force is held, none before the first; the model and its state start anew afterwards."""
     effect = Effect(kernel=lost_when_hot, kind="source", name="lost_when_hot")
-    model = DamperModel("m", "", (Element(effect, {}, {}), entry("linear_viscous")))
+    model = DamperModel("m", "", (Element(effect, {}, {}), entry("linear_viscous")), fit=FIT)
     stamp = np.arange(500) * 2 * MS
     temperature = np.where((stamp >= heat[0] * MS) & (stamp < heat[1] * MS), 200.0, 20.0)
-    estimates = DamperEstimator(model, 60.0, 0.1).block(stamp, 0.01 * np.sin(stamp * 1e-8), temperature=temperature)
+    estimates = DamperEstimator(deployed(model, 60.0, 0.1)).block(stamp, 0.01 * np.sin(stamp * 1e-8), temperature=temperature)
     lost = np.isnan(estimates.force)
     assert np.array_equal(lost, temperature > 100.0) and (estimates.status[lost] == DEGRADED).all()
     first = int(np.argmax(lost))
@@ -101,17 +102,17 @@ def test_what_is_published_is_finite_where_the_model_gives_no_force_and_degraded
 
 
 def test_without_the_command_that_it_was_fitted_with_it_extrapolates():
-    model = DamperModel("m", "", (entry("semi_active_squash"),), fit={"region": {"command": [0.0, 2.0]}})
+    model = DamperModel("m", "", (entry("semi_active_squash"),), fit=FIT | {"region": {"command": [0.0, 2.0]}})
     stamp = np.arange(300) * 2 * MS
-    command = np.where(stamp < 400 * MS, 1.0, np.nan)
-    status = DamperEstimator(model, 60.0, 0.1).block(stamp, np.zeros(300), command).status
-    assert (status[100:200] == GOOD).all() and (status[200:] == EXTRAPOLATING).all()
+    command = np.where(stamp < 400 * MS, np.nan, 1.0)
+    status = DamperEstimator(deployed(model, 60.0, 0.1)).block(stamp, np.zeros(300), command).status
+    assert (status[100:200] == EXTRAPOLATING).all() and (status[200:] == GOOD).all()
 
 
 def test_absurd_displacement_is_dropped_and_leaves_only_a_mark():
     stamp = np.arange(300) * 2 * MS
-    clean = DamperEstimator(MODEL, 60.0, 0.1).block(np.delete(stamp, 200), np.zeros(299))
-    hit = DamperEstimator(MODEL, 60.0, 0.1).block(stamp, np.where(stamp == 400 * MS, 1e306, 0.0))
+    clean = DamperEstimator(deployed(MODEL, 60.0, 0.1)).block(np.delete(stamp, 200), np.zeros(299))
+    hit = DamperEstimator(deployed(MODEL, 60.0, 0.1)).block(stamp, np.where(stamp == 400 * MS, 1e306, 0.0))
     assert hit.verdict[200] == NON_FINITE
     assert same(clean.fields() | {"status": 0}, hit.fields() | {"status": 0})
     assert (hit.status[200:298] == DEGRADED).all() and (clean.status[200:] == GOOD).all()
@@ -122,9 +123,9 @@ def test_absurd_displacement_is_dropped_and_leaves_only_a_mark():
 )
 def test_what_a_model_knows_of_its_fit_must_be_numbers(fit):
     with pytest.raises(InputError, match=next(iter(fit))):
-        DamperEstimator(DamperModel("m", "", (entry("linear_viscous"),), fit=fit), 60.0, 0.1)
+        DamperEstimator(deployed(DamperModel("m", "", (entry("linear_viscous"),), fit=fit), 60.0, 0.1))
 
 
 def test_models_with_effects_of_the_measurement_chain_are_refused():
     with pytest.raises(InputError, match="force_offset"):
-        DamperEstimator(DamperModel("m", "", (entry("linear_viscous"), entry("force_offset"))), 60.0, 0.1)
+        DamperEstimator(deployed(DamperModel("m", "", (entry("linear_viscous"), entry("force_offset"))), 60.0, 0.1))

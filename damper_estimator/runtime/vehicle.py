@@ -2,8 +2,8 @@
 
 One output message answers one displacement message; it holds the dampers that this message moved (a sample
 that is dropped moves none), in the order in which the line was given its dampers (that of the signal map).
-``replay`` runs on this. The node follows the same rule message by message, on the same ``DamperEstimator``; a
-test over DDS holds the two together bit for bit.
+``replay`` runs on this. The node follows the same rule message by message, on the same line; a test over DDS holds the
+two together bit for bit.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damper_estimator.model.estimator import DamperEstimator, Estimates
+from damper_estimator.runtime.estimates import Estimates
+from damper_estimator.runtime.estimator import DamperEstimator, Held
+from damper_estimator.runtime.record import SLOW
 from damper_estimator.signals.admission import DUPLICATE
-
-SLOW = ("command", "temperature", "pressure")
 
 
 @dataclass(frozen=True)
@@ -50,21 +50,21 @@ class ForceMessages:
 
 
 class HeldChannel:
-    """A slow channel: the last value that has arrived, and its stamp."""
+    """A slow channel: the last value that has arrived, how many have, and the last one's stamp."""
 
     def __init__(self) -> None:
-        self.value, self.stamp = float("nan"), 0
+        self._last = Held()
 
-    def at(self, rank: np.ndarray, arrivals: Arrivals | None) -> tuple[np.ndarray | float, np.ndarray | int]:
-        """Value and stamp in ns held when the messages of these ranks (n,) came; carries the last ones over to the
-        next block."""
+    def at(self, rank: np.ndarray, arrivals: Arrivals | None) -> Held:
+        """What was held when the messages of these ranks (n,) came; carries the last over to the next block."""
+        last = self._last
         if arrivals is None or not arrivals.rank.size:
-            return self.value, self.stamp
-        values = np.concatenate([[self.value], arrivals.value])
-        stamps = np.concatenate([np.array([self.stamp], np.int64), arrivals.stamp])
-        self.value, self.stamp = float(values[-1]), int(stamps[-1])
+            return last
+        values = np.concatenate([[last.value], arrivals.value])
+        stamps = np.concatenate([np.array([last.stamp], np.int64), arrivals.stamp])
+        self._last = Held(float(values[-1]), last.heard + arrivals.rank.size, int(stamps[-1]))
         place = np.searchsorted(arrivals.rank, rank, side="right")
-        return values[place], stamps[place]
+        return Held(values[place], last.heard + place, stamps[place])
 
 
 class VehicleLine:
@@ -103,9 +103,8 @@ class VehicleLine:
             own, given = displacement.get(name), slow.get(name, {})
             rank = own.rank if own is not None else np.zeros(0, np.int64)
             held = {role: channel.at(rank, given.get(role)) for role, channel in self._held[name].items()}
-            values = {role: value for role, (value, _) in held.items()}
             if own is not None and rank.size:
-                estimates[name] = estimator.block(own.stamp, own.value, felt_at=held["acceleration"][1], **values)
+                estimates[name] = estimator.take(own.stamp, own.value, held)
                 if name in self._reaches:
                     reach = self._reaches[name](estimates[name].kinematics.block)
                     estimates[name] = replace(estimates[name], reach=reach)

@@ -5,8 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from damper_estimator.model import load_model
-from damper_estimator.model.estimator import FIELDS, DamperEstimator, deployed
-from damper_estimator.model.live_line import ABSENT, LiveLine
+from damper_estimator.runtime import ABSENT, FIELDS, DamperEstimator, Held, Line, deployed
 from damper_estimator.signals import Fusion
 from damper_estimator.signals.admission import DUPLICATE
 
@@ -38,23 +37,26 @@ def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead, fu
     stamp, displacement, present, command = faulty(300, seed)
     felt, felt_at = np.random.default_rng(seed).standard_normal(300), stamp.copy()
     felt[50:80], felt_at[200:] = np.nan, felt_at[199]  # unknown for a while, then silent
-    line = LiveLine()
+    line, heard = Line(), np.cumsum(np.random.default_rng(seed).random(300) < 0.3)
     for name, model in zip(NAMES, MODELS, strict=True):
         line.add(name, deployed(model, cutoff, 0.1, lead, fusion))
     verdicts, status, numbers = [], [], []
     for i in range(stamp.size):
-        line.held[0], line.felt[:], line.felt_at[:] = command[i], felt[i], felt_at[i]
+        arrived = line.arrived
+        arrived.slow[0, 0], arrived.heard[0, 0] = command[i], heard[i]
+        arrived.felt[0], arrived.felt_at[0] = felt[i], felt_at[i]
         count = line.step(stamp[i], displacement[i], present[i])
-        verdicts.append(line.verdicts.copy())
-        status.append(line.status.copy())
-        numbers.append(line.estimates.copy())
-        assert count == np.count_nonzero((line.verdicts >= 0) & (line.verdicts < DUPLICATE))
+        verdict = line.answered.verdict[0]
+        verdicts.append(verdict.copy())
+        status.append(line.answered.status[0].copy())
+        numbers.append(line.answered.numbers[0].copy())
+        assert count == np.count_nonzero((verdict >= 0) & (verdict < DUPLICATE))
     verdicts, status, numbers = np.array(verdicts), np.array(status), np.array(numbers)
     for d, model in enumerate(MODELS):
         there = present[:, d]
-        estimator = DamperEstimator(model, cutoff, 0.1, lead, fusion)
-        slow = {"command": command[there], "acceleration": felt[there], "felt_at": felt_at[there]}
-        whole = estimator.block(stamp[there], displacement[there, d], **slow)
+        estimator = DamperEstimator(deployed(model, cutoff, 0.1, lead, fusion))
+        held = {"command": Held(command[there], heard[there]), "acceleration": Held(felt[there], 0, felt_at[there])}
+        whole = estimator.take(stamp[there], displacement[there, d], held)
         assert (verdicts[~there, d] == ABSENT).all() and np.array_equal(verdicts[there, d], whole.verdict)
         good = there & (verdicts[:, d] < DUPLICATE)
         assert np.array_equal(status[good, d], whole.status)
@@ -65,7 +67,7 @@ def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead, fu
 
 def test_a_damper_that_is_added_leaves_the_others_as_they_were():
     stamp, displacement, _, _ = faulty(200, 1)
-    everyone, alone, grown = (LiveLine() for _ in range(3))
+    everyone, alone, grown = (Line() for _ in range(3))
     for name, model in zip(NAMES[:2], MODELS, strict=False):
         everyone.add(name, deployed(model, 60.0, 0.1))
     alone.add(NAMES[0], deployed(MODELS[0], 60.0, 0.1))
@@ -73,18 +75,18 @@ def test_a_damper_that_is_added_leaves_the_others_as_they_were():
     for i in range(200):
         if i == 100:
             grown.add(NAMES[1], deployed(MODELS[1], 60.0, 0.1))
-            everyone = LiveLine()
+            everyone = Line()
             everyone.add(NAMES[1], deployed(MODELS[1], 60.0, 0.1))
         for line in (alone, grown):
             line.step(stamp[i], displacement[i, : len(line.names)], np.ones(len(line.names), bool))
-        assert np.array_equal(grown.estimates[:, 0], alone.estimates[:, 0], equal_nan=True)
+        assert np.array_equal(grown.answered.numbers[0, :, 0], alone.answered.numbers[0, :, 0], equal_nan=True)
         if i >= 100:
             everyone.step(stamp[i], displacement[i, 1:2], np.ones(1, bool))
-            assert np.array_equal(grown.estimates[:, 1], everyone.estimates[:, 0], equal_nan=True)
+            assert np.array_equal(grown.answered.numbers[0, :, 1], everyone.answered.numbers[0, :, 0], equal_nan=True)
 
 
 def test_two_lines_share_a_model_but_no_state():
-    one, other = LiveLine(), LiveLine()
+    one, other = Line(), Line()
     for line in (one, other):
         line.add("a", deployed(MODELS[1], 60.0, 0.1))
         line.add("b", deployed(MODELS[1], 60.0, 0.1))
@@ -92,8 +94,8 @@ def test_two_lines_share_a_model_but_no_state():
         one.step(i * MS, np.full(2, 0.001 * i), np.ones(2, bool))
     assert len(MODELS[1].program.kernels) == len(kernels_of(MODELS[1]))
     other.step(50 * MS, np.full(2, 0.05), np.ones(2, bool))
-    fresh = DamperEstimator(MODELS[1], 60.0, 0.1).block(np.array([50 * MS]), np.array([0.05]))
-    assert other.estimates[FIELDS.index("force")].tolist() == [fresh.given[0]] * 2
+    fresh = DamperEstimator(deployed(MODELS[1], 60.0, 0.1)).block(np.array([50 * MS]), np.array([0.05]))
+    assert other.answered.numbers[0, FIELDS.index("force")].tolist() == [fresh.given[0]] * 2
 
 
 def kernels_of(model):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.model.estimator import Estimates
+from damper_estimator.runtime.estimates import Estimates
 from damper_estimator.signals.admission import ACCEPTED, DUPLICATE, STEP_BACK, Admission
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
 from damper_estimator.signals.signal_map import DamperSignals

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.model.estimator import DamperEstimator
-from damper_estimator.model.vehicle_line import Arrivals, HeldChannel, VehicleLine, together
+from damper_estimator.runtime import Arrivals, DamperEstimator, HeldChannel, VehicleLine, deployed, together
 
 MODEL = DamperModel("viscous", "", (make_element(find_effect("linear_viscous")),))
 
@@ -24,24 +23,26 @@ def arrivals(rank, value):
 )  # fmt: skip
 def test_a_held_channel_is_the_last_value_that_arrived_however_the_blocks_are_cut(messages, cuts):
     """Each message is either a value of the channel or a question for it."""
-    expected, last = [], np.nan
+    expected, counts, last, count = [], [], np.nan, 0
     for is_value, value in messages:
         if is_value:
-            last = value
+            last, count = value, count + 1
         else:
             expected.append(last)
-    channel, got = HeldChannel(), []
+            counts.append(count)
+    channel, got, heard = HeldChannel(), [], []
     edges = sorted({0, len(messages), *(cut for cut in cuts if cut < len(messages))})
     for first, end in zip(edges, edges[1:], strict=False):
         own = [i for i in range(first, end) if messages[i][0]]
         asked = np.array([i for i in range(first, end) if not messages[i][0]], np.int64)
         held = channel.at(asked, arrivals(own, [messages[i][1] for i in own]) if own else None)
-        got += np.broadcast_to(held[0], asked.shape).tolist()
-    assert np.array_equal(got, expected, equal_nan=True)
+        got += np.broadcast_to(held.value, asked.shape).tolist()
+        heard += np.broadcast_to(held.heard, asked.shape).tolist()
+    assert np.array_equal(got, expected, equal_nan=True) and heard == counts
 
 
 def test_slow_channels_reach_the_estimates():
-    line = VehicleLine({"one": DamperEstimator(MODEL, 60.0, 0.1)})
+    line = VehicleLine({"one": DamperEstimator(deployed(MODEL, 60.0, 0.1))})
     moved = arrivals([0, 2, 4, 6], [0.0, 0.001, 0.002, 0.003])
     _, estimates = line.block({"one": moved}, {"one": {"temperature": arrivals([1, 5], [20.0, 30.0])}})
     assert np.array_equal(estimates["one"].kinematics.temperature, [np.nan, 20.0, 20.0, 30.0], equal_nan=True)
@@ -51,7 +52,7 @@ def test_slow_channels_reach_the_estimates():
 
 
 def test_dampers_of_one_message_stand_together_in_the_order_of_the_line():
-    line = VehicleLine({name: DamperEstimator(MODEL, 60.0, 0.1) for name in ("b", "a")})
+    line = VehicleLine({name: DamperEstimator(deployed(MODEL, 60.0, 0.1)) for name in ("b", "a")})
     messages, _ = line.block(
         {"a": arrivals([0, 1, 2], [0.0, np.nan, 0.1]), "b": arrivals([0, 1, 3], [0.0, 0.1, 0.2])}, {}
     )
@@ -61,7 +62,7 @@ def test_dampers_of_one_message_stand_together_in_the_order_of_the_line():
 
 
 def test_a_block_without_displacement_gives_no_message():
-    line = VehicleLine({"a": DamperEstimator(MODEL, 60.0, 0.1)})
+    line = VehicleLine({"a": DamperEstimator(deployed(MODEL, 60.0, 0.1))})
     assert line.block({}, {"a": {"command": arrivals([0], [1.0])}}) == ([], {})
     assert line.block({"a": arrivals([1], [np.nan])}, {})[0] == []
 

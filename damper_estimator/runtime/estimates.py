@@ -1,0 +1,49 @@
+"""What the line gives: estimates of one damper, under the names of damper_msgs/DamperForces."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.signals import Kinematics
+
+FIELDS = (
+    "displacement", "velocity", "acceleration", "force", "force_stddev", "force_min", "force_max",
+    "dforce_dvelocity", "dforce_dcurrent",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """Estimates for the good ones among the samples that came.
+
+    Attributes:
+        kinematics: of the good samples, (n,).
+        force: (n,) N; NaN where the model gave no finite number.
+        given: (n,) N, what is published: the force, where that is not finite the last finite one (0 before the first).
+        stddev: (n,) N, the standard deviation of the fit's residual; NaN where the model was not fitted.
+        status: (n,) uint8, the constants of damper_msgs/DamperForces.
+        verdict: what became of each sample that came (``signals.admission``).
+        reach: (4, n), what can be reached by command and the slopes, from force_min to dforce_dcurrent; None where the
+            force depends on none.
+    """
+
+    kinematics: Kinematics
+    force: np.ndarray
+    given: np.ndarray
+    stddev: np.ndarray
+    status: np.ndarray
+    verdict: np.ndarray
+    reach: np.ndarray | None = None
+
+    def fields(self) -> dict[str, np.ndarray]:
+        """The numeric fields of damper_msgs/DamperForces, each (n,); NaN means not available."""
+        reach = np.full((4, self.force.size), np.nan) if self.reach is None else self.reach
+        return {
+            "displacement": self.kinematics.displacement,
+            "velocity": self.kinematics.velocity,
+            "acceleration": self.kinematics.acceleration,
+            "force": self.given,
+            "force_stddev": self.stddev,
+            **dict(zip(FIELDS[5:], reach, strict=True)),
+            "status": self.status,
+        }

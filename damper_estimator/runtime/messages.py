@@ -1,0 +1,117 @@
+"""What comes in and what goes out when messages pass a line: arrays over n messages and k dampers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.runtime.estimates import FIELDS, Estimates
+from damper_estimator.runtime.record import SLOW
+from damper_estimator.signals import Kinematics
+from damper_estimator.signals.admission import DUPLICATE
+from damper_estimator.signals.layout import ROWS
+
+ABSENT = -1  # verdict on a damper that was not in the message
+
+
+@dataclass(frozen=True, eq=False)
+class Arrived:
+    """What has arrived when each of n messages comes, for k dampers.
+
+    Attributes:
+        stamp: (n,) int64 ns.
+        displacement: (n, k) m; valid where ``present`` (n, k) bool.
+        suspect: (n,) uint8, 1 where the message's sender is in doubt.
+        slow: (n, 3, k) last values of the slow channels in order of ``SLOW``, NaN before the first; ``heard``:
+            (n, 3, k) int64, how many messages of each had arrived.
+        felt, felt_at: (n, k) m/s^2 and int64 ns, last values and stamps of the accelerometers.
+    """
+
+    stamp: np.ndarray
+    displacement: np.ndarray
+    present: np.ndarray
+    suspect: np.ndarray
+    slow: np.ndarray
+    heard: np.ndarray
+    felt: np.ndarray
+    felt_at: np.ndarray
+
+    @classmethod
+    def nothing(cls, messages: int, dampers: int) -> "Arrived":
+        """So many messages that hold all dampers, without slow channels, to be filled in."""
+        n, k = messages, dampers
+        return cls(
+            np.zeros(n, np.int64), np.zeros((n, k)), np.ones((n, k), bool), np.zeros(n, np.uint8),
+            np.full((n, len(SLOW), k), np.nan), np.zeros((n, len(SLOW), k), np.int64),
+            np.full((n, k), np.nan), np.zeros((n, k), np.int64),
+        )  # fmt: skip
+
+    def with_one_more(self) -> "Arrived":
+        """The same with one more damper, of which nothing has arrived."""
+        one = Arrived.nothing(self.stamp.size, 1)
+        joined = (
+            np.concatenate([old, new], axis=-1) if old.ndim > 1 else old
+            for old, new in zip(self.parts(), one.parts(), strict=True)
+        )
+        return Arrived(*joined)
+
+    def parts(self) -> tuple[np.ndarray, ...]:
+        """The arrays in order of the attributes."""
+        return (
+            self.stamp, self.displacement, self.present, self.suspect, self.slow, self.heard, self.felt, self.felt_at,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """What n messages brought about, for k dampers.
+
+    Attributes:
+        verdict: (n, k) int64, what became of each sample (``signals.admission``), or ABSENT. The others are valid where
+            it is below DUPLICATE.
+        status: (n, k) uint8; ``trusted``: the same without what the command says of the region (``status``).
+        modelled: (n, k) N, the model's force; not finite where it gave none.
+        numbers: (n, 9, k) numbers of damper_msgs/DamperForces by ``FIELDS``; what can be reached stays as it is.
+        blocks: (k, 8, n) samples in the rows of ``signals.layout``.
+    """
+
+    verdict: np.ndarray
+    status: np.ndarray
+    trusted: np.ndarray
+    modelled: np.ndarray
+    numbers: np.ndarray
+    blocks: np.ndarray
+
+    @classmethod
+    def room_for(cls, messages: int, dampers: int) -> "Answered":
+        """To be filled in."""
+        n, k = messages, dampers
+        return cls(
+            np.full((n, k), ABSENT, np.int64), np.zeros((n, k), np.uint8), np.zeros((n, k), np.uint8),
+            np.zeros((n, k)), np.full((n, len(FIELDS), k), np.nan), np.zeros((k, ROWS, n)),
+        )  # fmt: skip
+
+    def with_one_more(self) -> "Answered":
+        """The same with one more damper, which has no estimate yet."""
+        one = Answered.room_for(self.verdict.shape[0], 1)
+        axes = (-1, -1, -1, -1, -1, 0)
+        pairs = zip(self.parts(), one.parts(), axes, strict=True)
+        return Answered(*(np.concatenate([old, new], axis) for old, new, axis in pairs))
+
+    def parts(self) -> tuple[np.ndarray, ...]:
+        """The arrays in order of the attributes."""
+        return self.verdict, self.status, self.trusted, self.modelled, self.numbers, self.blocks
+
+    def of(self, damper: int, stamp: np.ndarray) -> Estimates:
+        """The estimates of the damper of this number; ``stamp`` (n,) ns of the messages."""
+        verdict = self.verdict[:, damper]
+        good = (verdict > ABSENT) & (verdict < DUPLICATE)
+        block = np.ascontiguousarray(self.blocks[damper][:, good])
+        modelled = self.modelled[good, damper]
+        return Estimates(
+            Kinematics(stamp[good], block),
+            np.where(np.isfinite(modelled), modelled, np.nan),
+            self.numbers[good, FIELDS.index("force"), damper],
+            self.numbers[good, FIELDS.index("force_stddev"), damper],
+            self.status[good, damper],
+            verdict[verdict > ABSENT],
+        )

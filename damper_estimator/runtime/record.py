@@ -1,0 +1,97 @@
+"""What the line carries for one damper, as one record of a structured array: settings that stay, and the running state.
+
+A record costs a call into compiled code as much as one array, however many fields it has, and its fields have names.
+"""
+
+import numpy as np
+
+from damper_estimator.signals.admission import NON_FINITE
+from damper_estimator.signals.butterworth import STATE_SIZE
+from damper_estimator.signals.fusion import FUSION_SIZE, NOISES
+from damper_estimator.signals.layout import COMMAND, PRESSURE, ROWS, TEMPERATURE, A, V, X
+
+GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
+SLOW = ("command", "temperature", "pressure")  # the rows of the block from COMMAND on
+# Rows of the block by the name under which a fit records its region of validity.
+REGION_ROWS = {
+    "displacement": X, "velocity": V, "acceleration": A,
+    "command": COMMAND, "temperature": TEMPERATURE, "pressure": PRESSURE,
+}  # fmt: skip
+
+# Counts: the verdicts (0 to 6) of ``signals.admission``; faults of the displacement, the model and the sender; values
+# of the slow channels that cannot be, and samples for which one was silent, by row; then one per status.
+JUMPS, LATE, NOT_FINITE, SUSPECT = range(NON_FINITE + 1, NON_FINITE + 5)
+IMPLAUSIBLE = SUSPECT + 1
+SILENT = IMPLAUSIBLE + len(SLOW)
+BY_STATUS = SILENT + len(SLOW)
+COUNTS = BY_STATUS + STALE + 1
+
+RECORD = np.dtype(
+    [
+        # The program: rows of the table of operations, states, registers, whether it has series operations.
+        ("first_row", "i8"),
+        ("last_row", "i8"),
+        ("first_state", "i8"),
+        ("last_state", "i8"),
+        ("motions", "i8"),
+        ("forces", "i8"),
+        ("series", "i8"),
+        # Settings.
+        ("max_gap", "i8"),  # ns
+        ("cutoff", "f8"),  # Hz, 0: unfiltered
+        ("noise_cutoff", "f8"),  # Hz of the filter through which the displacement's noise reaches the velocity
+        ("lead", "f8"),  # s
+        ("stddev", "f8"),  # N
+        ("fuses", "i8"),  # whether an accelerometer is taken in
+        ("noises", "f8", (NOISES,)),
+        ("bounds", "f8", (ROWS, 2)),  # region of the fit, infinite where it has none
+        ("identified", "i8"),
+        # Settings of the slow channels.
+        ("low", "f8", (len(SLOW),)),  # values beyond cannot be
+        ("high", "f8", (len(SLOW),)),
+        ("max_age", "f8", (len(SLOW),)),  # s
+        ("adaptive", "i8", (len(SLOW),)),  # whether several usual intervals without a message are too old already
+        ("matters", "i8", (len(SLOW),)),  # whether the model's force depends on the channel
+        ("memory", "i8", (len(SLOW),)),  # ns for which the force remembers a wrong value
+        # State of admission, filter, fusion and model.
+        ("begun", "i8"),
+        ("origin", "i8"),  # ns, first stamp
+        ("admission", "i8", (2,)),
+        ("filter", "f8", (STATE_SIZE,)),
+        ("fused", "f8", (FUSION_SIZE,)),
+        ("restart", "i8", (1,)),
+        # State of the slow channels: last value that can be, messages heard, stamp of the first sample after the last
+        # of them, usual interval in s, whether the last message held a value that cannot be.
+        ("held", "f8", (len(SLOW),)),
+        ("heard", "i8", (len(SLOW),)),
+        ("since", "i8", (len(SLOW),)),
+        ("interval", "f8", (len(SLOW),)),
+        ("wrong", "i8", (len(SLOW),)),
+        # State of the status, ns: last accepted stamp, start, last fault; degraded and outside the region until; outside
+        # that of the command until.
+        ("last", "i8"),
+        ("started", "i8"),
+        ("fault", "i8"),
+        ("degraded_until", "i8"),
+        ("outside_until", "i8"),
+        ("command_outside_until", "i8"),
+        # Typical step, last raw value and its differences, how many of them are known, variance of the noise, and the
+        # last finite force.
+        ("step", "f8"),
+        ("raw", "f8"),
+        ("first", "f8"),
+        ("second", "f8"),
+        ("known", "f8"),
+        ("variance", "f8"),
+        ("given", "f8"),
+        ("counts", "i8", (COUNTS,)),
+    ],
+    align=True,
+)
+
+
+def fresh_record() -> np.ndarray:
+    """(1,) of ``RECORD``: a damper before its first sample, settings at zero."""
+    record = np.zeros(1, RECORD)
+    record["held"] = np.nan
+    return record

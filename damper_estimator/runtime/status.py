@@ -1,0 +1,186 @@
+"""How far an estimate can be trusted: the one rule for status and faults, live and off line.
+
+    WARMING_UP     less than 0.2 s since filter and model were reset
+    DEGRADED       in the last 0.2 s a sample was dropped, late (a gap), jumped or came from a suspect sender, the model
+                   gave no finite force, or the accelerometer of a fusion was missed; a slow channel that the force
+                   depends on is silent or holds a value that cannot be, or was so within the model's memory; the
+                   displacement is so noisy that its velocity is uncertain by more than 0.05 m/s; or the model was never
+                   identified
+    EXTRAPOLATING  outside the region that the model was fitted on (for slow channels: now or within the model's
+                   memory), or a slow channel that the force depends on is unknown
+    GOOD           none of these; what stands first wins
+
+A controller that sets the command itself needs to know whether it may act: ``trusted`` is the same status without what
+the command's present value says of the region, because that value is about to be replaced.
+
+Noise is told from motion by the third difference of the raw displacement (for white noise its variance is 20 sigma^2),
+where the sampling is at least eight times the filter's cutoff, and carried through the filter: the standard deviation
+of the velocity that white noise of sigma leaves behind the filter is 2 pi sigma (pi/3 dt cutoff^3)^(1/2).
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.runtime.record import (
+    BY_STATUS,
+    DEGRADED,
+    EXTRAPOLATING,
+    GOOD,
+    JUMPS,
+    LATE,
+    NOT_FINITE,
+    REGION_ROWS,
+    SLOW,
+    SUSPECT,
+    WARMING_UP,
+)
+from damper_estimator.runtime.slow import is_outside
+from damper_estimator.signals.admission import DUPLICATE, INVERSION, NON_FINITE
+from damper_estimator.signals.kinematics import WARM_UP
+from damper_estimator.signals.layout import COMMAND, DT, ROWS
+
+SETTLED = round(WARM_UP * 1e9)  # ns
+JUMP_SPEED = 5.0  # m/s, faster than a damper moves
+JUMP = 0.001  # m, smaller ones are noise or resolution
+LATE_STEP = 3.0  # typical steps that make a gap
+NOISE = 0.05  # m/s, standard deviation of the velocity
+_VELOCITY_NOISE = 2.0 * pi * sqrt(pi / 3.0)
+_OVERSAMPLED = 0.125  # largest step times cutoff at which noise is told from motion
+_THIRD_DIFFERENCE = 20.0
+_FORGET = 0.02  # share of a new sample in the variance of the noise
+_FOLLOW = 0.05  # and in the typical step
+
+
+@compiled
+def watch(own, stamp, value, verdict, suspect, alone, doubt, block, force, status, trusted, given):
+    """Judges a block of samples in order of arrival; a block of one is the live case.
+
+    Args:
+        own: the damper's record.
+        stamp: (n,) int64 ns; ``value``: (n,) m, raw; ``verdict``: (n,) int64, from ``admission.judge``.
+        suspect: (n,) uint8, 1 where the sender of the sample is in doubt.
+        alone: (m,) uint8, 1 where the accelerometer that the motion should come from was missed.
+        doubt: (m,) int64 ns for which the sample's slow channels leave the force in doubt; 0 where they are fine.
+        block: (8, m) of the samples that are used; ``force``: (m,) N, the model's, perhaps not finite.
+        status, trusted: (m,) uint8 output.
+        given: (m,) N output: the force, where it is not finite the last finite one (0 before the first).
+    """
+    counts = own["counts"]
+    j = 0
+    for i in range(stamp.size):
+        counts[verdict[i]] += 1
+        if verdict[i] >= DUPLICATE:
+            if verdict[i] == NON_FINITE or verdict[i] == INVERSION:
+                _fault(own, own["last"], SETTLED)
+            continue
+        _follow(own, stamp[i], value[i], block[DT, j])
+        if alone[j] != 0:
+            _fault(own, stamp[i], SETTLED)
+        if doubt[j] > 0:
+            _fault(own, stamp[i], doubt[j])
+        if suspect[i] != 0:
+            counts[SUSPECT] += 1
+            _fault(own, stamp[i], SETTLED)
+        if np.isfinite(force[j]):
+            own["given"] = force[j]
+        else:
+            counts[NOT_FINITE] += 1
+            _fault(own, stamp[i], SETTLED)
+        given[j] = own["given"]
+        _judge(own, stamp[i], block[:, j], status[j : j + 1], trusted[j : j + 1])
+        counts[BY_STATUS + status[j]] += 1
+        j += 1
+
+
+@compiled
+def _fault(own, stamp, lasts):
+    """Degrades the estimates until ``lasts`` ns after a stamp."""
+    own["fault"] = stamp
+    own["degraded_until"] = max(own["degraded_until"], stamp + lasts)
+
+
+@compiled
+def _follow(own, stamp, value, step):
+    """Takes one good sample into account."""
+    own["last"] = stamp
+    if step <= 0.0:
+        own["started"] = own["degraded_until"] = own["outside_until"] = own["command_outside_until"] = stamp
+        own["fault"] = stamp - 1
+        own["raw"], own["first"], own["second"], own["known"] = value, 0.0, 0.0, 0.0
+        own["step"] = own["variance"] = 0.0
+        return
+    first = value - own["raw"]
+    second = first - own["first"]
+    third = second - own["second"]
+    faulty = False
+    if abs(first) > JUMP and abs(first) > JUMP_SPEED * step:
+        own["counts"][JUMPS] += 1
+        faulty = True
+    if own["step"] <= 0.0:
+        own["step"] = step
+    elif step > LATE_STEP * own["step"]:
+        own["counts"][LATE] += 1
+        faulty = True
+    own["step"] += _FOLLOW * (min(step, 2.0 * own["step"]) - own["step"])
+    if faulty:
+        _fault(own, stamp, SETTLED)
+        own["known"] = 0.0
+    elif own["known"] < 2.0:  # a third difference needs three good steps
+        own["known"] += 1.0
+    else:
+        own["variance"] += _FORGET * (third * third / _THIRD_DIFFERENCE - own["variance"])
+    own["raw"], own["first"], own["second"] = value, first, second
+
+
+@compiled
+def _judge(own, stamp, column, status, trusted):
+    """Status of one sample, and the same without what the command says of the region."""
+    outside, command_outside = _outside(own, stamp, column)
+    trusted[0] = GOOD
+    if stamp - own["started"] < SETTLED:
+        # A model that gives no force does not get better by waiting.
+        trusted[0] = DEGRADED if own["fault"] == stamp else WARMING_UP
+    elif stamp < own["degraded_until"] or own["identified"] == 0 or velocity_noise(own) > NOISE:
+        trusted[0] = DEGRADED
+    elif outside:
+        trusted[0] = EXTRAPOLATING
+    status[0] = EXTRAPOLATING if trusted[0] == GOOD and command_outside else trusted[0]
+
+
+@compiled
+def _outside(own, stamp, column):
+    """Whether a sample lies outside the region of the fit; and whether its command alone does."""
+    outside = False
+    for row in range(COMMAND):
+        if column[row] < own["bounds"][row, 0] or column[row] > own["bounds"][row, 1]:
+            outside = True
+    for row in range(len(SLOW)):
+        value = column[COMMAND + row]
+        if is_outside(own, row, value):
+            until = stamp + own["memory"][row] + 1
+            if row == 0 and not np.isnan(value):
+                own["command_outside_until"] = max(own["command_outside_until"], until)
+            else:
+                own["outside_until"] = max(own["outside_until"], until)
+    return outside or stamp < own["outside_until"], stamp < own["command_outside_until"]
+
+
+@compiled
+def velocity_noise(own):
+    """Standard deviation in m/s of the velocity behind the filter, from the noise of the displacement; 0 where it
+    cannot be told."""
+    cutoff, step = own["noise_cutoff"], own["step"]
+    if step * cutoff > _OVERSAMPLED:
+        return 0.0
+    return _VELOCITY_NOISE * sqrt(max(own["variance"], 0.0) * step * cutoff * cutoff * cutoff)
+
+
+def bounds_of(region: dict[str, tuple[float, float]]) -> np.ndarray:
+    """(8, 2): the region of a fit (lowest and highest value by name) as a record has it."""
+    bounds = np.tile([-np.inf, np.inf], (ROWS, 1))
+    for name, (low, high) in region.items():
+        if name in REGION_ROWS:
+            bounds[REGION_ROWS[name]] = low, high
+    return bounds
