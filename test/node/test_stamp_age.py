@@ -1,0 +1,57 @@
+"""Samples that waited are noticed; clocks that differ are no fault of the samples."""
+
+import numpy as np
+
+from damper_estimator.node.stamp_age import RELATED, StampAge
+
+NOW = 1_700_000_000 * 10**9
+SECOND = 10**9
+
+
+def judged(stamps, arrivals, max_age=0.5):
+    age = StampAge()
+    return np.array([age.is_late(int(s), int(a), max_age) for s, a in zip(stamps, arrivals, strict=True)]), age
+
+
+def test_samples_that_waited_are_late_from_the_first_one_on():
+    stamps = NOW + np.arange(100) * SECOND // 100
+    late, age = judged(stamps, stamps + 3 * SECOND)
+    assert late.all() and age.late == 100 and age.is_related
+    assert not judged(stamps, stamps + SECOND // 10)[0].any()
+
+
+def test_a_queue_that_waited_while_the_node_stood_still_is_late_until_it_has_caught_up():
+    stamps = NOW + np.arange(2000) * SECOND // 100
+    arrivals = stamps + SECOND // 1000
+    arrivals[500:800] = arrivals[800]
+    late, _ = judged(stamps, arrivals)
+    assert late[500:700].all() and not late[:500].any() and not late[760:].any()
+
+
+def test_stamps_ahead_of_this_clock_are_judged_against_the_youngest():
+    stamps = NOW + np.arange(1000) * SECOND // 100
+    arrivals = stamps - 5 * SECOND
+    arrivals[600:] += 2 * SECOND
+    late, _ = judged(stamps, arrivals)
+    assert not late[:600].any() and late[600:].all()
+
+
+def test_stamps_of_another_time_cannot_be_judged_whatever_their_pace():
+    stamps = np.arange(1000) * SECOND // 1000
+    late, age = judged(stamps, NOW + np.arange(1000) * SECOND)
+    assert not late.any() and not age.is_related
+    assert abs(age.age) > RELATED
+
+
+def test_a_recording_that_starts_again_and_a_clock_that_drifts_are_no_delay():
+    once = np.arange(3000) * SECOND // 10
+    stamps = np.concatenate([NOW + once, NOW + once])
+    late, _ = judged(stamps, NOW + np.arange(6000) * SECOND // 10)
+    assert not late[:3000].any()
+    hours = NOW + np.arange(0, 7200) * SECOND
+    drifting = hours + 2 * SECOND - (np.arange(7200) * 100_000)  # 100 ppm, from 2 s ahead
+    assert not judged(drifting, hours)[0].any()
+
+
+def test_nothing_is_judged_where_no_age_is_set():
+    assert not judged([NOW], [NOW + 100 * SECOND], 0.0)[0].any()
