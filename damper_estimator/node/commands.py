@@ -15,7 +15,7 @@ import numpy as np
 
 from damper_estimator.control import InverseModel, checked_limits, usable_limits
 from damper_estimator.errors import InputError
-from damper_estimator.runtime import EXTRAPOLATING, GOOD, Deployed
+from damper_estimator.runtime import EXTRAPOLATING, GOOD, STALE, Deployed
 from damper_estimator.signals.layout import COMMAND, ROWS
 
 # Where a command comes from: the constants of damper_msgs/DamperCommand.
@@ -37,12 +37,14 @@ class Command(NamedTuple):
 
     Attributes:
         damper: its name.
+        stamp: ns, of the sample that it answers; 0 before the first.
         current: in the unit of the command's messages.
         desired, achievable: N; NaN where there is none.
         source: one of the constants above.
     """
 
     damper: str
+    stamp: int
     current: float
     desired: float
     achievable: float
@@ -84,6 +86,7 @@ class Follower:
         tally: counts.
         wanted: N, the last desired force; NaN before the first.
         sent: the last command, in the unit of the command's messages; NaN before the first.
+        sent_at: steady time of it, s.
     """
 
     def __init__(self, name: str, deployed: Deployed, rules: Rules) -> None:
@@ -91,7 +94,7 @@ class Follower:
         self.name, self.refusal, self.tally = name, "", CommandTally()
         self.warnings: tuple[str, ...] = ()
         self.wanted = self.sent = float("nan")
-        self._asked = float("-inf")
+        self.sent_at = self._asked = float("-inf")
         self._is_followed = False  # whether a desired force came since the last sample
         self._channel = channel = deployed.signals.command
         self._sample = np.zeros(ROWS)
@@ -146,8 +149,8 @@ class Follower:
         self._is_followed = True
 
     def drop_desired_force(self) -> None:
-        """The last desired force no longer counts."""
-        self._asked = float("-inf")
+        """The last desired force no longer counts, and the next command is due."""
+        self.sent_at = self._asked = float("-inf")
 
     def is_due(self) -> bool:
         """Asked once per sample: whether the sample is answered without waiting for a desired force."""
@@ -155,40 +158,43 @@ class Follower:
         self._is_followed = False
         return due and not self.refusal
 
-    def command(self, status: int, now: float, rules: Rules) -> Command | None:
+    def command(self, status: int, stamp: int, now: float, rules: Rules) -> Command | None:
         """The command for the last sample; None where the model has no inverse.
 
         Args:
             status: by which the damper may be commanded (``DisplacementInput.trusted``).
+            stamp: ns, of the sample.
             now: steady time, s.
         """
         if self.refusal:
             return None
-        tally = self.tally
+        tally, self.sent_at = self.tally, now
         if not 0.0 <= now - self._asked <= rules.wish_timeout:
             tally.old += 1
-            return self._safe(rules, SAFE_OLD)
+            return self._safe(stamp, rules, SAFE_OLD)
         if status != GOOD and not (status == EXTRAPOLATING and rules.command_extrapolating):
             tally.not_good += 1
-            return self._safe(rules, SAFE_NOT_TRUSTED)
+            return self._safe(stamp, rules, SAFE_STOPPED if status == STALE else SAFE_NOT_TRUSTED)
         answer = self._inverse.again(self.wanted)
         if not np.isfinite(answer.current):
             tally.unanswered += 1
-            return self._safe(rules, SAFE_UNANSWERED)
+            return self._safe(stamp, rules, SAFE_UNANSWERED)
         tally.followed += answer.reached
         tally.limited += not answer.reached
         self.sent = self._channel.raw(answer.current)
         source = FOLLOWED if answer.reached else LIMITED
-        return Command(self.name, self.sent, self.wanted, answer.expected, source)
+        return Command(self.name, stamp, self.sent, self.wanted, answer.expected, source)
 
-    def safe(self, rules: Rules) -> Command | None:
+    def safe(self, stamp: int, rules: Rules) -> Command | None:
         """The safe current; None where this damper was never commanded."""
-        return None if self.refusal or not self.tally.wishes else self._safe(rules, SAFE_STOPPED)
+        return None if self.refusal or not self.tally.wishes else self._safe(stamp, rules, SAFE_STOPPED)
 
-    def idle(self, rules: Rules) -> Command:
-        """What holds before the first desired force; not to be sent to a driver that knows no more than a current."""
-        return Command(self.name, rules.safe_current, float("nan"), float("nan"), IDLE)
+    def idle(self, stamp: int, rules: Rules) -> Command | None:
+        """What holds before the first desired force, for drivers that want to hear from the node; None after it."""
+        if self.refusal or self.tally.wishes:
+            return None
+        return Command(self.name, stamp, rules.safe_current, float("nan"), float("nan"), IDLE)
 
-    def _safe(self, rules: Rules, source: int) -> Command:
+    def _safe(self, stamp: int, rules: Rules, source: int) -> Command:
         self.sent = rules.safe_current
-        return Command(self.name, self.sent, self.wanted, float("nan"), source)
+        return Command(self.name, stamp, self.sent, self.wanted, float("nan"), source)

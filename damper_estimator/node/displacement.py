@@ -35,6 +35,7 @@ class DisplacementInput:
         followers: what turns desired forces for them into currents.
         missing: (k,) int64, messages that did not hold the damper.
         last_good: (k,) steady time of the last sample that was used, s; NaN before the first.
+        stamps: (k,) int64 ns of the last sample that was used; 0 before the first.
         age: of the stamps on arrival.
         stamp: of the last message, ns.
     """
@@ -50,7 +51,7 @@ class DisplacementInput:
         self.missing = np.zeros(0, np.int64)
         self.last_good = np.zeros(0)
         self.age = StampAge()
-        self._stamps = np.zeros(0, np.int64)  # of the last sample that was used
+        self.stamps = np.zeros(0, np.int64)
         self._templates: dict[tuple[bytes, bytes], ForcesTemplate] = {}
         self.stamp = 0
         self._frame = b""
@@ -75,7 +76,7 @@ class DisplacementInput:
         self._values = np.zeros(len(channels))
         self.missing = np.append(self.missing, np.zeros(len(more), np.int64))
         self.last_good = np.append(self.last_good, np.full(len(more), np.nan))
-        self._stamps = np.append(self._stamps, np.zeros(len(more), np.int64))
+        self.stamps = np.append(self.stamps, np.zeros(len(more), np.int64))
         self._templates.clear()
 
     def take(self, data: bytes, now: float, clock: int = 0, max_age: float = 0.0, suspect: bool = False) -> bytes | None:
@@ -110,16 +111,16 @@ class DisplacementInput:
             if self.line.is_good(d):
                 numbers[_REACH, d] = follower.look(self.line.sample(d))
         if count == values.size:
-            self.last_good[:], self._stamps[:] = now, reading.stamp
+            self.last_good[:], self.stamps[:] = now, reading.stamp
             return self._template(None).message(stamp, numbers, status)
         chosen = self.line.is_good(slice(None))
-        self.last_good[chosen], self._stamps[chosen] = now, reading.stamp
+        self.last_good[chosen], self.stamps[chosen] = now, reading.stamp
         return self._template(chosen).message(stamp, numbers[:, chosen], status[chosen])
 
     def due(self, now: float, after: float, rules: Rules) -> list[Command]:
         """Commands that the last message brings about by itself; arguments as `trusted`, and the rules of the moment."""
         return [
-            follower.command(self.trusted(d, now, after), now, rules)
+            follower.command(self.trusted(d, now, after), int(self.stamps[d]), now, rules)
             for d, follower in self._leading
             if self.line.is_good(d) and follower.is_due()
         ]
@@ -141,8 +142,8 @@ class DisplacementInput:
         if not silent.any():
             return []
         messages = []
-        for stamp in np.unique(self._stamps[silent]):
-            chosen = silent & (self._stamps == stamp)
+        for stamp in np.unique(self.stamps[silent]):
+            chosen = silent & (self.stamps == stamp)
             status = np.full(int(np.count_nonzero(chosen)), STALE, np.uint8)
             numbers = self.line.answered.numbers[0][:, chosen]
             messages.append(self._template(chosen).message(_stamp_bytes(int(stamp)), numbers, status))

@@ -1,13 +1,13 @@
 """Everything that one set of settings makes the node do with messages: built whole, then swapped in at once. Knows no
 ROS."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.commands import Command
+from damper_estimator.node.commands import Command, Follower
 from damper_estimator.node.displacement import (
     JOINT_STATE,
     AccelerationInput,
@@ -20,7 +20,7 @@ from damper_estimator.node.residuals import Comparison, GaugeInput
 from damper_estimator.node.roster import MOST_DAMPERS, Roster
 from damper_estimator.node.settings import Settings
 from damper_estimator.node.wire import reader_of
-from damper_estimator.runtime import SLOW, STALE
+from damper_estimator.runtime import SLOW
 from damper_estimator.signals import Channel, default_signals
 
 WISH = "~/desired_force"
@@ -183,21 +183,36 @@ class Estimation:
                 if reading.present[number]:
                     follower.ask(float(reading.values[number]), now)
                     status = own.source.trusted(d, now, self.settings.stale_after)
-                    command = follower.command(status, now, self.settings)
+                    command = follower.command(status, int(own.source.stamps[d]), now, self.settings)
                     commands += [command] if command is not None else []
                 number += 1
         return commands
 
-    def safe(self, now: float | None = None) -> list[Command]:
-        """Safe currents for the dampers that were commanded; only those without a good sample lately, where the steady
-        time ``now`` is given."""
-        found = []
-        for own in self.displacement.values():
-            for d, follower in enumerate(own.source.followers):
-                if now is None or own.source.trusted(d, now, self.settings.stale_after) == STALE:
-                    command = follower.safe(self.settings)
-                    found += [command] if command is not None else []
-        return found
+    def safe(self) -> list[Command]:
+        """Safe currents for all dampers that were commanded."""
+        return self._commands(lambda follower, source, d: follower.safe(int(source.stamps[d]), self.settings))
+
+    def overdue(self, now: float, period: float) -> list[Command]:
+        """Commands for those dampers that were commanded, but not in the last ``period`` s before the steady time ``now``:
+        their displacement comes slowly or has stopped."""
+        after, rules = self.settings.stale_after, self.settings
+
+        def command(follower: Follower, source: DisplacementInput, d: int) -> Command | None:
+            if not follower.tally.wishes or now - follower.sent_at <= period:
+                return None
+            return follower.command(source.trusted(d, now, after), int(source.stamps[d]), now, rules)
+
+        return self._commands(command)
+
+    def idle(self) -> list[Command]:
+        """What holds for the dampers of which no force was desired yet."""
+        return self._commands(lambda follower, source, d: follower.idle(int(source.stamps[d]), self.settings))
+
+    def _commands(self, of: Callable[[Follower, DisplacementInput, int], Command | None]) -> list[Command]:
+        """What ``of`` gives for each follower of each input."""
+        sources = [own.source for own in self.displacement.values()]
+        found = (of(follower, source, d) for source in sources for d, follower in enumerate(source.followers))
+        return [command for command in found if command is not None]
 
     def rewind(self, now: float) -> None:
         """The clock was set back to ``now``, s."""

@@ -2,9 +2,9 @@
 
 import time
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 
-from damper_msgs.msg import DamperForces
+from damper_msgs.msg import DamperCommand, DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rclpy._rclpy_pybind11 import RCLError
@@ -13,10 +13,12 @@ from rclpy.clock_type import ClockType
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.command_message import COMMAND_TYPE, CommandMessages
 from damper_estimator.node.commands import Command
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.inputs import Inputs
@@ -60,6 +62,7 @@ class EstimatorNode(LifecycleNode):
         self.recorder: Recorder | None = None
         self.inputs = Inputs(self)
         self.currents = CommandOutputs(self)
+        self._command_messages = CommandMessages()
         self._candidate: Estimation | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._configured: list = []  # timers and publishers that go with the configuration
@@ -150,10 +153,12 @@ class EstimatorNode(LifecycleNode):
         events = PublisherEventCallbacks(incompatible_qos=self._reporter.note_incompatible_output)
         self.forces = self.create_publisher(DamperForces, "~/force", OUTPUT_DEPTH, event_callbacks=events)
         self.residuals = self.create_publisher(JointState, "~/residual", OUTPUT_DEPTH)
+        self.commands = self.create_publisher(DamperCommand, "~/command", OUTPUT_DEPTH)
         self._configured = [
             self.create_timer(COMPARE_PERIOD, self._guarded(self._compare), clock=self._steady),
             self.forces,
             self.residuals,
+            self.commands,
         ]
         self.recorder = recorder
         self.inputs.open(quality)
@@ -171,10 +176,10 @@ class EstimatorNode(LifecycleNode):
         self._reporter.introduce(estimation)
 
     def _watch_every(self, period: float) -> None:
-        for timer in self._configured[3:]:
+        for timer in self._configured[4:]:
             self.destroy_timer(timer)
         self._watch_period = period
-        self._configured[3:] = [self.create_timer(period, self._guarded(self._watch), clock=self._steady)]
+        self._configured[4:] = [self.create_timer(period, self._guarded(self._watch), clock=self._steady)]
 
     def _pause(self) -> None:
         """What is commanded is left at the safe current."""
@@ -189,7 +194,7 @@ class EstimatorNode(LifecycleNode):
         self.inputs.close()
         self.currents.close()
         for entity in self._configured:
-            (self.destroy_publisher if entity in (self.forces, self.residuals) else self.destroy_timer)(entity)
+            (self.destroy_publisher if isinstance(entity, Publisher) else self.destroy_timer)(entity)
         self._configured, self.estimation, self.recorder = [], None, None
 
     def end(self) -> None:
@@ -251,7 +256,8 @@ class EstimatorNode(LifecycleNode):
         now = self.inputs.now()
         for message in self.estimation.stale(now):
             self.publish_forces(message)
-        self.publish_commands(self.estimation.safe(now))
+        self.publish_commands(self.estimation.overdue(now, 0.5 * self._watch_period))
+        self._state_commands(self.estimation.idle())
 
     def publish_forces(self, message: bytes) -> None:
         """Publishes and records serialised forces."""
@@ -260,13 +266,21 @@ class EstimatorNode(LifecycleNode):
         if self.recorder is not None:
             self.recorder.keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
 
-    def publish_commands(self, commands: Iterable[Command]) -> None:
+    def publish_commands(self, commands: Sequence[Command]) -> None:
         """Publishes and records currents."""
         for command in commands:
             message = float_message(command.current)
             topic = self.currents.publish(command.damper, message)
             if topic and self.recorder is not None:
                 self.recorder.keep(topic, "std_msgs/msg/Float64", message)
+        self._state_commands(commands)
+
+    def _state_commands(self, commands: Sequence[Command]) -> None:
+        """Says with stamp and source what was commanded."""
+        for message in self._command_messages.of(commands):
+            self.commands.publish(message)
+            if self.recorder is not None:
+                self.recorder.keep(self.commands.topic_name, COMMAND_TYPE, message)
 
     def _compare(self) -> None:
         if not self.is_active:

@@ -14,7 +14,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained
 from damper_estimator.share import share_path
 
-DAMPER_FORCES = "damper_msgs/msg/DamperForces"
+OWN_MESSAGES = ("DamperCommand", "DamperForces")  # of damper_msgs
 
 # What a CDR number looks like; bool, byte and char are bytes.
 NUMBERS: Mapping[str, np.dtype] = {
@@ -68,11 +68,12 @@ def field_types(fields: list[tuple]) -> Iterator[str]:
 
 @cache
 def builtin_store() -> Typestore:
-    """The message types of ROS 2 Jazzy and this project's `DamperForces`."""
+    """The message types of ROS 2 Jazzy and this project's own."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    path = share_path("msg_defs/msg/DamperForces.msg")
-    with explained(path, "install the package again"):
-        store.register(get_types_from_msg(path.read_text(encoding="utf-8"), DAMPER_FORCES))
+    for name in OWN_MESSAGES:
+        path = share_path(f"msg_defs/msg/{name}.msg")
+        with explained(path, "install the package again"):
+            store.register(get_types_from_msg(path.read_text(encoding="utf-8"), f"damper_msgs/msg/{name}"))
     return store
 
 

@@ -17,6 +17,7 @@ SAFE = 0.25
 CURRENT, JOINT_STATE, FLOAT = "/suspension/left/current", "sensor_msgs/msg/JointState", "std_msgs/msg/Float64"
 WISH = "/damper_estimator/desired_force"
 GOOD, DEGRADED, ACTIVATE, DEACTIVATE = 0, 3, 3, 4
+REACHED, LIMITED, SAFE_OLD, SAFE_STATUS, SAFE_NO_ANSWER, SAFE_STOPPED, IDLE = range(7)
 
 
 @pytest.fixture
@@ -38,21 +39,30 @@ def semi_active(tmp_path) -> dict[str, object]:
 
 
 class Commanded:
-    """A rig that wishes, and hears the currents; final. ``motion`` is what it has sent, m; ``flows`` what the
-    driver reports with it, A, or None."""
+    """A rig that desires forces, and hears the currents; final.
+
+    Attributes:
+        currents: A, of the left damper; ``told``: the messages that say where they come from.
+        motion: what it has sent, m.
+        flows: what the driver reports with every 20th sample, A; None for nothing.
+    """
 
     def __init__(self, rig) -> None:
+        from damper_msgs.msg import DamperCommand
         from std_msgs.msg import Float64
 
-        self.rig, self.currents, self.motion, self.flows = rig, [], [], 0.5
-        self._expected, self._is_wished, self._is_fresh = 0, False, False
-        rig.node.create_subscription(
+        self.rig, self.currents, self.told, self.motion, self.flows = rig, [], [], [], 0.5
+        self._asked, self._is_wished, self._is_fresh = 0, False, False
+        node = rig.node
+        node.create_subscription(
             Float64, "/suspension/left/current_command", lambda m: self.currents.append(m.data), 1000
         )
+        node.create_subscription(DamperCommand, f"{rig.name}/command", self.told.append, 1000)
         rig.ready()
         rig.publisher(CURRENT, FLOAT)
         rig.publisher(WISH, JOINT_STATE)
-        rig.wait(lambda: rig.node.count_publishers("/suspension/left/current_command") > 0, "the currents")
+        rig.wait(lambda: node.count_publishers("/suspension/left/current_command") > 0, "the currents")
+        rig.wait(lambda: self.told, "what is commanded")
         self.flow(0.5)
         rig.listen(0.5)
 
@@ -69,31 +79,39 @@ class Commanded:
             self.motion.append(0.02 * np.sin(0.02 * len(self.motion)))
             self.rig.send([self.motion[-1]] * 2, ["left", "right"])
             self.rig.wait(lambda i=i: len(self.rig.forces) > before + i, "an answer")
-        # The first sample after a wish waits for the next one; the others are answered with the one that holds.
-        self._expected += count - self._is_fresh if self._is_wished else 0
+        # The first sample after a desired force waits for the next one; the others are answered with the one that holds.
+        if self._is_wished and (count > 1 or not self._is_fresh):
+            self.await_command(lambda m: m.header.stamp.sec * 10**9 + m.header.stamp.nanosec == self.rig.stamp)
         self._is_fresh = False
-        self._settle()
 
     def wish(self, force: float) -> float:
-        """Wishes a force of the left damper; the current that answers it."""
+        """Desires a force of the left damper; the current that answers it."""
+        self._asked = len(self.told)  # what repeats an older answer does not count
         self.send_wish(force, "left")
-        self._expected += 1
         self._is_wished = self._is_fresh = True
-        self._settle()
-        return self.currents[-1]
+        return self.await_command(lambda m: m.desired_force[0] == force or np.isnan([force, m.desired_force[0]]).all())
 
     def send_wish(self, force: float, name: str) -> None:
-        """Wishes a force."""
+        """Desires a force."""
         self.rig.send_raw(joint_states([name], np.array([START]), effort=np.array([[force]]))[0], WISH)
 
     def replaced(self) -> None:
-        """Filters and models were replaced: a last safe current, and no desired force any more."""
-        self._expected += self._is_wished
+        """Filters and models were replaced: there is no desired force any more."""
         self._is_wished = self._is_fresh = False
-        self._settle()
 
-    def _settle(self) -> None:
-        self.rig.wait(lambda: len(self.currents) >= self._expected, "the currents")
+    def await_command(self, condition) -> float:
+        """Waits for the next message that meets a condition, and its current; older ones are not asked again."""
+
+        def found() -> int | None:
+            new = enumerate(self.told[self._asked :], self._asked)
+            return next((i for i, m in new if m.source[0] != IDLE and condition(m)), None)
+
+        self.rig.wait(lambda: found() is not None, "the command")
+        self._asked = found() + 1
+        commanded = [m for m in self.told[: self._asked] if m.source[0] != IDLE]
+        self.rig.wait(lambda: len(self.currents) >= len(commanded), "the currents")
+        assert self.currents[len(commanded) - 1] == commanded[-1].current[0]
+        return commanded[-1].current[0]
 
 
 def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active, shared, rig):
@@ -125,7 +143,6 @@ def test_samples_that_come_faster_than_wishes_are_answered_with_the_wish_that_ho
     node.drive(250)
     first = node.wish(500.0)
     node.drive(11)
-    rig.listen(0.1)
     assert len(node.currents) == 11
     assert first != SAFE and SAFE not in node.currents
 
@@ -192,11 +209,11 @@ def test_currents_stay_within_the_region_of_the_fit_unless_that_is_set(semi_acti
     node = Commanded(rig)
     node.flows = 0.3
     node.drive(250)
-    assert node.wish(1e5) == 0.4
+    assert node.wish(1e5) == 0.4  # while it extends
     assert rig.set(command_extrapolating=True) == (True, "")
     node.replaced()
     node.drive(250)
-    assert node.wish(1e5) == 2.0
+    assert node.wish(-1e5) == 2.0
 
 
 @pytest.mark.parametrize("safe", [0.0, SAFE])
@@ -248,6 +265,28 @@ def test_a_silent_or_wild_current_leaves_no_estimate_good_until_the_model_has_fo
     assert int(rig.fresh_values(": left")["command: values that cannot be"]) >= 4
 
 
+def test_what_is_commanded_is_told_with_its_stamp_its_reason_and_a_number(semi_active, shared, rig):
+    shared(rig, **semi_active)
+    node = Commanded(rig)
+    assert {m.source[0] for m in node.told} == {IDLE} and not any(m.valid[0] for m in node.told)
+    assert [list(m.name) for m in node.told[-2:]] == [["left"], ["left"]] and node.told[-1].current[0] == SAFE
+    node.drive(260)
+    seen = len(node.told)
+    for force, source in ((500.0, REACHED), (1e5, LIMITED), (float("nan"), SAFE_OLD)):
+        node.wish(force)
+        (told,) = [m for m in node.told[seen:] if m.source[0] == source][-1:]
+        assert told.header.stamp.sec * 10**9 + told.header.stamp.nanosec == rig.stamp
+        assert told.valid[0] == (source in (REACHED, LIMITED)) and (source != REACHED or told.achievable_force[0] == pytest.approx(500.0, rel=0.01))
+    numbers = [m.sequence for m in node.told]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    assert rig.set(stale_after=0.05) == (True, "")
+    rig.wait(lambda: node.told[-1].source[0] in (SAFE_OLD, SAFE_STOPPED), "the safe current")
+    # The driver hears from the node all the time.
+    before = len(node.told)
+    rig.listen(1.0)
+    assert len(node.told) - before >= 8
+
+
 def test_a_command_in_another_unit_comes_back_in_that_unit():
     """Milliamperes, and a table of the coil's effect."""
     from damper_estimator.node.commands import Follower
@@ -272,9 +311,9 @@ def test_a_command_in_another_unit_comes_back_in_that_unit():
         follower = Follower("one", deployed_with(model, channel), Rules)
         follower.look(sample)
         follower.ask(700.0, 0.0)
-        sent[name] = follower.command(GOOD, 0.0, Rules).current
+        sent[name] = follower.command(GOOD, 0, 0.0, Rules).current
         assert follower.tally.followed == 1 and follower.sent == sent[name]
-        assert follower.safe(Rules).current == SAFE
+        assert follower.safe(0, Rules).current == SAFE
     assert 0.0 < sent["plain"] < 2.0
     assert sent["milli"] == pytest.approx(1e3 * sent["plain"])
     assert sent["table"] == pytest.approx(np.interp(sent["plain"], table[1], table[0]))
