@@ -1,0 +1,81 @@
+"""Time against the running node: the age of stamps, a clock that is set back, and under which stamp an input is stale."""
+
+import signal
+import time
+
+import numpy as np
+from rig import MS, joint_state
+
+GOOD, DEGRADED, STALE = 0, 3, 4
+SECOND = 1000 * MS
+
+
+def drive_now(rig, seconds: float) -> list:
+    """Good samples with the stamps of this machine's clock; the answers."""
+    before, sent, end = len(rig.forces), 0, time.monotonic() + seconds
+    while time.monotonic() < end:
+        rig.send([0.02 * np.sin(0.02 * sent)], stamp=time.time_ns())
+        sent += 1
+        rig.listen(0.003)
+    rig.wait(lambda: rig.answered(before) >= sent, "answers")
+    return [m for m in rig.forces[before:] if STALE not in m.status]
+
+
+def test_samples_that_waited_longer_than_the_allowed_age_are_not_good(start, identified, rig):
+    process = start(model=identified("coulomb"), dampers="[left]", max_age=0.4, stale_after=30.0, qos_depth=400)
+    rig.ready()
+    assert drive_now(rig, 1.0)[-1].status[0] == GOOD
+    process.send_signal(signal.SIGSTOP)
+    before = len(rig.forces)
+    for i in range(100):
+        rig.send([0.02 * np.sin(0.02 * i)], stamp=time.time_ns())
+        time.sleep(0.01)
+    process.send_signal(signal.SIGCONT)
+    rig.wait(lambda: len(rig.forces) >= before + 100, "the answers")
+    waited = rig.forces[before : before + 100]
+    assert {m.status[0] for m in waited[:40]} == {DEGRADED}
+    assert drive_now(rig, 0.8)[-1].status[0] == GOOD
+    assert int(rig.fresh_values(": left")["samples in doubt (age, sender)"]) >= 40
+
+
+def test_a_damper_that_is_stale_keeps_its_last_stamp_though_others_go_on(start, identified, rig):
+    start(model=identified("coulomb"), dampers="[left, right]", stale_after=0.2)
+    rig.ready()
+    rig.drive(20, ["left", "right"])
+    last = rig.forces[-1].header.stamp
+    rig.wait(lambda: _go_on(rig), "STALE of one")
+    (stale,) = [m for m in rig.forces if STALE in m.status and list(m.name) == ["right"]][-1:]
+    assert stale.header.stamp == last and rig.forces[-1].header.stamp != last
+
+
+def _go_on(rig) -> bool:
+    rig.send([0.001], ["left"])
+    rig.listen(0.005)
+    return any(list(m.name) == ["right"] and STALE in m.status for m in rig.forces[-50:])
+
+
+def test_a_simulated_clock_that_is_set_back_leaves_nothing_fresh_and_nothing_desired(start, identified, rig):
+    from rosgraph_msgs.msg import Clock
+
+    start(model=identified("coulomb"), dampers="[left]", stale_after=0.5, use_sim_time=True)
+    clock = rig.node.create_publisher(Clock, "/clock", 10)
+    rig.ready()
+
+    def at(now: int) -> None:
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(now, SECOND)
+        clock.publish(message)
+
+    now = 1_000 * SECOND
+    rig.wait(lambda: clock.get_subscription_count() > 0, "the clock's subscriber")
+    for i in range(150):
+        at(now + i * 10 * MS)
+        rig.send_raw(joint_state([0.001 * i], ["left"], now + i * 10 * MS))
+        rig.listen(0.002)
+    rig.wait(lambda: rig.answered(0) >= 150, "answers")
+    for i in range(600):  # back by a quarter of an hour, and nothing comes any more
+        at(100 * SECOND + i * 10 * MS)
+        rig.listen(0.005)
+        if any(STALE in m.status for m in rig.forces):
+            break
+    assert any(STALE in m.status for m in rig.forces) and i * 10 * MS < 4 * SECOND
