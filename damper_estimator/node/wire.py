@@ -8,6 +8,7 @@ keep their structure (names, lengths of arrays); a message that does not fit its
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from damper_estimator.runtime import FIELDS
 from damper_estimator.recordings import encode, parse_path
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
 from damper_estimator.recordings.field_path import check_path, request_tree
-from damper_estimator.recordings.layout import Leaf, MalformedMessage, layout_of
+from damper_estimator.recordings.layout import Layout, MalformedMessage, layout_of
+from damper_estimator.recordings.padding import is_padding
 from damper_estimator.signals import Channel
 
 __all__ = ["ForcesTemplate", "MalformedMessage", "NumbersReader", "Reading"]
@@ -25,7 +27,6 @@ NANOSECONDS = 1_000_000_000
 _STAMP = slice(4, 12)
 _FLOAT = struct.Struct("<4sd")
 _STAMP_PATHS = ("header.stamp.sec", "header.stamp.nanosec")
-_PADDING = 3
 _MOST_PLACES = 64  # structures that are remembered; a publisher of ever new names must not fill the memory
 
 
@@ -49,9 +50,12 @@ class Reading:
 class _Place:
     """Where the numbers lie in messages of one structure; final."""
 
-    def __init__(self, data: bytes, leaves: Sequence[Leaf | None], structural: np.ndarray, stamped: bool) -> None:
-        self._size = len(data)
-        self._runs = [(run, data[run]) for run in _runs(structural)]
+    def __init__(self, data: bytes, layout: Layout, width: int, stamped: bool) -> None:
+        """``width`` paths, and those of the stamp behind them where ``stamped``."""
+        leaves = layout.leaves[:width]
+        self._end, self._allowed = layout.end, layout.allowed
+        self._structure = itemgetter(*_runs(layout.structural))  # one call for all stretches
+        self._expected = self._structure(data)
         self._stamp = struct.Struct(("<" if data[1] else ">") + "iI") if stamped else None
         self.present = np.array([leaf is not None for leaf in leaves])
         self.is_whole = bool(self.present.all())
@@ -65,9 +69,9 @@ class _Place:
 
     def fits(self, data: bytes) -> bool:
         """Whether a message has this structure."""
-        if len(data) != self._size:
+        if not 0 <= len(data) - self._end <= self._allowed and not is_padding(data, self._end, self._allowed):
             return False
-        return all(data[run] == expected for run, expected in self._runs)
+        return self._structure(data) == self._expected
 
     def read(self, data: bytes, values: np.ndarray) -> int:
         """Fills in the values (k,); the stamp in ns."""
@@ -83,9 +87,9 @@ class _Place:
 
 
 def _runs(structural: np.ndarray) -> list[slice]:
-    """Stretches of structural bytes; padding between them is taken in."""
+    """Stretches of structural bytes, without the padding between them: it is not initialised and differs."""
     places = np.unique(structural)
-    edges = np.flatnonzero(np.diff(places) > _PADDING + 1)
+    edges = np.flatnonzero(np.diff(places) > 1)
     first = places[np.concatenate([[0], edges + 1])]
     last = places[np.concatenate([edges, [places.size - 1]])]
     return [slice(int(a), int(b) + 1) for a, b in zip(first, last, strict=True)]
@@ -126,7 +130,7 @@ class NumbersReader:
                 return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
         slots = self._width + (2 if self._stamped else 0)
         layout = layout_of(data, self._definition, self._request, slots)
-        place = _Place(data, layout.leaves[: self._width], layout.structural, self._stamped)
+        place = _Place(data, layout, self._width, self._stamped)
         self._places = [place, *self._places[: _MOST_PLACES - 1]]
         return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
 

@@ -11,7 +11,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.recordings.decode import Decoder
 from damper_estimator.recordings.definitions import Schema, definition_of, store_of
 from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained, one_line
-from damper_estimator.recordings.layout import MalformedMessage
+from damper_estimator.recordings.layout import MalformedMessage, layout_of
 from damper_estimator.recordings.raw import Connection, RawMessages
 
 
@@ -79,8 +79,12 @@ class Reading:
 
     def decode_whole(self, connection: Connection, raw: bytes) -> object:
         self._refuse_other_encodings(connection)
+        schema = connection.schema
         try:
-            return store_of(connection.schema).deserialize_cdr(raw, connection.schema.type)
+            try:
+                return store_of(schema).deserialize_cdr(raw, schema.type)
+            except SerdeError:
+                return store_of(schema).deserialize_cdr(_without_padding(raw, schema), schema.type)
         except InputError as error:
             raise self.wrong(connection.topic, str(error)) from error
         except (SerdeError, *LIBRARY_ERRORS) as error:
@@ -110,6 +114,14 @@ class Reading:
         if connection.encoding != "cdr":
             what = f"its messages are encoded as {connection.encoding!r}; only cdr (ROS 2) can be decoded"
             raise self.wrong(connection.topic, what)
+
+
+def _without_padding(raw: bytes, schema: Schema) -> bytes:
+    """The message up to the end of its last field; as it is where that cannot be told."""
+    try:
+        return raw[: layout_of(raw, definition_of(schema), {}, 0).end]
+    except MalformedMessage:
+        return raw
 
 
 @dataclass(frozen=True, eq=False)

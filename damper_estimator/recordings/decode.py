@@ -28,8 +28,8 @@ class Numbers:
 class Decoder:
     """Reads fields of one message type; final.
 
-    The layout of the first message is found by walking it; all messages that share length and structure with it are
-    read as one array, the others by their own layouts.
+    The layout of the first message is found by walking it; all messages that share its structure are read as one array
+    per length (padding makes lengths differ), the others by their own layouts.
 
     Raises:
         InputError: where a path is malformed or the type lacks it.
@@ -45,8 +45,7 @@ class Decoder:
         self._stamped = bool(stamp)
         self._request = request_tree([*parsed, *stamp])
         self._slots = len(parsed) + len(stamp)
-        self._layouts: dict[int, list[Layout]] = {}
-        self._remembered = 0
+        self._layouts: list[Layout] = []
 
     def decode(self, data: bytes, start: np.ndarray, length: np.ndarray) -> Numbers:
         """Reads the messages ``data[start[i] : start[i] + length[i]]``.
@@ -68,15 +67,14 @@ class Decoder:
         return result
 
     def _decode_equal(self, matrix: np.ndarray, rows: np.ndarray, result: Numbers) -> None:
-        for layout in self._layouts.get(matrix.shape[1], ()):
+        for layout in self._layouts:
             if not len(rows):
                 return
             matrix, rows = self._decode_fitting(layout, matrix, rows, result)
         while len(rows):
             layout = layout_of(matrix[0].tobytes(), self._definition, self._request, self._slots)
-            if self._remembered < _REMEMBERED_LAYOUTS:
-                self._layouts.setdefault(matrix.shape[1], []).append(layout)
-                self._remembered += 1
+            if len(self._layouts) < _REMEMBERED_LAYOUTS:
+                self._layouts.append(layout)
                 matrix, rows = self._decode_fitting(layout, matrix, rows, result)
             else:
                 self._store(layout, matrix[:1], rows[:1], result)

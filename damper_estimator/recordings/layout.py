@@ -1,7 +1,8 @@
 """Where the wanted numbers lie in a serialised message (CDR), found by walking its definition once.
 
-All messages of the same length whose *structural* bytes (byte order, string and sequence lengths, and the contents of
-``name[]`` where an element is looked up by name) agree have the same layout, so that they can be read as one array.
+All messages whose *structural* bytes (byte order, string and sequence lengths, and the contents of ``name[]`` where an
+element is looked up by name) agree have the same layout, so that they can be read as one array. What follows the last
+field is judged by ``padding``.
 """
 
 import struct
@@ -11,9 +12,10 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 
 from damper_estimator.recordings.definitions import NUMBERS, Definition
+from damper_estimator.recordings.padding import allowance, is_padding
 
 _ENCAPSULATION = 4  # bytes before the payload; alignment counts from behind them
-_PADDING = 3
+_WIDE = 8  # bytes of the largest numbers
 
 
 @dataclass(frozen=True)
@@ -37,19 +39,32 @@ class Leaf:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Leaf per wanted path (None where this message lacks it) and the structural bytes that make it so."""
+    """Leaf per wanted path (None where this message lacks it) and the structural bytes that make it so.
+
+    Attributes:
+        end: bytes up to the end of the last field.
+        allowed: bytes of any content that may follow, as ``padding`` has it.
+    """
 
     leaves: tuple[Leaf | None, ...]
     structural: np.ndarray
     template: np.ndarray
+    end: int
+    allowed: int
 
     def fits(self, matrix: np.ndarray) -> np.ndarray:
-        """Which rows of ``matrix`` (n, bytes) have this layout: (n,) bool."""
-        return (matrix[:, self.structural] == self.template).all(axis=1)
+        """Which rows of ``matrix`` (n, bytes) have this layout, followed by nothing but padding: (n,) bool."""
+        spare = matrix.shape[1] - self.end
+        if spare < 0:
+            return np.zeros(len(matrix), bool)
+        fits = (matrix[:, self.structural] == self.template).all(axis=1)
+        if spare > self.allowed:
+            fits &= ~matrix[:, self.end :].any(axis=1)
+        return fits
 
 
 class MalformedMessage(Exception):
-    """The bytes end before the definition does."""
+    """The bytes end before the definition does, or hold more than it and padding."""
 
 
 def layout_of(raw: bytes, definition: Definition, request: dict, slots: int) -> Layout:
@@ -69,7 +84,7 @@ def layout_of(raw: bytes, definition: Definition, request: dict, slots: int) -> 
     walk.finish()
     structural = np.concatenate([np.arange(*span) for span in walk.spans])
     template = np.frombuffer(raw, np.uint8)[structural]
-    return Layout(tuple(walk.leaves), structural, template)
+    return Layout(tuple(walk.leaves), structural, template, walk.position, walk.allowed)
 
 
 class _Walk:
@@ -82,15 +97,21 @@ class _Walk:
         self._definition = definition
         self._order = "<" if raw[1] else ">"
         self._length = struct.Struct(self._order + "I")
-        self._position = _ENCAPSULATION
+        self.position = _ENCAPSULATION
+        self._sequences = 0  # of 8-byte numbers
         self.spans = [(0, 2)]
         self.leaves: list[Leaf | None] = [None] * slots
 
+    @property
+    def allowed(self) -> int:
+        """Bytes of any content that may follow."""
+        return allowance(self._sequences)
+
     def finish(self) -> None:
-        """The definition must use the message up, but for the padding that some middlewares add."""
-        left = len(self._raw) - self._position
-        if left > _PADDING:
-            raise MalformedMessage(f"{left} of its {len(self._raw)} bytes are left over")
+        """The definition must use the message up, but for padding."""
+        if not is_padding(self._raw, self.position, self.allowed):
+            left = len(self._raw) - self.position
+            raise MalformedMessage(f"{left} of its {len(self._raw)} bytes are left over, more than padding")
 
     def message(self, type_name: str, request: dict, names: tuple[str, ...]) -> None:
         fields = self._definition.fields(type_name)
@@ -109,6 +130,7 @@ class _Walk:
             count = self._read_length()
         wanted = _by_position(request, names, count)
         if element[0] == Nodetype.BASE and element[1][0] in NUMBERS:
+            self._sequences += kind == Nodetype.SEQUENCE and NUMBERS[element[1][0]].itemsize == _WIDE
             self._numbers(element[1][0], count, wanted)
             return
         for position in range(count):
@@ -131,14 +153,14 @@ class _Walk:
             self._align(dtype.itemsize)
         for position, slots in wanted.items():
             whole = position is None
-            leaf = Leaf(self._position + (0 if whole else position * dtype.itemsize), dtype, count if whole else 1)
+            leaf = Leaf(self.position + (0 if whole else position * dtype.itemsize), dtype, count if whole else 1)
             for slot in slots:
                 self.leaves[slot] = leaf
         self._skip(count * dtype.itemsize)
 
     def _names(self, fields: list[tuple]) -> tuple[str, ...]:
         """The entries of this message's ``name[]``, read ahead; () where it has none."""
-        start, spans = self._position, len(self.spans)
+        start, spans, sequences = self.position, len(self.spans), self._sequences
         names: tuple[str, ...] = ()
         contents = []
         for name, description in fields:
@@ -151,31 +173,31 @@ class _Walk:
                 contents = [span for _, span in entries]
                 break
             self._field(description, {}, ())
-        self._position = start
+        self.position, self._sequences = start, sequences
         del self.spans[spans:]  # the walk proper passes here again
         self.spans += contents
         return names
 
     def _read_string(self) -> tuple[str, tuple[int, int]]:
         size = self._read_length()
-        start = self._position
+        start = self.position
         self._skip(size)
-        text = bytes(self._raw[start : self._position]).rstrip(b"\0").decode("utf-8", "replace")
-        return text, (start, self._position)
+        text = bytes(self._raw[start : self.position]).rstrip(b"\0").decode("utf-8", "replace")
+        return text, (start, self.position)
 
     def _read_length(self) -> int:
         self._align(4)
-        start = self._position
+        start = self.position
         self._skip(4)
-        self.spans.append((start, self._position))
+        self.spans.append((start, self.position))
         return self._length.unpack_from(self._raw, start)[0]
 
     def _align(self, size: int) -> None:
-        self._position += -(self._position - _ENCAPSULATION) % size
+        self.position += -(self.position - _ENCAPSULATION) % size
 
     def _skip(self, size: int) -> None:
-        self._position += size
-        if self._position > len(self._raw):
+        self.position += size
+        if self.position > len(self._raw):
             raise MalformedMessage(f"its {len(self._raw)} bytes end too early")
 
 

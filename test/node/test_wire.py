@@ -1,0 +1,39 @@
+"""Serialised messages to numbers: the structure is looked up once, whatever lies between and behind the fields."""
+
+import numpy as np
+import pytest
+
+from damper_estimator.node.wire import MalformedMessage, NumbersReader
+from damper_estimator.recordings import joint_states
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+
+
+def message(*names: str) -> bytes:
+    values = np.arange(1.0, len(names) + 1.0)[None]
+    return joint_states(names, np.array([7]), position=values)[0]
+
+
+def test_a_structure_is_known_whatever_padding_follows():
+    reader, plain = NumbersReader(JOINT_STATE, ["position[left]", "position[right]"]), message("left", "right")
+    assert not reader.knows(plain)
+    for tail in (b"", b"\xab" * 8, b"\xcd" * 15, bytes(3), bytes(1000)):
+        reading = reader.read(plain + tail)
+        assert reading.values.tolist() == [1.0, 2.0] and reading.stamp == 7 and reading.is_whole
+    assert reader.knows(plain + b"\x01" * 12)
+    assert not reader.knows(plain + bytes(30) + b"\1") and not reader.knows(plain[:-1])
+    with pytest.raises(MalformedMessage):
+        reader.read(plain + bytes(30) + b"\1")
+
+
+def test_a_structure_is_known_whatever_lies_between_its_fields():
+    """Fast CDR skips what alignment leaves out and does not clear it."""
+    reader, plain = NumbersReader(JOINT_STATE, ["position[l]"]), message("l")
+    reader.read(plain)
+    gaps = [17, 18, 19, 30, 31]  # behind the empty frame (16) and behind the name (28, 29)
+    for place in gaps:
+        assert plain[place] == 0
+    changed = bytearray(plain)
+    for place in gaps:
+        changed[place] = 0xCC
+    assert reader.knows(bytes(changed)) and reader.read(bytes(changed)).values.tolist() == [1.0]
