@@ -79,6 +79,15 @@ class DisplacementInput:
         self.stamps = np.append(self.stamps, np.zeros(len(more), np.int64))
         self._templates.clear()
 
+    def held(self, data: bytes) -> frozenset[str]:
+        """The dampers that one message holds.
+
+        Raises:
+            MalformedMessage: where the bytes do not fit the type.
+        """
+        present = self._reader.present(data)
+        return frozenset(one.name for one, there in zip(self.estimators, present.tolist(), strict=True) if there)
+
     def take(self, data: bytes, now: float, clock: int = 0, max_age: float = 0.0, suspect: bool = False) -> bytes | None:
         """The answer to one message, None where it gives no estimate.
 

@@ -1,7 +1,7 @@
 """What the node says of itself once a second (REP-107): counts since the start, judged by the last second."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
@@ -38,7 +38,9 @@ class InputTally:
         messages: received.
         malformed: messages that do not fit their type.
         failures: messages that the node could not process because of a bug of its own.
-        lost: messages that the middleware reports as lost.
+        lost: messages that are missing by their sequence numbers, between the first and the last that came.
+        reported_lost: messages that the middleware reports as lost.
+        doubled: messages by damper that came from one of two publishers of it.
         publishers: whom we hear at the moment.
         incompatible: publishers whose quality of service does not match ours.
         other_types: publishers of another type than ours.
@@ -52,6 +54,8 @@ class InputTally:
     malformed: int = 0
     failures: int = 0
     lost: int = 0
+    reported_lost: int = 0
+    doubled: Mapping[str, int] = field(default_factory=dict)
     publishers: int = 0
     incompatible: int = 0
     other_types: int = 0
@@ -73,7 +77,9 @@ def input_status(prefix: str, now: InputTally, before: InputTally, time: float, 
         "topic": now.topic,
         PUBLISHERS: now.publishers,
         "messages": now.messages,
-        "lost by the middleware": now.lost,
+        "lost": now.lost,
+        "lost by the middleware": now.reported_lost,
+        "from one of two publishers": ", ".join(f"{name}: {count}" for name, count in sorted(now.doubled.items())),
         "incompatible publishers": now.incompatible,
         "malformed": now.malformed,
         "failures": now.failures,
@@ -99,10 +105,14 @@ def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[byte
         return ERROR, f"no message for {time - now.last:.1f} s"
     if now.failures > before.failures:
         return ERROR, "messages could not be processed; the log has the traceback"
+    doubled = sorted(name for name, count in now.doubled.items() if count > before.doubled.get(name, 0))
+    if doubled:
+        return WARN, f"two publishers send {', '.join(doubled)} on {now.topic}; stop one or remap it"
     if now.malformed > before.malformed:
         return WARN, f"{now.malformed - before.malformed} messages do not fit their type"
-    if now.lost > before.lost:
-        return WARN, f"{now.lost - before.lost} messages were lost on the way"
+    lost = max(now.lost - before.lost, now.reported_lost - before.reported_lost)
+    if lost > 0:
+        return WARN, f"{lost} messages were lost on the way"
     return OK, "receiving"
 
 

@@ -14,6 +14,8 @@ from rclpy.subscription import Subscription
 from damper_estimator.errors import InputError
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.health import InputTally
+from damper_estimator.node.message_info import with_number
+from damper_estimator.node.senders import DoubleSenders, Losses
 from damper_estimator.node.wire import MalformedMessage
 
 LOG_PERIOD = 1.0  # s, at most one complaint per topic
@@ -86,7 +88,7 @@ class Inputs:
                 taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is not None:
                 found = True
-                subscription.callback(taken[0])
+                subscription.callback(*taken)
         return found
 
     def look_at_clock(self) -> None:
@@ -120,20 +122,25 @@ class Inputs:
     def _subscription(self, topic: str, type_name: str) -> Subscription:
         node = self._node
         tally = self.tallies[topic] = InputTally(node.resolve_topic_name(topic))
+        losses, senders = Losses(), DoubleSenders()
 
         def on_incompatible(event: object) -> None:
             tally.incompatible = event.total_count
 
         def on_matched(event: object) -> None:
             tally.publishers = event.current_count
+            losses.matched(event.total_count)
 
         def on_lost(event: object) -> None:
-            tally.lost = event.total_count
+            tally.reported_lost = event.total_count
 
-        def receive(data: bytes) -> None:
+        def receive(data: bytes, number: int | None) -> None:
             begin = time.monotonic()
             tally.messages += 1
             tally.last = begin
+            if number is not None:
+                losses.take(number)
+                tally.lost = losses.lost
             self.data[topic] = data
             if not node.is_active:
                 return
@@ -142,7 +149,8 @@ class Inputs:
             try:
                 now = self.now() if self.is_simulated else begin
                 clock = round(now * 1e9) if self.is_simulated else time.time_ns()
-                answer = node.estimation.take(topic, data, now, clock)
+                suspect = number is not None and self._is_suspect(topic, senders, data, number, now)
+                answer = node.estimation.take(topic, data, now, clock, suspect)
                 if answer.forces is not None:
                     node.publish_forces(answer.forces)
                 if answer.commands:
@@ -167,8 +175,18 @@ class Inputs:
 
         events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, matched=on_matched, message_lost=on_lost)
         return node.create_subscription(
-            message_type(type_name), topic, receive, self._quality, event_callbacks=events, raw=True
+            message_type(type_name), topic, with_number(receive), self._quality, event_callbacks=events, raw=True
         )
+
+    def _is_suspect(self, topic: str, senders: DoubleSenders, data: bytes, number: int, now: float) -> bool:
+        """Whether another publisher may have sent the same damper as this message of this sequence number."""
+        tally, estimation = self.tallies[topic], self._node.estimation
+        displacement = estimation.displacement.get(topic)
+        if tally.publishers < 2 or displacement is None:
+            return False
+        suspect = senders.take(number, displacement.source.held(data), now, estimation.settings.max_gap)
+        tally.doubled = senders.confirmed
+        return suspect
 
 
 def message_type(type_name: str) -> type:

@@ -123,16 +123,28 @@ class NumbersReader:
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
+        place = self._place(data)
+        return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
+
+    def present(self, data: bytes) -> np.ndarray:
+        """Which paths (k,) one message holds.
+
+        Raises:
+            MalformedMessage: where the bytes do not fit the type.
+        """
+        return self._place(data).present
+
+    def _place(self, data: bytes) -> _Place:
         for number, place in enumerate(self._places):
             if place.fits(data):
                 if number:
                     self._places.insert(0, self._places.pop(number))
-                return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
+                return place
         slots = self._width + (2 if self._stamped else 0)
         layout = layout_of(data, self._definition, self._request, slots)
         place = _Place(data, layout, self._width, self._stamped)
         self._places = [place, *self._places[: _MOST_PLACES - 1]]
-        return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
+        return place
 
 
 def reader_of(role: str, type_name: str, channels: Sequence[Channel]) -> NumbersReader:
