@@ -3,7 +3,8 @@
 The error of a window is rms(model - measured) / rms(measured). The reference is the median of the first windows in
 which the damper worked. The alarm is raised when the median of the last windows is ``factor`` times as large, and at
 least two percentage points more; it is withdrawn below four fifths of that. What it grows with is the quantity
-(temperature, speed, stroke, offset of the gauge) whose windows rank like those of the error.
+(temperature, speed, stroke, offset of the gauge) whose windows rank like those of the error (Spearman's coefficient,
+equal values with their mean rank); a quantity that hardly varies is not named.
 """
 
 from dataclasses import dataclass, field
@@ -17,6 +18,9 @@ _LEAST_SPEED = 0.01  # m/s rms; a damper that stands says nothing
 _MOST_WINDOWS = 600
 _RELATED = 0.7  # rank correlation
 _LEAST_RELATED = 6  # windows
+# A quantity varies where the highest and the lowest tenth of its windows differ by more than this.
+_LEAST_WARMING = 2.0  # deg C
+_LEAST_VARIATION = 0.05  # of the median speed or stroke
 QUANTITIES = ("temperature", "speed", "stroke", "offset")
 
 
@@ -126,12 +130,13 @@ class Drift:
         """The quantity that the error follows most closely, "" where it follows none."""
         if len(self.windows) < _LEAST_RELATED:
             return ""
-        errors = [told.error for told in self.windows]
-        found = {}
-        for i, name in enumerate(QUANTITIES):
-            values = np.array([told.quantities[i] for told in self.windows])
-            if np.isfinite(values).all() and np.ptp(values) > 0.05 * np.abs(values).max():
-                found[name] = _rank_correlation(values, np.array(errors))
+        errors = np.array([told.error for told in self.windows])
+        values = np.array([told.quantities for told in self.windows])
+        force = np.median([told.rms_n for told in self.windows] / errors)
+        _, speed, stroke, _ = _LEAST_VARIATION * np.median(values, axis=0)
+        least = (_LEAST_WARMING, speed, stroke, _LEAST_GROWTH * force)
+        varies = np.subtract(*np.percentile(values, [90.0, 10.0], axis=0)) > least  # False where one is NaN
+        found = {name: rank_correlation(values[:, i], errors) for i, name in enumerate(QUANTITIES) if varies[i]}
         best = max(found, key=found.get, default="")
         return best if best and found[best] > _RELATED else ""
 
@@ -140,7 +145,15 @@ def _median(values: list[float]) -> float:
     return float(np.median(values)) if values else float("nan")
 
 
-def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
-    """Spearman's."""
-    ranks = [np.argsort(np.argsort(values)) for values in (a, b)]
-    return float(np.corrcoef(*ranks)[0, 1])
+def rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
+    """Spearman's coefficient of two series (n,); 0 where one is constant."""
+    ranks = [_ranks(values) for values in (a, b)]
+    deviations = [rank - rank.mean() for rank in ranks]
+    scale = np.sqrt((deviations[0] @ deviations[0]) * (deviations[1] @ deviations[1]))
+    return float(deviations[0] @ deviations[1] / scale) if scale > 0.0 else 0.0
+
+
+def _ranks(values: np.ndarray) -> np.ndarray:
+    """(n,): 1 for the lowest; equal values share the mean of their places."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - 0.5 * (count - 1))[place]

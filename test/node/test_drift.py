@@ -1,0 +1,58 @@
+"""Whether the error against the gauge grows, and with what."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import spearmanr
+
+from damper_estimator.node.drift import Drift, rank_correlation
+
+
+@settings(deadline=None)
+@given(
+    pairs=st.lists(
+        st.tuples(st.integers(-3, 3) | st.floats(-1e6, 1e6), st.integers(0, 4) | st.floats(-1e6, 1e6)), min_size=3
+    ).filter(lambda pairs: all(len({pair[i] for pair in pairs}) > 1 for i in (0, 1)))
+)
+def test_rank_correlation_is_that_of_scipy_also_among_equal_values(pairs):
+    a, b = np.array(pairs, float).T
+    assert rank_correlation(a, b) == pytest.approx(spearmanr(a, b).statistic, abs=1e-12)
+
+
+def test_a_constant_series_correlates_with_nothing():
+    assert rank_correlation(np.ones(9), np.arange(9.0)) == 0.0
+
+
+def grown(temperature, windows=30, speed=0.3, seed=1) -> Drift:
+    """A damper whose error grows from 4 % to 12 %; ``temperature`` by window."""
+    random, drift = np.random.default_rng(seed), Drift("left", window=0.9, factor=2.0)
+    time = np.arange(1000) / 1000.0
+    for k in range(windows):
+        stamp = ((k * 1.01 + time) * 1e9).astype(np.int64)
+        velocity = speed * np.sqrt(2.0) * np.sin(2.0 * np.pi * 5.0 * time)
+        measured = 1500.0 * velocity
+        residual = measured * (0.04 + 0.08 * k / windows) * (1.0 + 0.02 * random.normal())
+        drift.add(stamp, residual, measured, velocity, velocity / 31.0, float(temperature[k]))
+    return drift
+
+
+def test_a_quantity_that_grows_with_the_error_is_named():
+    drift = grown(np.linspace(20.0, 60.0, 30))
+    assert drift.is_alarm and drift.sentence().endswith("grows with temperature")
+
+
+@pytest.mark.parametrize(
+    "temperature",
+    [
+        np.full(30, 20.0),  # nearly constant: ranks by position would rise like the error
+        np.append(np.full(29, 20.0), 30.0),
+        np.where(np.arange(30) < 27, 20.0, 20.5),
+        20.0 + np.linspace(0.0, 1.0, 30),
+        np.linspace(-0.1, 0.1, 30),
+        np.full(30, np.nan),
+    ],
+)
+def test_a_quantity_that_hardly_varies_is_not_named(temperature):
+    drift = grown(temperature)
+    assert drift.is_alarm and "grows with" not in drift.sentence()
