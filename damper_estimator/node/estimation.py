@@ -172,7 +172,8 @@ class Estimation:
         if topic in self._gauges:
             self._gauges[topic][1].take(data)
         answer = own.source.take(data, now, clock, settings.max_age, suspect)
-        own.comparison.collected.keep(own.source.stamp)
+        if own.comparison.is_measured:
+            own.comparison.collected.keep(own.source.stamp)
         return Answer(answer, own.source.due(now, settings.stale_after, settings), grown)
 
     def _ask(self, data: bytes, now: float) -> list[Command]:

@@ -46,7 +46,9 @@ class InputTally:
         other_types: publishers of another type than ours.
         last: steady time of the last message, s; None before the first.
         names: of the last message whose structure was new.
-        age: s, largest age of a stamp on arrival in the last period; NaN where none.
+        age: s, age of the last stamp on arrival; NaN before the first.
+        late: samples that were too old on arrival.
+        is_other_clock: whether the stamps do not mean this machine's time.
     """
 
     topic: str
@@ -62,6 +64,8 @@ class InputTally:
     last: float | None = None
     names: Sequence[str] = ()
     age: float = float("nan")
+    late: int = 0
+    is_other_clock: bool = False
 
 
 def input_status(prefix: str, now: InputTally, before: InputTally, time: float, known: set[str]) -> DiagnosticStatus:
@@ -85,6 +89,7 @@ def input_status(prefix: str, now: InputTally, before: InputTally, time: float, 
         "failures": now.failures,
         "names not estimated": ", ".join(sorted(set(now.names) - known)),
         "age of the stamps on arrival [ms]": f"{1e3 * now.age:.1f}",
+        "too old on arrival": now.late,
     }
     return status(f"{prefix}: input {now.topic}", *_judge_input(now, before, time), values)
 
@@ -113,6 +118,10 @@ def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[byte
     lost = max(now.lost - before.lost, now.reported_lost - before.reported_lost)
     if lost > 0:
         return WARN, f"{lost} messages were lost on the way"
+    if now.late > before.late:
+        return WARN, f"{now.late - before.late} samples were too old on arrival; see max_age"
+    if now.is_other_clock:
+        return OK, "receiving; the stamps are another clock's, so their age cannot be judged"
     return OK, "receiving"
 
 

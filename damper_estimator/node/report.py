@@ -10,6 +10,7 @@ from damper_estimator.node import health
 from damper_estimator.node.commands import CommandTally, Follower
 from damper_estimator.node.displacement import JOINT_STATE, names_in
 from damper_estimator.node.estimation import Estimation
+from damper_estimator.node.stamp_age import StampAge
 from damper_estimator.node.wire import MalformedMessage
 
 
@@ -71,7 +72,7 @@ class Reporter:
         known = set(estimation.names)
         for topic, own in estimation.displacement.items():
             tally = inputs[topic]
-            self._complete(tally, topic, own.source.stamp)
+            self._complete(tally, topic, own.source.age)
             before = self._inputs.get(topic, health.InputTally(""))
             told.append(health.input_status(prefix, tally, before, now, known))
             for d, one in enumerate(own.source.estimators):
@@ -83,7 +84,7 @@ class Reporter:
             told.append(health.status(f"{prefix}: recording", *node.recorder.health()))
         return told
 
-    def _complete(self, tally: health.InputTally, topic: str, stamp: int) -> None:
+    def _complete(self, tally: health.InputTally, topic: str, age: StampAge) -> None:
         """What is not worth computing with every message."""
         if tally.last is None:
             there = self._node.get_publishers_info_by_topic(tally.topic)
@@ -95,9 +96,7 @@ class Reporter:
             tally.names = names_in(data)
         except MalformedMessage:
             return
-        if tally.last is not None and self._node.is_active:
-            waited = time.monotonic() - tally.last
-            tally.age = (self._node.get_clock().now().nanoseconds - stamp) / 1e9 - waited
+        tally.age, tally.late, tally.is_other_clock = age.age, age.late, not age.is_related
 
     def _damper(self, prefix: str, topic: str, estimation: Estimation, d: int, name: str) -> DiagnosticStatus:
         own = estimation.displacement[topic]

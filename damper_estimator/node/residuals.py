@@ -17,6 +17,7 @@ from damper_estimator.signals import DamperSignals, Kinematics
 from damper_estimator.signals.admission import ACCEPTED, DUPLICATE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
 
+_SILENT = 40  # comparisons without a sample of a gauge until estimates are no longer collected
 _ROOM = 2048  # samples between two comparisons; more are not compared
 _X, _V, _A = (FIELDS.index(name) for name in ("displacement", "velocity", "acceleration"))
 _NOTHING = np.zeros(0, np.int64)
@@ -103,6 +104,7 @@ class Comparison:
 
     Attributes:
         drifts: by damper.
+        is_measured: whether a gauge was heard in the last two seconds, or may still be; if not, no sample is collected.
     """
 
     def __init__(self, source: DisplacementInput, cutoff: float, max_gap: float, window: float, factor: float) -> None:
@@ -111,11 +113,14 @@ class Comparison:
         self._settings = (cutoff, max_gap, window, factor)
         self.collected = Collected(source)
         self.drifts: dict[str, Drift] = {}
+        self.is_measured, self._silent = True, 0
         self._lines: dict[str, ResidualLine] = {}
         self._motion: dict[str, tuple[np.ndarray, ...]] = {}
 
     def compare(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> list[bytes]:
         """The residual messages that can now be told; ``gauges`` are new samples by damper."""
+        if not self._hear(gauges):
+            return []
         cutoff, max_gap, window, factor = self._settings
         told: dict[str, Residuals] = {}
         for one, estimates in zip(self._source.estimators, self.collected.taken(), strict=False):
@@ -132,6 +137,13 @@ class Comparison:
             effort = np.stack([told[name].value[own] for name, own in rows.items()], axis=1)
             messages += joint_states(list(rows), stamp, effort=effort)
         return messages
+
+    def _hear(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> bool:
+        """Whether there is, or was lately, something to compare with."""
+        heard = any(gauges[one.name][0].size for one in self._source.estimators if one.name in gauges)
+        self._silent = 0 if heard else self._silent + 1
+        self.is_measured = self._silent < _SILENT
+        return self.is_measured
 
     def _judge(self, name: str, estimates: Estimates, residuals: Residuals) -> None:
         """Gives the settled ones of the residuals to the damper's drift."""

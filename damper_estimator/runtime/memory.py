@@ -32,15 +32,15 @@ def memory(model: DamperModel, row: int, bounds: np.ndarray) -> float | None:
     for other, (low, high) in ranges.items():
         steady[other] = 0.5 * (low + high)
     low, high = ranges[row]
-    differences = []
+    undisturbed, differences = model.force(steady), []
     for value in (low, high) if low < high else (low - 1.0, low + 1.0):
         disturbed = steady.copy()
         disturbed[row, steady[T] < WRONG] = value
-        differences.append(np.nan_to_num(np.abs(model.force(disturbed) - model.force(steady))))
+        differences.append(np.nan_to_num(np.abs(model.force(disturbed) - undisturbed)))
     difference = np.max(differences, axis=0)
     during, after = difference[steady[T] < WRONG], difference[steady[T] >= WRONG]
     largest = float(during.max())
-    if not largest > NOTHING * float(np.max(np.nan_to_num(np.abs(model.force(steady))), initial=1.0)):
+    if not largest > NOTHING * float(np.max(np.nan_to_num(np.abs(undisturbed)), initial=1.0)):
         return None
     left = np.flatnonzero(after > _LEFT * largest)
     if left.size and left[-1] == after.size - 1:

@@ -101,8 +101,8 @@ def level(player, ending: str) -> bytes | None:
     return next((bytes(s.level) for s in statuses if s.name.endswith(ending)), None)
 
 
-def test_health_follows_the_input(start, player):
-    start(model="coulomb", dampers="[left, right]", stale_after=20.0)
+def test_health_follows_the_input(start, identified, player):
+    start(model=identified("coulomb"), dampers="[left, right]", stale_after=20.0)
     told = "input /suspension/displacement"
     player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet")
     assert level(player, ": left") == WARN
