@@ -50,12 +50,14 @@ class Parameter:
     linear: bool = False
     size: str | tuple[str, ...] | None = None
 
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the settings that give it its length; none for a scalar."""
+        return (self.size,) if isinstance(self.size, str) else self.size or ()
+
     def length(self, settings: Values) -> int | None:
         """Number of elements, given the settings by name; None for a scalar."""
-        if self.size is None:
-            return None
-        names = (self.size,) if isinstance(self.size, str) else self.size
-        return prod(len(settings[name]) for name in names)
+        return None if self.size is None else prod(len(settings[name]) for name in self.axes)
 
 
 @dataclass(frozen=True)

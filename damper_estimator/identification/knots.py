@@ -4,10 +4,11 @@ An effect with a rising list setting that gives a vector parameter its length is
 surface), and the setting's unit tells its axis (m/s: velocity, m: displacement, m/s^2: acceleration, A: command,
 deg C: temperature). Its default knots are stretched, each side of zero by itself, so that the outer ones stand at
 the 0.5 and 99.5 percentiles; 0 stays where it is; a knot is left out where a neighbouring interval would hold too
-few samples to determine it. Knots that a model file gives are never moved.
+few samples to determine it. An axis of magnitudes, such as a speed, is stretched up to the larger of the two sides.
+Knots that a model file gives are never moved.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -45,21 +46,16 @@ def _placed(element: Element, channels: Channels) -> Element:
     axes = {}
     for setting in element.effect.settings:
         row = AXES.get(setting.unit)
-        own = any(setting.name in _axes(p) for p in element.effect.parameters)
+        own = any(setting.name in p.axes for p in element.effect.parameters)
         if own and setting.increasing and row is not None and element.settings[setting.name] == setting.default:
             axes[setting.name] = tuple(_knots(setting, channels(row)))
-    moved = [p for p in element.effect.parameters if any(name in axes for name in _axes(p))]
-    given = [p for p in moved if len(_axes(p)) > 1 and len(set(element.parameters[p.name])) > 1]
+    moved = [p for p in element.effect.parameters if any(name in axes for name in p.axes)]
+    given = [p for p in moved if len(p.axes) > 1 and len(set(element.parameters[p.name])) > 1]
     if not axes or given:  # a surface with values is the user's own
         return element
     settings = {**element.settings, **axes}
     curves = {p.name: _interpolated(p, element, settings) for p in moved}
     return replace(element, settings=settings, parameters={**element.parameters, **curves})
-
-
-def _axes(parameter: Parameter) -> tuple[str, ...]:
-    """Names of the settings that give a parameter its length."""
-    return (parameter.size,) if isinstance(parameter.size, str) else parameter.size or ()
 
 
 def _interpolated(parameter: Parameter, element: Element, settings: Mapping[str, Value]) -> tuple[float, ...]:
@@ -75,17 +71,28 @@ def _knots(setting: Setting, values: Samples) -> list[float]:
     if values.size == 0 or values.low == values.high:
         return default.tolist()
     low, high = values.percentiles(OUTER)
-    if default[0] < 0.0 < default[-1] and low < 0.0 < high:
+    below = values.below
+    if setting.lower >= 0.0 and values.low < 0.0:  # an axis of magnitudes, such as the speed
+        stretched = default * max(-low, high) / default[-1]
+        below = _magnitudes_below(values)
+    elif default[0] < 0.0 < default[-1] and low < 0.0 < high:
         stretched = np.where(default < 0.0, default * low / default[0], default * high / default[-1])
     else:
         stretched = low + (default - default[0]) * (high - low) / (default[-1] - default[0])
-    kept = _populated(stretched.tolist(), values, max(FEWEST, values.size // 1000))
+    kept = _populated(stretched.tolist(), below, max(FEWEST, values.size // 1000))
     return kept if len(kept) > 1 else default.tolist()
 
 
-def _populated(knots: list[float], values: Samples, fewest: int) -> list[float]:
-    """Knots without those that close an interval of fewer than ``fewest`` samples; 0 and the ends go last."""
-    below = dict(zip(knots, values.below(knots).tolist(), strict=True))
+def _magnitudes_below(values: Samples) -> Callable[[Sequence[float]], np.ndarray]:
+    return lambda edges: values.below(edges) - values.below([-edge for edge in edges])
+
+
+def _populated(knots: list[float], count: Callable[[Sequence[float]], np.ndarray], fewest: int) -> list[float]:
+    """Knots without those that close an interval of fewer than ``fewest`` samples; 0 and the ends go last.
+
+    ``count``: how many samples are below each edge.
+    """
+    below = dict(zip(knots, count(knots).tolist(), strict=True))
     while len(knots) > 2:
         counts = np.diff([below[knot] for knot in knots])
         thin = int(np.argmin(counts))
