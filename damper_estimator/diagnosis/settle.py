@@ -16,6 +16,7 @@ from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.ties import tables, ties_among
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 from damper_estimator.signals import Measurement
@@ -48,7 +49,7 @@ def settled(
         return identify(model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free).model
     rows = [rows_of(m, w, zero_free=zero_free) for m, w in zip(measurements, weight, strict=True)]
     slots = list(free_slots(model, free, fix))
-    return _recorded(*_descended(model, rows, slots), slots, measurements)
+    return _recorded(*_descended(model, rows, slots), slots, rows)
 
 
 def _descended(
@@ -95,13 +96,17 @@ def standard_errors(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
 
 
 def _recorded(
-    model: DamperModel,
-    residual: np.ndarray,
-    columns: np.ndarray,
-    slots: Sequence[int],
-    measurements: Sequence[Measurement],
+    model: DamperModel, residual: np.ndarray, columns: np.ndarray, slots: Sequence[int], rows: Sequence[Rows]
 ) -> DamperModel:
-    errors = standard_errors(columns, residual) * np.array([slot_size(model.slots[i]) for i in slots])
-    named = {model.slots[i].address: float(error) for i, error in zip(slots, errors, strict=True)}
+    """The model with its record, and with the points of tables that the rows leave open tied to the others."""
+    sizes = np.array([slot_size(model.slots[i]) for i in slots])
+    jacobian = columns / sizes
+    values = np.array([slot.value for slot in model.slots])
+    power, cost = float(np.sum(targets(rows) ** 2)), 0.5 * float(residual @ residual)
+    ties = ties_among(tables(model), values, slots, jacobian.T @ jacobian, power, cost)
+    model = model.with_vector(ties.weights @ values) if ties.tied else model
+    errors = standard_errors(columns, residual) * sizes
+    told = [(model.slots[i].address, float(e)) for i, e in zip(slots, errors, strict=True) if i not in ties.tied]
+    measurements = [own.measurement for own in rows]
     rmse, _, _ = pooled_error(model, measurements)
-    return replace(model, fit=fit_record(measurements, rmse, named))
+    return replace(model, fit=fit_record(measurements, rmse, dict(told)))

@@ -16,6 +16,7 @@ from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start import candidates_for
+from damper_estimator.identification.ties import followed, rested, tied
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import DamperModel
@@ -131,7 +132,21 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
         raise InputError(
             f"model {name}: gives no finite force from any start value; mend its values or fix some parameters"
         )
-    return solution, uncertainty(problem, solution.point, size)
+    return _tied(problem, solution, np.maximum(np.abs(solution.point.searched), 0.1 * size), chosen.several)
+
+
+def _tied(problem: Problem, solution: Solution, size: np.ndarray, several: bool) -> tuple[Solution, Uncertainty]:
+    """The solution with the points of tables that the data leave open tied to the others.
+
+    With ``several`` objectives the others stay, as they are the user's choice between those.
+    """
+    near = problem.linearised(solution.point, size)
+    point = rested(problem, solution.point, near)
+    ties = tied(problem, point, near)
+    if ties.tied:
+        point = followed(problem, point, near, ties, None if several else size)
+        near = problem.linearised(point, size)
+    return replace(solution, point=point), uncertainty(problem, point, near, ties)
 
 
 def _refuse(reason: str) -> NoReturn:
@@ -240,11 +255,15 @@ def warnings_of(
     bounded = [p.name for p in parameters if p.at_bound]
     if bounded:
         said.append(f"at a bound: {', '.join(bounded)}; no standard error can be given there")
-    silent = [group[0] for group in known.undetermined if len(group) == 1]
+    silent = [group[0] for group in known.undetermined if len(group) == 1 and group[0] not in known.tied]
     if silent:
         said.append(
             f"{', '.join(silent)} cannot be determined from these data; "
             "fix what they do not tell, or record what excites it"
+        )
+    if known.tied:
+        said.append(
+            f"{', '.join(known.tied)}: these data do not reach there; set to continue the values that they determine"
         )
     for group in known.undetermined:
         if len(group) > 1:

@@ -18,6 +18,7 @@ import numpy as np
 
 from damper_estimator.identification.bounded import triangle
 from damper_estimator.identification.problem import Linearised, Point, Problem
+from damper_estimator.identification.ties import Ties
 
 _SINGULAR = 1e-5  # smallest over largest singular value of the scaled Jacobian: below it a direction has no influence
 _WEAK = 0.1  # directions below this are asked whether the noise hides them
@@ -34,15 +35,17 @@ class Uncertainty:
     """What the data say about the free parameters.
 
     Attributes:
-        standard_error: (free,) in order of ``Problem.free``; NaN at a bound, and where the data say nothing or it
-            is wider than the bounds.
+        standard_error: (free,) in order of ``Problem.free``; NaN at a bound, where the data say nothing or it is
+            wider than the bounds, and for the points of a table that follow others.
         at_bound: (free,) bool.
         undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence.
+        tied: addresses of the points of tables that follow others; each is a group of one in ``undetermined`` too.
     """
 
     standard_error: np.ndarray
     at_bound: np.ndarray
     undetermined: tuple[tuple[str, ...], ...]
+    tied: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -64,43 +67,45 @@ class _Directions:
     spread: np.ndarray
 
 
-def uncertainty(problem: Problem, point: Point, size: np.ndarray) -> Uncertainty:
-    """Standard errors and trade-offs at the end of a search; ``size`` (q,) as for the search."""
-    free = np.array(problem.free)
+def uncertainty(problem: Problem, point: Point, linear: Linearised, ties: Ties) -> Uncertainty:
+    """Standard errors and trade-offs at the end of a search, of what follows nothing else; ``linear`` is there."""
+    every = np.array(problem.free)
+    kept = ~np.isin(every, ties.tied)
+    free = every[kept]
     values = problem.vector(point.searched, point.solved)[free]
     low, high = problem.lower[free], problem.upper[free]
     at_bound = np.minimum(values - low, high - values) <= _AT_BOUND * (high - low)
-    linear = problem.linearised(point, np.maximum(np.abs(point.searched), 0.1 * size))
-    order = np.concatenate([problem.searched, problem.solved])
-    columns = np.argsort(order)[np.searchsorted(np.sort(order), free)]
-    every = _directions(linear, columns)
-    inner = every if not at_bound.any() else _directions(linear, columns[~at_bound])
+    basis = ties.weights[np.ix_(np.concatenate([problem.searched, problem.solved]), free)]
+    whole = _directions(linear, basis)
+    inner = whole if not at_bound.any() else _directions(linear, basis[:, ~at_bound])
     error = np.full(free.size, np.nan)
     blind = _untold(inner) | (inner.spread > (high - low)[~at_bound])
     error[~at_bound] = np.where(blind, np.nan, inner.spread)
     # A parameter may stand at its bound only because another takes its part, so both are asked here.
-    contributions = np.maximum(np.abs(values) * every.norms, _FLOOR * np.sqrt(problem.power))
-    groups = [group for group in _undetermined(every, contributions) if len(group) > 1 or not at_bound[group[0]]]
+    contributions = np.maximum(np.abs(values) * whole.norms, _FLOOR * np.sqrt(problem.power))
+    groups = [group for group in _undetermined(whole, contributions) if len(group) > 1 or not at_bound[group[0]]]
     for group in groups:
         if at_bound[group].any():  # the bound alone holds the others of its group
             error[group] = np.nan
     addresses = [problem.slots[slot].address for slot in free]
-    return Uncertainty(error, at_bound, tuple(tuple(addresses[i] for i in group) for group in groups))
+    following = tuple(problem.slots[slot].address for slot in ties.tied)
+    errors, bounded = np.full(every.size, np.nan), np.zeros(every.size, bool)
+    errors[kept], bounded[kept] = error, at_bound
+    undetermined = [tuple(addresses[i] for i in group) for group in groups] + [(address,) for address in following]
+    return Uncertainty(errors, bounded, tuple(undetermined), following)
 
 
-def _directions(linear: Linearised, columns: np.ndarray) -> _Directions:
-    """Of the parameters in these columns (k,) of the Jacobian."""
-    count = columns.size
+def _directions(linear: Linearised, basis: np.ndarray) -> _Directions:
+    """Of parameters, each of which moves those of the Jacobian by a column of ``basis`` (q + p, k)."""
+    count = basis.shape[1]
     if count == 0:
         return _Directions(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
-    jacobian = linear.reduced[:, columns]
+    jacobian = linear.reduced[:, :-1] @ basis
     norms = np.linalg.norm(jacobian, axis=0)
     scale = np.where(norms > 0.0, norms, 1.0)
     _, singular, vectors = np.linalg.svd(triangle(jacobian / scale))
     told = singular > _SINGULAR * singular[0]
-    weights = np.zeros((linear.reduced.shape[1] - 1, int(told.sum())))
-    weights[columns] = vectors[told].T / singular[told] ** 2 / scale[:, None]
-    total, effective = linear.noise(weights)
+    total, effective = linear.noise(basis @ (vectors[told].T / singular[told] ** 2 / scale[:, None]))
     covariance = total * effective / max(effective - count, 1.0)
     deviation = np.full(count, np.inf)
     deviation[told] = np.sqrt(np.diag(covariance))
