@@ -2,7 +2,8 @@
 
 Forces are those of a steady passage through one displacement: hysteresis is replaced by the middle of its loops, and
 what depends on position is taken at --displacement. Writes force_velocity.csv and, for multibody programs, a damper
-property file (.dpr, [CURVE] in mm/s and N) for each current and temperature.
+property file (.dpr, [CURVE] in mm/s and N) for each current and temperature. At velocities outside the region of the
+fit the tables go on straight from its edge; all points outside the region are marked in the files.
 """
 
 import argparse
@@ -69,6 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
             f"command(s), {table.temperatures.size} temperature(s)"
         )
         print(f"  steady force through {1e3 * table.displacement:g} mm, no memory: the middle of the model's loops")
+        if table.inside is not None and not table.inside.all():
+            print(f"  {np.sum(~table.inside)} of {table.inside.size} points lie outside the region of the fit")
         for path in written:
             print(f"  {path}")
     grid = {
@@ -76,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         "command": table.commands,
         "temperature_degc": table.temperatures,
         "force_n": table.force,
+        "in_region": table.inside,
     }
     write_json(arguments.json, {"model": model.name, "displacement_m": table.displacement, "files": written, **grid})
     return 0

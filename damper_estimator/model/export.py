@@ -5,8 +5,12 @@ lags and delays have passed, the acceleration is zero. That is the middle of the
 mean of arriving from either side. A table has no memory: hysteresis, position beyond the chosen one, and heating are
 lost.
 
-Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n; our signs, empty where a channel
-plays no part) and for every command and temperature a property file of the kind that ADAMS reads for dampers
+Outside the velocities that the model was fitted on the table does not take the model's word: a polynomial soon turns
+round there. It goes on straight from the edge of the region, and level where the force falls at the edge (see
+``model.continuation``). Commands and temperatures outside are the model's.
+
+Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n, in_region; our signs, empty where a
+channel plays no part; in_region is 1 inside the region of the fit, 0 outside, empty for a model without one) and for every command and temperature a property file of the kind that ADAMS reads for dampers
 (``.dpr``): plain text, ``$`` starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force
 on a line each, rising, positive in extension and where the force resists it; between the points the program lays its
 own spline.
@@ -21,6 +25,7 @@ import numpy as np
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
+from damper_estimator.model.continuation import Axis, continuation
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.model.element import Element, make_element, walk
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
@@ -30,7 +35,9 @@ _LONGEST = 5.0  # s that an approach may last
 _HOLD = 0.4  # s in which lags and delays pass
 _STEP, _MOST_STEPS = 1e-3, 20_000
 _SHARES = (0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0)
-COLUMNS = ("velocity_m_s", "command", "temperature_degc", "force_n")
+_EDGE = 0.1  # of the region: over so much of it the slope is taken with which a table goes on
+COLUMNS = ("velocity_m_s", "command", "temperature_degc", "force_n", "in_region")
+_WITHOUT_REGION = COLUMNS[:4]  # a table that is not from here need not say
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,7 @@ class ForceTable:
         commands, temperatures: (c,), (t,); a single NaN where there is no such channel.
         force: (c, t, k) N.
         displacement: m, where the motion passes.
+        inside: (c, t, k) bool, whether in the region of the fit; None where the model has none.
     """
 
     velocity: np.ndarray
@@ -49,6 +57,7 @@ class ForceTable:
     temperatures: np.ndarray
     force: np.ndarray
     displacement: float
+    inside: np.ndarray | None = None
 
 
 def force_table(
@@ -76,7 +85,7 @@ def force_table(
         )
     v = velocity_grid(model) if velocity is None else np.unique(np.asarray(velocity, float))
     levels = [_levels(model, name, given) for name, given in (("command", commands), ("temperature", temperatures))]
-    force = np.array([[[steady_force(model, s, displacement, c, t) for s in v] for t in levels[1]] for c in levels[0]])
+    force = np.array([[_curve(model, v, displacement, c, t) for t in levels[1]] for c in levels[0]])
     if not np.isfinite(force).all():
         c, t, k = np.argwhere(~np.isfinite(force))[0]
         raise InputError(
@@ -84,7 +93,40 @@ def force_table(
             f"{levels[1][t]:g}; "
             "name currents and temperatures that it needs"
         )
-    return ForceTable(v, levels[0], levels[1], force, displacement)
+    return ForceTable(v, levels[0], levels[1], force, displacement, _inside(model, *levels, v))
+
+
+def _curve(
+    model: DamperModel, velocity: np.ndarray, displacement: float, command: float, temperature: float
+) -> np.ndarray:
+    """(k,) steady forces; outside the region of the fit they continue those inside."""
+    low, high = _region(model, "velocity") or (-np.inf, np.inf)
+    outside = (velocity < low) | (velocity > high)
+    if not (outside.any() and low < high):
+        return np.array([steady_force(model, v, displacement, command, temperature) for v in velocity])
+    ends = [low, low + _EDGE * (high - low), high - _EDGE * (high - low), high]
+    told = np.concatenate([velocity[~outside], ends])
+    force = np.array([steady_force(model, v, displacement, command, temperature) for v in told])
+    inside = told.size - len(ends)
+    knots = np.concatenate([velocity[velocity < low], ends, velocity[velocity > high]])
+    known = np.isin(knots, ends)
+    values = np.zeros(knots.size)
+    values[known] = force[inside:]
+    every = np.zeros(velocity.size)
+    every[~outside] = force[:inside]
+    every[outside] = (continuation([Axis(knots, True)], known, values) @ values)[~known]
+    return every
+
+
+def _inside(model: DamperModel, *axes: np.ndarray) -> np.ndarray | None:
+    """(c, t, k) bool: whether commands, temperatures and velocities lie in the region of the fit."""
+    if "region" not in model.fit:
+        return None
+    within = []
+    for name, values in zip(("command", "temperature", "velocity"), axes, strict=True):
+        low, high = _region(model, name) or (-np.inf, np.inf)
+        within.append(~((values < low) | (values > high)))
+    return within[0][:, None, None] & within[1][:, None] & within[2]
 
 
 def velocity_grid(model: DamperModel) -> np.ndarray:
@@ -148,7 +190,9 @@ def table_csv(table: ForceTable) -> str:
     for i, command in enumerate(table.commands):
         for j, temperature in enumerate(table.temperatures):
             for k, velocity in enumerate(table.velocity):
-                lines.append(",".join(_number(n) for n in (velocity, command, temperature, table.force[i, j, k])))
+                inside = "" if table.inside is None else f"{table.inside[i, j, k]:d}"
+                numbers = (velocity, command, temperature, table.force[i, j, k])
+                lines.append(",".join([*map(_number, numbers), inside]))
     return "\n".join(lines) + "\n"
 
 
@@ -161,10 +205,12 @@ def property_text(model: DamperModel, table: ForceTable, command: int, temperatu
     setting = f"command {table.commands[command]:g}, temperature {table.temperatures[temperature]:g} deg C".replace(
         "nan", "none"
     )
+    beyond = [] if table.inside is None else table.velocity[~table.inside[command, temperature]].tolist()
     lines = [
         "$" + "-" * 60 + "HEADER", "[MDI_HEADER]", "FILE_TYPE = 'dpr'", "FILE_VERSION = 4.0", "FILE_FORMAT = 'ASCII'",
         f"$ model {model.name}; {setting}; displacement {1e3 * table.displacement:g} mm",
         "$ steady force at constant velocity, no memory; positive in extension",
+        *([f"$ outside the region of the fit: {', '.join(f'{1e3 * v:g}' for v in beyond)} mm/s"] if beyond else []),
         "$" + "-" * 60 + "UNITS", "[UNITS]", "LENGTH = 'mm'", "ANGLE = 'degrees'", "FORCE = 'newton'",
         "MASS = 'kg'", "TIME = 'second'",
         "$" + "-" * 60 + "CURVE", "[CURVE]", "{   vel          force}",
@@ -184,16 +230,20 @@ def read_table(path: Path) -> ForceTable:
         rows = np.array([[float(cell or "nan") for cell in line.split(",")] for line in lines])
     except (OSError, ValueError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as a table; it wants the columns {', '.join(COLUMNS)}") from error
-    if tuple(head.split(",")) != COLUMNS or rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
+    columns = tuple(head.split(","))
+    if columns not in (COLUMNS, _WITHOUT_REGION) or rows.ndim != 2 or rows.shape[1] != len(columns):
         raise InputError(f"{path}: is not a force-velocity table; it wants the columns {', '.join(COLUMNS)}")
     axes = [np.unique(rows[:, i]) for i in range(3)]
     velocity, commands, temperatures = axes
+    shape = commands.size, temperatures.size, velocity.size
+    inside = None if columns != COLUMNS or np.isnan(rows[:, 4]).all() else (rows[:, 4] > 0.0).reshape(shape)
     return ForceTable(
         velocity,
         commands,
         temperatures,
-        rows[:, 3].reshape(commands.size, temperatures.size, velocity.size),
+        rows[:, 3].reshape(shape),
         float("nan"),
+        inside,
     )
 
 

@@ -116,3 +116,52 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["export", "bouc_wen", "--tables", str(tmp_path / "file" / "x"), "--velocity=0.1"]) == 1
     assert "cannot be made" in capsys.readouterr().err
+
+
+REGION = {"region": {"velocity": [-0.4, 0.6], "command": [0.0, 2.0]}}
+# F = 2000 v - 2400 v^3 turns round at 0.53 m/s and reverses at 0.91 m/s.
+TURNING = {"velocity_polynomial": {"linear": 2.0, "cubic": -2.4e-6}}
+
+
+def test_outside_the_region_a_table_goes_on_straight_from_its_edge():
+    curve = {"viscous_curve": {"velocity": [-0.4, 0.0, 0.6], "force": [-900.0, 0.0, 600.0]}}
+    table = force_table(model_of(curve, fit=REGION), np.array([-2.0, -0.4, 0.0, 0.3, 0.6, 1.2]))
+    assert table.force[0, 0] == pytest.approx([-4500.0, -900.0, 0.0, 300.0, 600.0, 1200.0])
+
+
+@pytest.mark.parametrize("edge", [0.3, 0.45, 0.5])
+def test_no_table_reverses_outside_the_region_though_its_model_does(edge):
+    model = model_of(TURNING, fit={"region": {"velocity": [-edge, edge]}})
+    v = np.array([-3.0, -1.0, -0.2, 0.0, 0.2, 1.0, 3.0])
+    assert at(model, [1.0, 3.0]).max() < 0.0
+    force = force_table(model, v).force[0, 0]
+    assert (force * v >= 0.0).all() and (np.diff(force) >= -1e-9).all()
+
+
+def test_inside_the_region_a_table_holds_what_the_model_gives_whatever_is_asked_for_outside():
+    v = np.array([-0.3, -0.1, 0.2, 0.5])
+    model = model_of(CURVE, fit=REGION)
+    wide = force_table(model, np.concatenate([[-2.0], v, [2.0]]))
+    assert wide.force[..., 1:-1] == pytest.approx(force_table(model, v).force, rel=1e-12)
+
+
+def test_points_outside_the_region_are_marked_in_the_files(tmp_path):
+    model = model_of(CURVE, fit=REGION)
+    table = force_table(model, np.array([-1.0, -0.2, 0.2, 0.8]), commands=(1.0, 3.0))
+    assert table.inside[:, 0].tolist() == [[False, True, True, False], [False] * 4]
+    paths = write_tables(model, table, tmp_path)
+    again = read_table(paths[0])
+    assert np.array_equal(again.inside, table.inside) and np.array_equal(again.force, table.force)
+    assert "$ outside the region of the fit: -1000, 800 mm/s" in (tmp_path / "made_1A.dpr").read_text()
+
+
+def test_a_model_without_a_region_marks_nothing(tmp_path):
+    table = force_table(model_of(CURVE), np.array([-2.0, 2.0]))
+    path = write_tables(model_of(CURVE), table, tmp_path)[0]
+    assert table.inside is None and read_table(path).inside is None
+
+
+def test_a_table_without_the_mark_is_read(tmp_path):
+    (tmp_path / "x.csv").write_text("velocity_m_s,command,temperature_degc,force_n\n-1,,,-5\n1,,,5\n")
+    table = read_table(tmp_path / "x.csv")
+    assert table.force[0, 0].tolist() == [-5.0, 5.0] and table.inside is None
