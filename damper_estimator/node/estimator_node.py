@@ -7,11 +7,10 @@ from collections.abc import Callable, Sequence
 from damper_msgs.msg import DamperCommand, DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import PublisherEventCallbacks
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -25,6 +24,7 @@ from damper_estimator.node.inputs import Inputs
 from damper_estimator.node.meanwhile import meanwhile
 from damper_estimator.node.outputs import CommandOutputs
 from damper_estimator.node.process import collect_garbage, tame_garbage_collector
+from damper_estimator.node.rclpy_private import RefusingLifecycleNode
 from damper_estimator.node.recorder import Recorder
 from damper_estimator.node.report import Reporter
 from damper_estimator.node.roster import make_roster
@@ -41,7 +41,7 @@ DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILU
 FAILED = TransitionCallbackReturn.ERROR
 
 
-class EstimatorNode(LifecycleNode):
+class EstimatorNode(RefusingLifecycleNode):
     """Runs filter and model of every damper at the rate of the input; final.
 
     Publishes one ``DamperForces`` per displacement message, with its header, for those dampers whose sample was good,
@@ -118,16 +118,6 @@ class EstimatorNode(LifecycleNode):
     def on_error(self, _: LifecycleState) -> TransitionCallbackReturn:
         """After a failure of our own: back to the beginning."""
         return self._transition(self._forget)
-
-    def _LifecycleNodeMixin__change_state(self, transition_id: int) -> TransitionCallbackReturn:  # noqa: N802
-        """A transition that the present state does not have is refused; rclpy lets it end the process."""
-        try:
-            return super()._LifecycleNodeMixin__change_state(transition_id)
-        except RCLError as error:
-            if not self.context.ok():
-                raise
-            self.get_logger().error(f"transition {transition_id} is not possible now ({error})".partition(", at ")[0])
-            return REFUSED
 
     def _transition(self, act: Callable[[], None]) -> TransitionCallbackReturn:
         try:

@@ -6,7 +6,8 @@ import rclpy
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.impl.rcutils_logger import RcutilsLogger
+
+from damper_estimator.node.rclpy_private import RcutilsLogger, events_executor
 
 PROBE_PERIOD = 0.001  # s
 PROBE_TIME = 2.0  # s, far more than one timer needs
@@ -17,19 +18,11 @@ def make_executor(wanted: str, logger: RcutilsLogger) -> Executor:
     line).
     """
     if wanted == "events":
-        executor = _events_executor()
+        executor = events_executor()
         if executor is not None and _delivers(executor):
             return executor
         logger.warning("executor 'events' does not work in this ROS installation; 'single' is used instead")
     return SingleThreadedExecutor()
-
-
-def _events_executor() -> Executor | None:
-    try:
-        from rclpy.experimental.events_executor import EventsExecutor
-    except ImportError:
-        return None
-    return EventsExecutor()
 
 
 def _delivers(executor: Executor) -> bool:

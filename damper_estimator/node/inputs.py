@@ -5,7 +5,6 @@ import traceback
 from dataclasses import replace
 from importlib import import_module
 
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleNode
 from rclpy.qos import QoSProfile
@@ -15,6 +14,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.health import InputTally
 from damper_estimator.node.message_info import with_number
+from damper_estimator.node.rclpy_private import RCLError, take
 from damper_estimator.node.senders import DoubleSenders, Losses
 from damper_estimator.node.wire import MalformedMessage
 
@@ -84,8 +84,7 @@ class Inputs:
         """Answers the messages that wait, where the executor cannot; whether there were any."""
         found = False
         for subscription in list(self._subscriptions.values()):
-            with subscription.handle:
-                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            taken = take(subscription)
             if taken is not None:
                 found = True
                 subscription.callback(*taken)

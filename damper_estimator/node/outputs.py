@@ -1,9 +1,10 @@
 """The topics on which the node commands currents, one per damper whose force depends on one."""
 
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import Float64
+
+from damper_estimator.node.rclpy_private import RCLError
 
 DEPTH = 10
 

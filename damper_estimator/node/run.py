@@ -5,7 +5,6 @@ import traceback
 from collections.abc import Callable, Sequence
 
 import rclpy
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
@@ -14,6 +13,7 @@ from damper_estimator.node.controller import ControllerNode
 from damper_estimator.node.estimator_node import EstimatorNode
 from damper_estimator.node.executors import make_executor
 from damper_estimator.node.process import set_realtime_priority
+from damper_estimator.node.rclpy_private import RCLError
 from damper_estimator.node.settings import check_words
 
 WAKE_UP = 0.1  # s, longest time until a signal is seen
