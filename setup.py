@@ -1,4 +1,8 @@
-"""Packaging for pip (offline tools) and for colcon as an ament_python package (the node as well)."""
+"""Packaging for pip (offline tools) and for colcon as an ament_python package (the node as well).
+
+``pip install .`` is for those who work off line, so it brings all that the command line needs. colcon installs nothing:
+what the node needs is in package.xml, and the README names what has no rosdep key.
+"""
 
 import re
 from pathlib import Path
@@ -8,6 +12,27 @@ from setuptools import find_packages, setup
 NAME = "damper_estimator"
 ROOT = Path(__file__).resolve().parent
 VERSION = re.search(r'__version__ = "(.+)"', (ROOT / NAME / "__init__.py").read_text(encoding="utf-8")).group(1)
+
+# What the node imports besides ROS; numba, among the others, makes it faster, and mcap makes it record.
+NODE = [
+    "numpy>=1.26,<3",
+    "scipy>=1.11,<2",
+    "pyyaml>=6.0,<7",
+    "rosbags>=0.11,<0.12",
+]
+OFFLINE = [
+    "mcap>=1.2,<2",
+    "zstandard>=0.22,<1",
+    "plotly>=6.0,<8",
+    "jinja2>=3.1,<4",
+    "numba>=0.59,<1",
+]
+EXTRAS = {
+    "evolutionary": ["pymoo>=0.6.1,<0.7"],
+    "studio": ["dash>=4.1,<5", "tsdownsample>=0.1.4,<0.2"],
+    "fleet": ["distributed>=2024.8,<2027", "pyarrow>=15.0,<27"],
+    "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7", "playwright>=1.45,<2"],
+}
 
 
 def installed_beside(folder: str, pattern: str = "**/*") -> list[tuple[str, list[str]]]:
@@ -31,23 +56,8 @@ setup(
         *installed_beside("msg_defs/msg"),
     ],
     python_requires=">=3.11",
-    install_requires=[
-        "numpy>=1.26,<3",
-        "scipy>=1.11,<2",
-        "pyyaml>=6.0,<7",
-        "mcap>=1.2,<2",
-        "rosbags>=0.11,<0.12",
-        "zstandard>=0.22,<1",
-        "plotly>=6.0,<8",
-        "jinja2>=3.1,<4",
-        "numba>=0.59,<1",
-    ],
-    extras_require={
-        "evolutionary": ["pymoo>=0.6.1,<0.7"],
-        "studio": ["dash>=4.1,<5", "tsdownsample>=0.1.4,<0.2"],
-        "fleet": ["distributed>=2024.8,<2027", "pyarrow>=15.0,<27"],
-        "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7", "playwright>=1.45,<2"],
-    },
+    install_requires=NODE + OFFLINE,
+    extras_require=EXTRAS,
     entry_points={
         "console_scripts": [
             f"damper-estimator = {NAME}.cli.main:main",

@@ -9,17 +9,33 @@ import time
 from collections import deque
 from pathlib import Path
 from threading import Event, Thread
+from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.errors import InputError
 from damper_estimator.node.meanwhile import SWITCH
-from damper_estimator.recordings import LiveBagWriter
+
+if TYPE_CHECKING:
+    from damper_estimator.recordings import LiveBagWriter
 
 PERIOD = 0.5  # s between chunks
 PATIENCE = 10.0  # s after which a disk that was full is tried again
 MOST_WAITING = 100_000  # messages; more are not kept
 PREFIX = "damper_estimator_"
+
+
+def _writer_class() -> "type[LiveBagWriter]":
+    """What writes the files, loaded here because a node that does not record runs without the packages it takes."""
+    try:
+        from damper_estimator.recordings import LiveBagWriter
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        raise InputError(
+            f"parameter record: the Python package {package} is not installed; install it (pip install {package}) "
+            "or leave record empty"
+        ) from error
+    return LiveBagWriter
 
 
 class Recorder:
@@ -29,8 +45,9 @@ class Recorder:
         """``size`` of a file in MB; ``files`` that are kept, 0 for all.
 
         Raises:
-            InputError: where the folder cannot be made or written to.
+            InputError: where the folder cannot be made or written to, or a package that writes files is missing.
         """
+        self._writer_class = _writer_class()
         self._folder, self._size, self._files = Path(folder).expanduser(), size * 1_000_000, files
         self._waiting: deque[tuple[str, str, int, bytes]] = deque()
         self._end = Event()
@@ -130,7 +147,7 @@ class Recorder:
             self._number += 1
             moment = time.strftime("%Y%m%d_%H%M%S")
             try:
-                self._writer = LiveBagWriter(self._folder / f"{PREFIX}{moment}_{self._number:04d}.mcap")
+                self._writer = self._writer_class(self._folder / f"{PREFIX}{moment}_{self._number:04d}.mcap")
                 return
             except FileExistsError:
                 continue

@@ -5,11 +5,9 @@ turns fields of equal-shaped messages into arrays at once; `BagWriter` writes mc
 logger files (CSV, text, MAT) become bags by a column map. Signs, units and time bases are the signal map's business.
 """
 
-from damper_estimator.recordings.bag import Bag, Topic, open_bag
-from damper_estimator.recordings.batch import Batch, Columns
-from damper_estimator.recordings.bench import Part, read_parts
-from damper_estimator.recordings.bench_bag import planned_paths, write_part
-from damper_estimator.recordings.column_map import ColumnMap, ColumnMaps, load_column_maps
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from damper_estimator.recordings.definitions import Schema
 from damper_estimator.recordings.encode import (
     accelerations,
@@ -21,7 +19,14 @@ from damper_estimator.recordings.encode import (
     temperatures,
 )
 from damper_estimator.recordings.field_path import FieldPath, parse_path
-from damper_estimator.recordings.writer import BagWriter, LiveBagWriter, Stream
+
+if TYPE_CHECKING:
+    from damper_estimator.recordings.bag import Bag, Topic, open_bag
+    from damper_estimator.recordings.batch import Batch, Columns
+    from damper_estimator.recordings.bench import Part, read_parts
+    from damper_estimator.recordings.bench_bag import planned_paths, write_part
+    from damper_estimator.recordings.column_map import ColumnMap, ColumnMaps, load_column_maps
+    from damper_estimator.recordings.writer import BagWriter, LiveBagWriter, Stream
 
 __all__ = [
     "Bag",
@@ -50,3 +55,21 @@ __all__ = [
     "temperatures",
     "write_part",
 ]
+
+# Reading and writing files takes packages (mcap, zstandard) that a node does without unless it records.
+_LOADED_ON_USE = {
+    "bag": ("Bag", "Topic", "open_bag"),
+    "batch": ("Batch", "Columns"),
+    "bench": ("Part", "read_parts"),
+    "bench_bag": ("planned_paths", "write_part"),
+    "column_map": ("ColumnMap", "ColumnMaps", "load_column_maps"),
+    "writer": ("BagWriter", "LiveBagWriter", "Stream"),
+}
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _LOADED_ON_USE.items():
+        if name in names:
+            globals()[name] = value = getattr(import_module(f"{__name__}.{module}"), name)
+            return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

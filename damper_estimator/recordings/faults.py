@@ -5,18 +5,26 @@ import struct
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 
 import yaml
-from mcap.exceptions import McapError
-from zstandard import ZstdError
 
 from damper_estimator.errors import InputError
 
+
+def _error_of(module: str, name: str) -> tuple[type[Exception], ...]:
+    """An error class of a library; none where the library is not installed, because then nothing raises it."""
+    try:
+        return (getattr(import_module(module), name),)
+    except ModuleNotFoundError:
+        return ()
+
+
 # Bytes that are no bag make the libraries below raise all of these (found by fuzzing).
-LIBRARY_ERRORS = (
-    McapError,
-    ZstdError,
+LIBRARY_ERRORS: tuple[type[Exception], ...] = (
+    *_error_of("mcap.exceptions", "McapError"),
+    *_error_of("zstandard", "ZstdError"),
     sqlite3.Error,
     yaml.YAMLError,
     struct.error,
