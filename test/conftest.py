@@ -9,7 +9,7 @@ import pytest
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """Folder of the real recordings; tests that need it are skipped, with this reason, where it is not there."""
-    folder = Path(os.environ.get("DAMPER_SHARED_DATA", Path(__file__).parents[2] / "shared" / "data"))
+    folder = Path(os.environ.get("DAMPER_SHARED_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
     if not folder.is_dir():
         pytest.skip(f"real recordings are not at {folder} (set DAMPER_SHARED_DATA)")
     return folder

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import sysconfig
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -35,10 +36,9 @@ INSTALLED = ("config/models/linear_viscous.yaml", "config/node.yaml", "launch/es
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory) -> Path:
-    """A copy of the sources, so that building leaves nothing in the checkout."""
-    return Path(
-        shutil.copytree(ROOT, tmp_path_factory.mktemp("ws") / "src", ignore=shutil.ignore_patterns(*NOT_SOURCE))
-    )
+    """A copy of the sources in the ``src`` of a workspace, so that building leaves nothing in the checkout."""
+    folder = tmp_path_factory.mktemp("ws") / "src" / "damper_estimator"
+    return Path(shutil.copytree(ROOT, folder, symlinks=True, ignore=shutil.ignore_patterns(*NOT_SOURCE)))
 
 
 @pytest.fixture(scope="module")
@@ -54,15 +54,29 @@ def by_pip(source, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def by_colcon(source, tmp_path_factory) -> Path:
-    """Install folder of ``colcon build``."""
+def colcon(source, tmp_path_factory) -> Callable[..., str]:
+    """Runs colcon in the workspace as its user does, without options that say where packages are."""
     if not (SCRIPTS / "colcon").exists():
         assert os.environ.get("DAMPER_TEST_ROS") != "required"
         pytest.skip("colcon is not installed (make test sets it up)")
-    base = tmp_path_factory.mktemp("colcon")
-    words = ["--log-base", base / "log", "build", "--build-base", base / "build", "--install-base", base / "install"]
-    run([SCRIPTS / "colcon", *words, "--base-paths", source, "--packages-select", "damper_estimator"], base)
-    return base / "install" / "damper_estimator"
+    workspace, home = source.parents[1], tmp_path_factory.mktemp("colcon_home")
+    # ROS from wheels lies in the environment itself; cmake and ninja are there as well.
+    variables = {
+        "COLCON_HOME": str(home),
+        "PATH": os.pathsep.join((str(SCRIPTS), os.environ["PATH"])),
+        **{
+            name: os.pathsep.join(filter(None, (sys.prefix, os.environ.get(name))))
+            for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH")
+        },
+    }
+    return lambda *words: run([SCRIPTS / "colcon", *words], workspace, **variables)
+
+
+@pytest.fixture(scope="module")
+def by_colcon(source, colcon) -> Path:
+    """Install folder of the estimator after a plain ``colcon build``."""
+    colcon("build", "--cmake-args", "-Wno-dev", f"-DPython3_EXECUTABLE={sys.executable}")
+    return source.parents[1] / "install" / "damper_estimator"
 
 
 def run(command: list, folder: Path | None = None, **environment: str) -> str:
@@ -74,6 +88,49 @@ def run(command: list, folder: Path | None = None, **environment: str) -> str:
 def packages_of(prefix: Path) -> Path:
     (folder,) = prefix.glob("lib/python3*/site-packages")
     return folder
+
+
+def test_colcon_finds_both_packages_without_options(colcon):
+    lines = [line.split("\t") for line in colcon("list").splitlines()]
+    assert lines == [
+        ["damper_estimator", "src/damper_estimator/ros_package", "(ros.ament_python)"],
+        ["damper_msgs", "src/damper_estimator/msg_defs", "(ros.ament_cmake)"],
+    ]
+
+
+def test_the_messages_beside_the_checkout_are_no_third_package(source, colcon):
+    """The link that docs/packaging.md offers to tools which run rosdep by themselves."""
+    packages = pytest.importorskip("catkin_pkg.packages")
+    link = source.parent / "damper_msgs"
+    link.symlink_to("damper_estimator/msg_defs")
+    try:
+        found = {path: package.name for path, package in packages.find_packages(str(source.parent)).items()}
+        assert found == {"damper_estimator": "damper_estimator", "damper_msgs": "damper_msgs"}
+        assert sorted(line.split("\t")[0] for line in colcon("list").splitlines()) == sorted(found)
+    finally:
+        link.unlink()
+
+
+def test_rosdep_finds_both_packages_at_the_paths_of_the_readme(source):
+    packages = pytest.importorskip("catkin_pkg.packages")
+    (words,) = re.findall(r"rosdep install --from-paths (.+) --ignore-src", (ROOT / "README.md").read_text())
+    workspace = source.parents[1]
+    found = {
+        package.name for word in words.split() for package in packages.find_packages(str(workspace / word)).values()
+    }
+    assert found == {"damper_estimator", "damper_msgs"}
+
+
+def test_the_package_that_colcon_builds_is_the_top_level():
+    links = {path.name: os.readlink(path) for path in (ROOT / "ros_package").iterdir() if path.is_symlink()}
+    assert links == {name: f"../{name}" for name in links}
+    assert {"package.xml", "setup.py", "setup.cfg", "pyproject.toml", "damper_estimator", "test"} <= set(links)
+
+
+def test_colcon_builds_the_messages_before_the_estimator(by_colcon):
+    messages = by_colcon.with_name("damper_msgs")
+    assert (messages / "share/damper_msgs/msg/DamperForces.msg").is_file()
+    assert "damper_msgs" in (by_colcon / "share/colcon-core/packages/damper_estimator").read_text().split(":")
 
 
 @pytest.mark.parametrize("installed", ["by_pip", "by_colcon"])
@@ -130,7 +187,28 @@ def test_versions_and_names_agree():
     assert package.findtext("version") == messages.findtext("version") == __version__
     assert (package.findtext("name"), messages.findtext("name")) == ("damper_estimator", "damper_msgs")
     assert package.findtext("license") == messages.findtext("license") == "Apache-2.0"
+    for described in (package, messages):
+        assert {url.get("type") for url in described.iter("url")} == {"website", "repository", "bugtracker"}
     assert "damper_msgs" in [entry.text for entry in package.iter("exec_depend")]
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:catkin_pkg")
+@pytest.mark.parametrize("folder, name", [(".", "damper_estimator"), ("msg_defs", "damper_msgs")])
+def test_bloom_can_read_the_changelog(folder, name):
+    changelog = pytest.importorskip("catkin_pkg.changelog")
+    pytest.importorskip("docutils")
+    entries = changelog.get_changelog_from_path(str(ROOT / folder / "CHANGELOG.rst"), package_name=name)
+    versions = [version for version, *_ in entries.foreach_version()]
+    assert versions in ([], [__version__, *versions[1:]]), "the newest released version must be the package's"
+    text = (ROOT / folder / "CHANGELOG.rst").read_text()
+    assert f"Changelog for package {name}\n" in text and ("Forthcoming\n" in text or versions)
+
+
+def test_rosdoc2_finds_its_settings_and_the_python_sources():
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    about, settings = yaml.safe_load_all((ROOT / package.findtext("export/rosdoc2")).read_text())
+    assert about == {"type": "rosdoc2 config", "version": 1}
+    assert (ROOT / settings["settings"]["python_source"] / "__init__.py").is_file()
 
 
 def ros_packages(*folders: Path) -> set[str]:
@@ -154,7 +232,7 @@ def test_package_xml_names_every_ros_package_that_is_imported():
 
 
 def test_the_environment_has_what_the_project_requires():
-    declared = set(re.findall(r'^        "([\w-]+)[>=<]', (ROOT / "setup.py").read_text(), re.MULTILINE))
+    declared = set(re.findall(r'"([\w-]+)>=', (ROOT / "setup.py").read_text()))
     lines = [line for line in (ROOT / "requirements.txt").read_text().splitlines() if line and not line.startswith("#")]
     assert declared and declared <= {re.split(r"[\[>=<]", line)[0] for line in lines}
     assert all(re.search(r">=.*,<", line) for line in lines)

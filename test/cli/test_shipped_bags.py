@@ -8,7 +8,7 @@ import pytest
 
 from damper_estimator.recordings import Bag, open_bag
 
-FOLDER = Path(__file__).parents[2] / "bags"
+FOLDER = Path(__file__).resolve().parents[2] / "bags"
 LARGEST = 10e6
 CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
 

@@ -8,7 +8,7 @@ import numpy as np
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, SignalMap, measure
 
-BAGS = Path(__file__).parents[2] / "bags"
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 DAMPER = "passenger_front"
 
 

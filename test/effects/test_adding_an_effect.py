@@ -12,7 +12,7 @@ from damper_estimator.effects.discovery import all_effects
 from damper_estimator.model import parse_model
 from damper_estimator.signals.layout import DT, ROWS, V
 
-PAGE = (Path(__file__).parents[2] / "docs" / "adding_an_effect.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "adding_an_effect.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", PAGE, re.DOTALL)
 
 

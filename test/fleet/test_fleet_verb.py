@@ -22,7 +22,7 @@ from damper_estimator.fleet.carry import carry_out
 from damper_estimator.fleet.rows import write_rows
 from damper_estimator.model import load_model
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
@@ -120,7 +120,7 @@ def test_a_joint_fit_makes_a_model_per_damper_and_compares_with_it(fleet, drives
 
 def test_a_signal_map_and_options_reach_the_tasks(fleet, drives, tmp_path):
     (tmp_path / "map.yaml").write_text("filter: {cutoff: 40.0}\n")
-    _, record, _ = fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2", "-s", str(tmp_path / "map.yaml")])
+    fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2", "-s", str(tmp_path / "map.yaml")])
     (row,) = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
     assert row["settings"] == "--from=2.0" and row["signals_checksum"] and 700 < row["samples"] <= 800
     assert fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2"])[1]["done"] == 1

@@ -64,7 +64,7 @@ def test_without_the_compiler_the_numbers_are_the_same(tmp_path: Path) -> None:
     damper = replace(switched_on("mount_compliance", 2.0), name="plain")
     short = tones(STEP, 0.1)
     target = tmp_path / "force.npy"
-    folders = [str(Path(__file__).parent), str(Path(__file__).parents[2])]
+    folders = [str(Path(__file__).parent), str(Path(__file__).resolve().parents[2])]
     program = (
         f"import sys, numpy; sys.path[:0] = {folders!r}; import test_plant_convergence as t\n"
         f"numpy.save({str(target)!r}, t.simulate(t.switched_on('mount_compliance', 2.0), t.tones(t.STEP, 0.1)).force)\n"

@@ -8,12 +8,12 @@ import pytest
 pytest.importorskip("dash", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
 pytest.importorskip("tsdownsample", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
 
-from damper_estimator.model import parse_model, save_model  # noqa: E402
-from damper_estimator.studio.folder import Folder  # noqa: E402
-from damper_estimator.studio.session import Session  # noqa: E402
-from damper_estimator.studio.stage import Choice  # noqa: E402
+from damper_estimator.model import parse_model, save_model
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.stage import Choice
 
-BAGS = Path(__file__).parents[2] / "bags"
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 # The curve that hidden_base.mcap gives, before the damper's oil took up air.
 CURVE = {
     "velocity": [-0.76, -0.38, -0.15, -0.076, -0.038, -0.015, 0.0, 0.015, 0.039, 0.078, 0.156, 0.39, 0.78],

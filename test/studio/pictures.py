@@ -14,7 +14,7 @@ from hand import Hand, hand, served
 
 from damper_estimator.cli.main import main as command
 
-BAGS = Path(__file__).parents[2] / "bags"
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 SMALL, LARGE = (1280, 720), (1920, 1080)
 SHOWN_LARGE = ("compare", "model")  # of which the documents show the dark picture of a large screen as well
 

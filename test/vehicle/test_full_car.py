@@ -129,7 +129,7 @@ def test_a_model_that_gives_no_number_is_an_error() -> None:
 def car_file(tmp_path: Path) -> Callable[[str, str], Path]:
     """A changed copy of the installed car."""
     text = Path("config/vehicles/compact_car.yaml")
-    source = (Path(__file__).parents[2] / text).read_text(encoding="utf-8")
+    source = (Path(__file__).resolve().parents[2] / text).read_text(encoding="utf-8")
 
     def changed(old: str, new: str) -> Path:
         assert old in source
