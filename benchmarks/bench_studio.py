@@ -11,17 +11,19 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "test" / "studio"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test" / "studio"))
 
-from hand import BROWSER, Hand, hand, served  # noqa: E402
-from hour_bag import write_hour  # noqa: E402
+from browser import BROWSER
+from hand import Hand, hand, served
+from hour_bag import write_hour
 
-from damper_estimator.studio.figures import Scene, cloud_figure, time_figure  # noqa: E402
-from damper_estimator.studio.folder import Folder  # noqa: E402
-from damper_estimator.studio.paint import painted  # noqa: E402
-from damper_estimator.studio.session import Session  # noqa: E402
-from damper_estimator.studio.stage import Choice  # noqa: E402
-from damper_estimator.studio.view import MOTIONS, View  # noqa: E402
+from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.paint import painted
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.stage import Choice
+from damper_estimator.studio.view import MOTIONS, View
 
 MODEL = "linear_viscous"
 

@@ -3,19 +3,12 @@ damper, and those that are folded away when they are opened.
 """
 
 import re
-import shutil
 import subprocess
 
-import pytest
+from browser import BROWSER, PAGE_FLAGS, needs_browser
 
 from damper_estimator.report import diagnosis_page, diagnosis_section, improvement_page, improvement_section
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--virtual-time-budget=20000",
-    "--window-size=1280,720", "--dump-dom",
-)  # fmt: skip
 # Walks through the page and leaves what it saw as the page's only content.
 WALK = """<script>
 const seen = []; const wait = () => new Promise((go) => setTimeout(go, 300));
@@ -46,7 +39,7 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
 
 def walked(page, folder):
     (folder / "page.html").write_text(page.replace("</body>", WALK))
-    command = [BROWSER, *FLAGS, f"--user-data-dir={folder / 'profile'}", f"file://{folder / 'page.html'}"]
+    command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={folder / 'profile'}", f"file://{folder / 'page.html'}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
     told = re.search(r'<pre id="told">(.*?)</pre>', dom)
     assert told, "the walk did not end"
@@ -60,13 +53,13 @@ def expected(unfolded):
     ]  # fmt: skip
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+@needs_browser
 def test_a_diagnosis_can_be_walked_through(found, tmp_path):
     page = diagnosis_page([diagnosis_section(name, found) for name in ("left", "right")], "title")
     assert walked(page, tmp_path) == expected(0)
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+@needs_browser
 def test_an_improvement_can_be_walked_through(improved, tmp_path):
     page = improvement_page([improvement_section(name, improved) for name in ("left", "right")], "title")
     assert walked(page, tmp_path) == expected(2)

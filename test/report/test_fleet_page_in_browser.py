@@ -4,8 +4,8 @@ import re
 import subprocess
 
 import pytest
+from browser import BROWSER, PAGE_FLAGS, needs_browser
 from test_fleet_page import TREND, row
-from test_page_in_browser import BROWSER, FLAGS
 
 from damper_estimator.report.fleet_page import fleet_page
 
@@ -40,8 +40,6 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
 
 @pytest.fixture
 def seen(tmp_path):
-    if BROWSER is None:
-        pytest.skip("no Chromium is installed")
     rows = [row("car 1", number=k, error=0.05 + 0.001 * (k % 4)) for k in range(12)]
     rows += [row("car 2", number=k, error=0.06) for k in range(12, 22)] + [row("car 2", number=22, error=0.5)]
     rows.append(row("car 2", number=23, status="failed", reason="cut off", nrmse=None, rmse_n=None, report=None))
@@ -49,11 +47,12 @@ def seen(tmp_path):
     page = fleet_page({"compare": rows, "diagnose": found}, [TREND], 2, "the rule")
     path = tmp_path / "index.html"
     path.write_text(page.replace("</body>", WALK))
-    command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'home'}", path.as_uri()]
+    command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={tmp_path / 'home'}", path.as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     return re.search(r"<pre>(.*)</pre>", done.stdout, re.DOTALL).group(1).splitlines()
 
 
+@needs_browser
 def test_the_page_sorts_filters_and_links(seen):
     assert seen == [
         "worst first: 24 of 24 rows, 22",

@@ -1,11 +1,10 @@
 """The page in a real browser: it draws without a network, zooms, follows a region, switches damper and theme."""
 
 import re
-import shutil
 import subprocess
 
 import numpy as np
-import pytest
+from browser import BROWSER, PAGE_FLAGS, needs_browser
 
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
@@ -15,12 +14,6 @@ from damper_estimator.signals import Counts, Measurement, default_signals
 from damper_estimator.signals.kinematics import Differentiator
 from damper_estimator.validation import compare
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--virtual-time-budget=20000",
-    "--window-size=1280,720", "--dump-dom",
-)  # fmt: skip
 # Walks through the page and leaves what it saw as the page's only content.
 WALK = """<script>
 const seen = []; const wait = () => new Promise((go) => setTimeout(go, 300));
@@ -85,11 +78,11 @@ def comparison(name):
     )
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+@needs_browser
 def test_the_page_can_be_walked_through(tmp_path):
     page = comparison_page([damper_section([comparison(name)], 2) for name in ("left", "right")], "title")
     (tmp_path / "page.html").write_text(page.replace("</body>", WALK))
-    command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"file://{tmp_path / 'page.html'}"]
+    command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"file://{tmp_path / 'page.html'}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
     told = re.search(r'<pre id="told">(.*?)</pre>', dom)
     assert told, "the walk did not end"

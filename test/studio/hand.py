@@ -1,7 +1,6 @@
 """A hand in the browser: starts the studio on a folder, opens its page in the system's Chromium, and works with it."""
 
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -9,7 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+from browser import BROWSER
+
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
 PATIENCE = 240.0  # s, for works: a slow machine compiles kernels anew
 ACTION = 60.0  # s, for what the page does by itself

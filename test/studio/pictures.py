@@ -6,9 +6,12 @@
 import argparse
 import re
 import shutil
+import sys
 import tempfile
 from itertools import product
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from hand import Hand, hand, served
 

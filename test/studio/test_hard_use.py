@@ -1,16 +1,13 @@
 """The studio in hard use: by keyboard alone, in two pages at once, zoomed far, cancelled, and with its server gone."""
 
-import importlib.util
 import re
 import signal
 
 import pytest
-from hand import BROWSER, Hand, hand, served
+from browser import needs_browser, needs_playwright
+from hand import Hand, hand, served
 
-pytestmark = [
-    pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine"),
-    pytest.mark.skipif(importlib.util.find_spec("playwright") is None, reason="playwright is not installed"),
-]
+pytestmark = [needs_browser, needs_playwright]
 SECONDS = 4.0
 
 

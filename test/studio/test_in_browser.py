@@ -1,19 +1,16 @@
 """The studio in a real browser: the whole way on a shipped recording with a hidden effect, and what can go wrong."""
 
-import importlib.util
 import json
 import signal
 from pathlib import Path
 
 import pytest
-from hand import BROWSER, hand, served
+from browser import needs_browser, needs_playwright
+from hand import hand, served
 
 from damper_estimator.cli.main import main
 
-pytestmark = [
-    pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine"),
-    pytest.mark.skipif(importlib.util.find_spec("playwright") is None, reason="playwright is not installed"),
-]
+pytestmark = [needs_browser, needs_playwright]
 SECONDS = 6.0  # of each recording: enough to tell the hidden effect
 
 
