@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test demo pictures bench bench-diagnosis real-data bench-node soak fuzz clean
+.PHONY: help env test check demo pictures bench bench-diagnosis real-data bench-node soak fuzz clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -20,6 +20,11 @@ env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it
 
 test: env ## run all tests, those of the ROS node included (a browser's settings stay in out)
 	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" $(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
+
+check: env ## style, faults and types, without running anything
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
 
 demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
@@ -51,5 +56,5 @@ fuzz: env ## fuzz bags, bench files, YAML, messages and parameters, 10 minutes e
 	@ls out/fuzz/*.txt 2>/dev/null && exit 1 || echo "nothing found"
 
 clean: ## remove what make made: .venv, out, caches
-	rm -rf .venv out build install log .pytest_cache .hypothesis *.egg-info
+	rm -rf .venv out build install log .pytest_cache .ruff_cache .mypy_cache .hypothesis *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -72,7 +72,7 @@ PARAMETERS = (
 def trial(ranges: Ranges) -> Trial:
     """z settles over a way between a thousandth and a fifth of the stroke; its scale is that of alpha."""
     way = 0.02 * ranges.stroke
-    limits = {name: (2.0 / ranges.stroke, 500.0 / ranges.stroke) for name in ("delta", "beta", "gamma")}
+    limits = dict.fromkeys(("delta", "beta", "gamma"), (2.0 / ranges.stroke, 500.0 / ranges.stroke))
     values = {"delta": 1.0 / way, "beta": 0.6 / way, "gamma": 0.4 / way, "n": 1.2}
     starts = tuple({k: v * f for k, v in values.items() if k != "n"} for f in (0.3, 3.0))
     return Trial(values, {**limits, "n": (1.0, 2.0)}, starts)

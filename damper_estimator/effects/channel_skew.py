@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Values
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import T
 
@@ -30,7 +30,7 @@ def trial(ranges: Ranges) -> Trial:
 
 def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """The channel is read earlier by the skew."""
-    return {"skew": chain["skew"] + values["skew"]}
+    return {"skew": chain["skew"] + number(values, "skew")}
 
 
 EFFECT = Effect(

@@ -22,6 +22,21 @@ Kind = Literal["source", "modifier", "input", "series", "channel", "path"]
 Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], None]
 Values = Mapping[str, float | tuple[float, ...]]
 
+
+def number(values: Values, name: str) -> float:
+    """The value of a parameter or setting that its declaration makes a number."""
+    value = values[name]
+    assert not isinstance(value, tuple), name
+    return value
+
+
+def numbers(values: Values, name: str) -> tuple[float, ...]:
+    """The value of a parameter or setting that its declaration makes a list."""
+    value = values[name]
+    assert isinstance(value, tuple), name
+    return value
+
+
 KINDS: dict[str, str] = {
     "source": "adds force",
     "modifier": "rewrites the force of what stands before it",
@@ -57,7 +72,7 @@ class Parameter:
 
     def length(self, settings: Values) -> int | None:
         """Number of elements, given the settings by name; None for a scalar."""
-        return None if self.size is None else prod(len(settings[name]) for name in self.axes)
+        return None if self.size is None else prod(len(numbers(settings, name)) for name in self.axes)
 
 
 @dataclass(frozen=True)

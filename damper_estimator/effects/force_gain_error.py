@@ -9,7 +9,7 @@ signal map's force channel.
 from collections.abc import Mapping
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Values
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 
 
 @compiled
@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """What the gauge reads is divided by its gain."""
-    return {name: chain[name] / (1.0 + values["gain"]) for name in ("scale", "offset")}
+    return {name: chain[name] / (1.0 + number(values, "gain")) for name in ("scale", "offset")}
 
 
 EFFECT = Effect(

@@ -9,7 +9,7 @@ map's force channel.
 from collections.abc import Mapping
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Values
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 
 
 @compiled
@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """The offset is taken off."""
-    return {"offset": chain["offset"] - values["offset"]}
+    return {"offset": chain["offset"] - number(values, "offset")}
 
 
 EFFECT = Effect(

@@ -9,7 +9,7 @@ accelerations of the first velocity first). No state. Source: HIS paper, section
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
+from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, numbers
 from damper_estimator.signals.layout import A, V
 
 
@@ -41,7 +41,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def prepare(parameters: Values, settings: Values) -> np.ndarray:
     """Number of velocities, velocities, accelerations."""
-    return np.concatenate([[len(settings["velocity"])], settings["velocity"], settings["acceleration"]])
+    velocity, acceleration = numbers(settings, "velocity"), numbers(settings, "acceleration")
+    return np.concatenate([[len(velocity)], velocity, acceleration])
 
 
 EFFECT = Effect(

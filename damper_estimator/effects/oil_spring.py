@@ -25,8 +25,8 @@ def trial(ranges: Ranges) -> Trial:
     """A damper whose oil gives way by more than a twentieth of its stroke is another one."""
     least = max(20.0 * ranges.force / ranges.stroke, 5e4)
     names = ("stiffness_rebound", "stiffness_compression")
-    starts = [{name: factor * least for name in names} for factor in (10.0, 40.0)]
-    return Trial({name: 4.0 * least for name in names}, {name: (least, 1e9) for name in names}, tuple(starts))
+    starts = [dict.fromkeys(names, factor * least) for factor in (10.0, 40.0)]
+    return Trial(dict.fromkeys(names, 4.0 * least), dict.fromkeys(names, (least, 1000000000.0)), tuple(starts))
 
 
 EFFECT = Effect(

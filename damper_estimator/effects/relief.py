@@ -35,8 +35,8 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """The valve opens within the speeds that were driven, and not at once."""
     speed = ranges.speed
-    limits = {name: (0.06 * speed, 0.8 * speed) for name in ("opening_rebound", "opening_compression")}
-    values = {name: 0.3 * speed for name in limits}
+    limits = dict.fromkeys(("opening_rebound", "opening_compression"), (0.06 * speed, 0.8 * speed))
+    values = dict.fromkeys(limits, 0.3 * speed)
     starts = spread(opening_rebound=(0.15 * speed, 0.5 * speed), opening_compression=(0.15 * speed, 0.5 * speed))
     return Trial(values, limits, starts)
 

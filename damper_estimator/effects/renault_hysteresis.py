@@ -16,7 +16,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.bouc_wen_shifted import SHIFTED_PARAMETERS, shifted
-from damper_estimator.effects.contract import Effect, Setting, Values
+from damper_estimator.effects.contract import Effect, Setting, Values, number
 from damper_estimator.signals.layout import DT, V, X
 
 _STEPS = 100  # per cycle; one and a half cycles bring the loop to its steady shape
@@ -55,14 +55,15 @@ def peak_forces(parameters, velocities, frequency, switch, width):
 def prepare(parameters: Values, settings: Values) -> np.ndarray:
     """The switch, then the compensation as a table over velocity, knots first."""
     # The switch bends the curve, so its two ends are knots as well.
-    ends = [settings["switch"], settings["switch"] + settings["width"]]
+    switch, width = number(settings, "switch"), number(settings, "width")
+    ends = [switch, switch + width]
     speeds = np.unique(np.concatenate([settings["velocity"], ends]))
     speeds = speeds[speeds > 0.0]
-    numbers = np.array([float(value) for value in parameters.values()])
-    rebound, compression = peak_forces(numbers, speeds, settings["frequency"], settings["switch"], settings["width"])
+    fitted = np.array([number(parameters, name) for name in parameters])
+    rebound, compression = peak_forces(fitted, speeds, number(settings, "frequency"), switch, width)
     knots = np.concatenate([-speeds[::-1], [0.0], speeds])
     table = np.concatenate([compression[::-1], [0.0], rebound])
-    return np.concatenate([[settings["switch"], settings["width"], knots.size], knots, table])
+    return np.concatenate([[switch, width, knots.size], knots, table])
 
 
 @compiled

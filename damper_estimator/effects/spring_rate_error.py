@@ -9,7 +9,7 @@ the signal map's force channel.
 from collections.abc import Mapping
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Values
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.signals.layout import X
 
 
@@ -22,7 +22,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """The rest of the spring is subtracted, too."""
-    return {"spring_rate": chain["spring_rate"] + values["rate"]}
+    return {"spring_rate": chain["spring_rate"] + number(values, "rate")}
 
 
 EFFECT = Effect(

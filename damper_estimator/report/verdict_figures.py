@@ -62,8 +62,9 @@ def ranked(ranking: Sequence[Judged], findings: Sequence[Finding]) -> list[Judge
         if judged.kept is not None or judged.refitted is not None:
             best.setdefault(judged.phenomenon, judged)
     for finding in findings:
-        own = [judged for judged in ranking if judged.effect == finding.effect and (judged.kept or judged.refitted)]
-        best |= {finding.phenomenon: judged for judged in own}
+        for judged in ranking:
+            if judged.effect == finding.effect and (judged.kept or judged.refitted):
+                best[finding.phenomenon] = judged
     first = [name for finding in findings for name in (finding.phenomenon, *finding.tied_with)]
     order = [name for name in dict.fromkeys([*first, *best]) if name in best]
     return [best[name] for name in order]

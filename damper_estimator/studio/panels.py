@@ -160,7 +160,7 @@ def candidates(found: Diagnosis) -> Piece:
         rows.append(
             html.Li([name, button, html.Span(f"{gain}: {own.reason or 'found'}")], **{"data-effect": own.effect})
         )
-    untried = [row for row in rejected_rows((), found.untestable)]
+    untried = list(rejected_rows((), found.untestable))
     more = [html.Details([html.Summary(f"{len(untried)} could not be tried"), html.Ul(
         [html.Li(f"{row['effect']}: {row['reason'].removeprefix('not tried: ')}") for row in untried])])]  # fmt: skip
     hint = html.P("Point at one, or reach it with Tab, to see its equation and what it explains.", className="hint")

@@ -59,7 +59,7 @@ def test_forces_equal_a_sample_by_sample_run_bit_for_bit(driven, model_file, tmp
 
 @pytest.mark.parametrize("size", [1, 7, 1000])
 def test_the_size_of_blocks_changes_no_bit(size, driven, model_file, tmp_path):
-    bag, stamp, _, _ = driven(
+    bag, _, _, _ = driven(
         seconds=2.0, temperature={"front_left": (1_700_000_000 * 10**9 + np.arange(20) * 10**8, np.arange(20.0))}
     )
     paths = [f"{name}[{damper}]" for name in FIELDS for damper in ("front_left", "front_right")]
@@ -230,7 +230,7 @@ def test_a_folder_of_models_gives_each_damper_its_own(driven, model_file, tmp_pa
 
 
 def test_only_the_chosen_damper_and_time_are_estimated(driven, model_file, tmp_path):
-    bag, stamp, _, _ = driven(seconds=3.0)
+    bag, _, _, _ = driven(seconds=3.0)
     columns = replay(bag, model_file, tmp_path / "out.mcap", "-d", "front_right", "--from", 1.0, "--to", 2.0)
     out = messages(columns, FORCE)
     assert {tuple(m.name) for m in out} == {("front_right",)} and len(out) == 501

@@ -109,7 +109,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_doubles_nothing(run, drives):
     rows = rows_of(fleet)
     assert len(rows) == 5 and {row["status"] for row in rows} == {"done"}
     assert max(Counter((row["recording"], row["damper"]) for row in rows).values()) == 1
-    assert not [path for path in fleet.asked.output.rglob("*.part")]
+    assert not list(fleet.asked.output.rglob("*.part"))
 
 
 def test_a_recording_that_kills_every_worker_fails_and_stops_nothing(run, drives):

@@ -14,7 +14,7 @@ UNEXPLAINED = 1e-4  # ESR: 1 % force noise leaves a fifth of it in band
 MODERATE, LARGE, VIOLENT = (0.005, 0.012), (0.02, 0.045), (0.03, 0.07)  # m rms, one recording each
 # What a model needs beside moderate motion to show all its parameters.
 EXCITATION = {
-    **{name: LARGE for name in ("carrera_akutain", "carrera_akutain_unfiltered", "renault_modified_bouc_wen")},
+    **dict.fromkeys(("carrera_akutain", "carrera_akutain_unfiltered", "renault_modified_bouc_wen"), LARGE),
     **{f"renault_modified_bouc_wen_point_{k}": LARGE for k in (1, 2, 3)},
     "semi_active_yield": VIOLENT,  # its curve goes to 1.2 m/s
     **{f"his_{kind}": VIOLENT for kind in ("piecewise", "non_hysteresis", "permanent_hysteresis")},

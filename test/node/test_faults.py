@@ -54,7 +54,7 @@ def test_values_that_cannot_be_are_dropped_counted_and_degrade(shared, identifie
     shared(rig, model=identified("carrera_akutain"))
     rig.ready()
     settle(rig)
-    before = {k: v for k, v in rig.fresh_values(": left").items()}
+    before = dict(rig.fresh_values(": left"))
     for value in (np.nan, np.inf, -np.inf, 1e300, -1e12):
         rig.send([value])
     (answer,) = rig.drive(1)

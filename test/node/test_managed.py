@@ -125,7 +125,8 @@ def test_parameters_have_meanings_and_ranges_and_what_is_out_of_range_is_refused
     start(model="coulomb", dampers="[left]")
     rig.ready()
     request = DescribeParameters.Request(names=list(DECLARATIONS))
-    for name, descriptor in zip(DECLARATIONS, rig.call(DescribeParameters, "describe_parameters", request).descriptors):
+    descriptors = rig.call(DescribeParameters, "describe_parameters", request).descriptors
+    for name, descriptor in zip(DECLARATIONS, descriptors, strict=True):
         assert len(descriptor.description) > 20, name
         ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
         assert len(ranges) == (DECLARATIONS[name].low is not None), name

@@ -60,7 +60,7 @@ def test_any_mixture_of_structures_decodes_to_what_was_sent(joint_state, message
             value = expected(message, field)
             assert read.present[row, column] == (value is not None)
             sent = math.nan if value is None else value
-            assert read.values[row, column] == sent or math.isnan(sent) and math.isnan(read.values[row, column])
+            assert read.values[row, column] == sent or (math.isnan(sent) and math.isnan(read.values[row, column]))
         assert read.stamp[row] == message["stamp"]
 
 

@@ -33,7 +33,7 @@ def test_equal_and_older_stamps_are_dropped():
 
 
 def test_a_step_counts_from_the_last_accepted_sample():
-    verdict, dt = verdicts([0, 10, 5, 30])
+    _, dt = verdicts([0, 10, 5, 30])
     assert dt[[1, 3]].tolist() == [0.01, 0.02]
 
 
