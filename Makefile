@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test check demo pictures bench bench-diagnosis real-data bench-node soak fuzz clean
+.PHONY: help env test check format demo pictures bench bench-diagnosis real-data bench-node soak fuzz clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -25,6 +25,10 @@ check: env ## style, faults and types, without running anything
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
+
+format: env ## what make check can mend by itself
+	@$(BIN)/ruff check --fix-only --quiet .
+	@$(BIN)/ruff format .
 
 demo: env ## the story: compare, fit, compare again, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
