@@ -81,7 +81,9 @@ def run(kernels, table, parameters, settings, kinematics, motions, forces, state
 
 
 @compiled
-def run_with_resets(kernels, table, parameters, settings, kinematics, motions, forces, state, series, restart, trace, out):
+def run_with_resets(
+    kernels, table, parameters, settings, kinematics, motions, forces, state, series, restart, trace, out
+):
     """Runs the program on a block that may hold resets; a force that is not finite resets the state as well.
 
     Args:

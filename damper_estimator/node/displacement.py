@@ -88,7 +88,9 @@ class DisplacementInput:
         present = self._reader.present(data)
         return frozenset(one.name for one, there in zip(self.estimators, present.tolist(), strict=True) if there)
 
-    def take(self, data: bytes, now: float, clock: int = 0, max_age: float = 0.0, suspect: bool = False) -> bytes | None:
+    def take(
+        self, data: bytes, now: float, clock: int = 0, max_age: float = 0.0, suspect: bool = False
+    ) -> bytes | None:
         """The answer to one message, None where it gives no estimate.
 
         Args:

@@ -35,7 +35,9 @@ DECLARATIONS: dict[str, Declaration] = {
     "signals": Declaration("", "signal map; '' is the default topics"),
     "cutoff": Declaration(FROM_SIGNAL_MAP, "Hz; 0 is unfiltered, -1 as in the signal map", low=-1.0, high=1e5),
     "max_gap": Declaration(0.1, "s, longest continuous step between stamps", low=1e-6, high=3600.0),
-    "max_age": Declaration(0.5, "s after its stamp from which on a sample is too old; 0 judges no age", low=0.0, high=3600.0),
+    "max_age": Declaration(
+        0.5, "s after its stamp from which on a sample is too old; 0 judges no age", low=0.0, high=3600.0
+    ),
     "compensation": Declaration(0.0, "share of the filter's delay that is predicted away", low=0.0, high=1.0),
     "stale_after": Declaration(0.1, "s without a good sample until STALE is published", low=0.005, high=3600.0),
     "drift_window": Declaration(60.0, "s over which the error against the gauge is averaged", low=1.0, high=3600.0),

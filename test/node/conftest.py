@@ -93,7 +93,13 @@ def shared(domain, identified) -> Iterator[Callable[..., None]]:
 
     Models and filters begin anew with every change; counts of messages go on.
     """
-    defaults = {"model": identified("coulomb"), "dampers": ["left"], "signals": "", "stale_after": 60.0, "wish_timeout": 0.1}
+    defaults = {
+        "model": identified("coulomb"),
+        "dampers": ["left"],
+        "signals": "",
+        "stale_after": 60.0,
+        "wish_timeout": 0.1,
+    }
     first = NOTHING_LOST | {"model": identified("coulomb"), "dampers": "[left]"}
     words = [word for name, value in first.items() for word in ("-p", f"{name}:={value}")]
     process = subprocess.Popen([EXECUTABLE, "--ros-args", *words])

@@ -276,7 +276,9 @@ def test_what_is_commanded_is_told_with_its_stamp_its_reason_and_a_number(semi_a
         node.wish(force)
         (told,) = [m for m in node.told[seen:] if m.source[0] == source][-1:]
         assert told.header.stamp.sec * 10**9 + told.header.stamp.nanosec == rig.stamp
-        assert told.valid[0] == (source in (REACHED, LIMITED)) and (source != REACHED or told.achievable_force[0] == pytest.approx(500.0, rel=0.01))
+        assert told.valid[0] == (source in (REACHED, LIMITED)) and (
+            source != REACHED or told.achievable_force[0] == pytest.approx(500.0, rel=0.01)
+        )
     numbers = [m.sequence for m in node.told]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     assert rig.set(stale_after=0.05) == (True, "")

@@ -223,7 +223,9 @@ def without_the_right_to_priorities() -> None:
 
 
 def test_a_priority_that_is_not_allowed_is_told_and_the_node_goes_on(start, identified, rig):
-    process = start(model=identified("coulomb"), dampers="[left]", realtime_priority=50, before=without_the_right_to_priorities)
+    process = start(
+        model=identified("coulomb"), dampers="[left]", realtime_priority=50, before=without_the_right_to_priorities
+    )
     rig.ready()
     assert rig.drive(5)
     process.terminate()

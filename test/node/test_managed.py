@@ -19,6 +19,7 @@ def models(tmp_path):
             "name": name,
             "source": "test",
             "effects": [{"linear_viscous": {"rebound": slope, "compression": slope}}],
+            "fit": {"residual_stddev": 10.0, "region": {"velocity": [-20.0, 20.0]}},
         }
         (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(content))
     (tmp_path / "broken.yaml").write_text("effects: [{linear_viscous: {rebound: -5.0}}]")

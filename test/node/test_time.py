@@ -1,4 +1,4 @@
-"""Time against the running node: the age of stamps, a clock that is set back, and under which stamp an input is stale."""
+"""Time against the running node: the age of stamps, a clock that is set back, and the stamp of what is stale."""
 
 import signal
 import time

@@ -92,7 +92,9 @@ def test_what_is_published_is_finite_where_the_model_gives_no_force_and_degraded
     model = DamperModel("m", "", (Element(effect, {}, {}), entry("linear_viscous")), fit=FIT)
     stamp = np.arange(500) * 2 * MS
     temperature = np.where((stamp >= heat[0] * MS) & (stamp < heat[1] * MS), 200.0, 20.0)
-    estimates = DamperEstimator(deployed(model, 60.0, 0.1)).block(stamp, 0.01 * np.sin(stamp * 1e-8), temperature=temperature)
+    estimates = DamperEstimator(deployed(model, 60.0, 0.1)).block(
+        stamp, 0.01 * np.sin(stamp * 1e-8), temperature=temperature
+    )
     lost = np.isnan(estimates.force)
     assert np.array_equal(lost, temperature > 100.0) and (estimates.status[lost] == DEGRADED).all()
     first = int(np.argmax(lost))

@@ -1,4 +1,4 @@
-"""Slow channels: a wrong or silent value is never trusted, the last possible one goes on, and it is forgotten in time."""
+"""Slow channels: a wrong or silent value is never trusted, the last possible one goes on, and it is forgotten."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,9 @@ def test_a_channel_that_falls_silent_is_noticed_after_a_few_of_its_usual_interva
 
 
 def test_the_map_says_how_old_a_value_may_be_and_what_it_can_be():
-    content = {"dampers": {"one": {"command": {"limits": [0.0, 2.0], "max_age": 3.0}, "temperature": {"limits": [0, 90]}}}}
+    content = {
+        "dampers": {"one": {"command": {"limits": [0.0, 2.0], "max_age": 3.0}, "temperature": {"limits": [0, 90]}}}
+    }
     signals = parse_signal_map(content, "test").dampers["one"]
     status, _, _ = driven(semi_active(), np.ones(4000), np.minimum(every(4000, 1), 500), signals=signals)
     assert (status[500:3400] == GOOD).all() and (status[3600:] == DEGRADED).all()
