@@ -39,8 +39,8 @@ GENTLE, ROUGH = (0.2, 0.45), 2.2  # share of the random drive of 10 mm rms, and 
 CURRENT = 1.0  # A, up to which a semi-active damper is identified
 EXCESS = ((1.0, 1.5), (1.5, 2.0))
 PLAIN = (
-    "viscous_curve", "wide knots", "force_surface", "wide surface", "carrera_akutain", "memoryless_baseline", "bouc_wen",
-    "black_box_3", "black_box_11",
+    "viscous_curve", "wide knots", "force_surface", "wide surface", "carrera_akutain", "memoryless_baseline",
+    "bouc_wen", "black_box_3", "black_box_11",
 )  # fmt: skip
 SEMI_ACTIVE = ("semi_active_yield", "lozoya_santos_simple", "viscous_curve", "wide knots")
 WIDE = (-1.2, -0.7, -0.4, -0.2, -0.08, 0.0, 0.08, 0.2, 0.4, 0.7, 1.2)

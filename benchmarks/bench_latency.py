@@ -9,8 +9,8 @@ acceleration (0.3 m/s^2 noise, 0.2 m/s^2 offset).
 
 import numpy as np
 
-from damper_estimator.runtime.line import predict
 from damper_estimator.plant import DAMPERS, Sensors, bench_drive, measure, simulate
+from damper_estimator.runtime.line import predict
 from damper_estimator.signals import Differentiator, delay_seconds
 from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.layout import V, X

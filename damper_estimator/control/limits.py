@@ -25,8 +25,8 @@ def usable_limits(
     limits = max(given[0], low), min(given[1], high)
     if not limits[0] < limits[1]:
         raise InputError(
-            f"{name}: the limits {given[0]:g} to {given[1]:g} {unit} of the command have nothing in common with the {region}; "
-            "correct the limits in the signal map, or fit the model to recordings within them"
+            f"{name}: the limits {given[0]:g} to {given[1]:g} {unit} of the command have nothing in common with the "
+            f"{region}; correct the limits in the signal map, or fit the model to recordings within them"
         )
     if extrapolating or limits == given:
         return given, ()

@@ -10,8 +10,9 @@ round there. It goes on straight from the edge of the region, and level where th
 ``model.continuation``). Commands and temperatures outside are the model's.
 
 Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n, in_region; our signs, empty where a
-channel plays no part; in_region is 1 inside the region of the fit, 0 outside, empty for a model without one) and for every command and temperature a property file of the kind that ADAMS reads for dampers
-(``.dpr``): plain text, ``$`` starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force
+channel plays no part; in_region is 1 inside the region of the fit, 0 outside, empty for a model without one) and for
+every command and temperature a property file of the kind that ADAMS reads for dampers (``.dpr``): plain text, ``$``
+starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force
 on a line each, rising, positive in extension and where the force resists it; between the points the program lays its
 own spline.
 """

@@ -1,4 +1,4 @@
-"""Serialised ``damper_msgs/DamperCommand``: what was commanded, answering which sample and desired force. Knows no ROS."""
+"""Serialised ``damper_msgs/DamperCommand``: what was commanded, and which sample it answers. Knows no ROS."""
 
 from collections.abc import Sequence
 from itertools import groupby

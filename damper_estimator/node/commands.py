@@ -59,8 +59,8 @@ class CommandTally:
         wishes: desired forces that came.
         followed: commands whose force the desired one is.
         limited: commands at the nearest force that can be reached.
-        old, not_good, unanswered: safe currents, because the desired force was old, the estimate not trusted, the inverse
-            without an answer.
+        old, not_good, unanswered: safe currents, because the desired force was old, the estimate not trusted, the
+            inverse without an answer.
     """
 
     wishes: int = 0
@@ -124,8 +124,8 @@ class Follower:
         if low <= safe <= high:
             return ()
         return (
-            f"the safe current {safe:g} {unit} lies outside the region {low:g} to {high:g} {unit} that the model was fitted "
-            "on: EXTRAPOLATING while it flows",
+            f"the safe current {safe:g} {unit} lies outside the region {low:g} to {high:g} {unit} that the model was "
+            "fitted on: EXTRAPOLATING while it flows",
         )
 
     def _warm_up(self) -> None:

@@ -129,7 +129,7 @@ class DisplacementInput:
         return self._template(chosen).message(stamp, numbers[:, chosen], status[chosen])
 
     def due(self, now: float, after: float, rules: Rules) -> list[Command]:
-        """Commands that the last message brings about by itself; arguments as `trusted`, and the rules of the moment."""
+        """Commands that the last message brings about by itself; arguments as `trusted`, and the present rules."""
         return [
             follower.command(self.trusted(d, now, after), int(self.stamps[d]), now, rules)
             for d, follower in self._leading
@@ -137,8 +137,8 @@ class DisplacementInput:
         ]
 
     def trusted(self, damper: int, now: float, after: float) -> int:
-        """Status by which the damper of this number may be commanded at the steady time ``now``: that of the line, STALE
-        where its last sample is older than ``after`` s or none came."""
+        """Status by which the damper of this number may be commanded at the steady time ``now``: that of the line,
+        STALE where its last sample is older than ``after`` s or none came."""
         fresh = now - self.last_good[damper] <= after
         return int(self.line.answered.trusted[0, damper]) if fresh else STALE
 

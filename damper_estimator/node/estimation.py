@@ -194,8 +194,8 @@ class Estimation:
         return self._commands(lambda follower, source, d: follower.safe(int(source.stamps[d]), self.settings))
 
     def overdue(self, now: float, period: float) -> list[Command]:
-        """Commands for those dampers that were commanded, but not in the last ``period`` s before the steady time ``now``:
-        their displacement comes slowly or has stopped."""
+        """Commands for those dampers that were commanded, but not in the last ``period`` s before the steady time
+        ``now``: their displacement comes slowly or has stopped."""
         after, rules = self.settings.stale_after, self.settings
 
         def command(follower: Follower, source: DisplacementInput, d: int) -> Command | None:

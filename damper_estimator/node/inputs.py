@@ -98,8 +98,8 @@ class Inputs:
             self.now()
 
     def now(self) -> float:
-        """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace. A clock that
-        is set back takes along what was received and asked before."""
+        """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace. A clock
+        that is set back takes along what was received and asked before."""
         now = self._clock() / 1e9 if self.is_simulated else time.monotonic()
         if now < self._latest and self._node.estimation is not None:
             self._node.estimation.rewind(now)

@@ -38,12 +38,12 @@ from damper_estimator.control import (
 )
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
-from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.node.domain import own_domain
 from damper_estimator.node.inputs import message_type
 from damper_estimator.node.rehearsal import EXECUTABLE
 from damper_estimator.node.wire import NANOSECONDS, float_message
 from damper_estimator.recordings import accelerations, joint_states
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.signals import DEFAULT_MAX_GAP, load_signal_map
 from damper_estimator.vehicle import (
     CORNER_CASES,

@@ -19,10 +19,10 @@ import numpy as np
 import rclpy
 
 from damper_estimator.errors import InputError
-from damper_estimator.runtime import SLOW
 from damper_estimator.node.domain import own_domain
 from damper_estimator.node.player import Player
 from damper_estimator.recordings import Bag, open_bag
+from damper_estimator.runtime import SLOW
 from damper_estimator.signals import SignalMap, load_signal_map
 from damper_estimator.signals.channels import find_topic, signals_for
 

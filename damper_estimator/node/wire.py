@@ -13,12 +13,12 @@ from operator import itemgetter
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.runtime import FIELDS
 from damper_estimator.recordings import encode, parse_path
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
 from damper_estimator.recordings.field_path import check_path, request_tree
 from damper_estimator.recordings.layout import Layout, MalformedMessage, layout_of
 from damper_estimator.recordings.padding import is_padding
+from damper_estimator.runtime import FIELDS
 from damper_estimator.signals import Channel
 
 __all__ = ["ForcesTemplate", "MalformedMessage", "NumbersReader", "Reading"]

@@ -3,10 +3,10 @@
 Readers of ROS ignore what follows the last field, and three sources leave something there:
 
 - RTPS rounds the payload up to a multiple of four bytes: up to three bytes of any content.
-- ``rmw_serialize`` of Fast DDS (rclpy's ``serialize_message``, rosbag2 where it serialises) returns a buffer of the size
-  that it estimated beforehand. The estimate aligns every sequence of 8-byte numbers, the message only those that are not
-  empty: up to four bytes too many per such sequence (JointState 12, DamperForces 36, measured). They are not initialised
-  and hold anything.
+- ``rmw_serialize`` of Fast DDS (rclpy's ``serialize_message``, rosbag2 where it serialises) returns a buffer of the
+  size that it estimated beforehand. The estimate aligns every sequence of 8-byte numbers, the message only those that
+  are not empty: up to four bytes too many per such sequence (JointState 12, DamperForces 36, measured). They are not
+  initialised and hold anything.
 - Buffers of a fixed size, filled with zeros.
 
 So bytes of any content are padding up to the sum of the first two, and zeros in any number. More than that is content:

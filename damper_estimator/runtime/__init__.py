@@ -1,4 +1,4 @@
-"""The one line that turns samples into estimates, live and off line: admission, filter, slow channels, model, status."""
+"""What turns samples into estimates, live and off line: admission, filter, slow channels, model, status."""
 
 from damper_estimator.runtime.deployed import Deployed, deployed
 from damper_estimator.runtime.estimates import FIELDS, Estimates

@@ -106,8 +106,8 @@ def deployed(
     """
     if model.channel_effects:
         raise InputError(
-            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; correct the signal "
-            "map and take them out of the model"
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; correct the "
+            "signal map and take them out of the model"
         )
     stddev, region = model.fit.get("residual_stddev"), model.fit.get("region") or {}
     faults = [] if stddev is None or _is_number(stddev) else [f"residual_stddev = {stddev!r} is not a number"]

@@ -67,8 +67,8 @@ RECORD = np.dtype(
         ("since", "i8", (len(SLOW),)),
         ("interval", "f8", (len(SLOW),)),
         ("wrong", "i8", (len(SLOW),)),
-        # State of the status, ns: last accepted stamp, start, last fault; degraded and outside the region until; outside
-        # that of the command until.
+        # State of the status, ns: last accepted stamp, start, last fault; degraded and outside the region until;
+        # outside that of the command until.
         ("last", "i8"),
         ("started", "i8"),
         ("fault", "i8"),

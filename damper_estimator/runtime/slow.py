@@ -1,9 +1,10 @@
 """Slow channels: which value holds at a sample, and whether it can be trusted.
 
 The last value that arrived holds. It is *wrong* where it is not finite or beyond what the channel can be; then the
-last value that could be goes on. It is *silent* where no message came for longer than the channel's maximum age, counted
-in the displacement's stamps from the first sample that followed the message, so that live and off line agree. A command
-that usually comes often is silent sooner: after ``PATIENCE`` of its usual intervals, but not before ``SHORTEST``.
+last value that could be goes on. It is *silent* where no message came for longer than the channel's maximum age,
+counted in the displacement's stamps from the first sample that followed the message, so that live and off line agree.
+A command that usually comes often is silent sooner: after ``PATIENCE`` of its usual intervals, but not before
+``SHORTEST``.
 A model whose force depends on the channel cannot be trusted while it is wrong or silent, nor for as long afterwards as
 the model remembers the value (`memory`).
 """

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.control import Action, CornerController
-from damper_estimator.runtime import DamperEstimator
 from damper_estimator.plant import STEP, Damper, Drive
 from damper_estimator.plant import kernel as plant_kernel
 from damper_estimator.plant.damper import parts_of
 from damper_estimator.plant.simulation import rest
+from damper_estimator.runtime import DamperEstimator
 from damper_estimator.vehicle.quarter_car import BODY_ACCELERATION, FORCE, TRAVEL, TYRE_FORCE, QuarterCar, RunningCar
 
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from damper_estimator.control import Command, CornerController, Law
 from damper_estimator.model import load_model
-from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.plant import STEP
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.vehicle.closed_loop import Ride, RunningRide, attainable, ride
 from damper_estimator.vehicle.ride_measures import RideMeasures, ride_measures
 from damper_estimator.vehicle.scenarios import LIMITS, REST, Corner, Surface, surface_height

@@ -9,8 +9,8 @@ import pytest
 from damper_estimator.cli.main import main
 from damper_estimator.cli.replay import Replay
 from damper_estimator.model import load_model
-from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.recordings import BagWriter, joint_states, open_bag
+from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.signals import SignalMap, load_signal_map, measure
 from damper_estimator.signals.channels import signals_for
 

@@ -149,7 +149,7 @@ def test_a_parameter_without_influence_keeps_the_models_value_in_a_random_search
 
 CURVES = st.builds(
     lambda below, above, slopes: (
-        sorted({-round(v, 2) for v in below}) + [0.0] + sorted({round(v, 2) for v in above}),
+        [*sorted({-round(v, 2) for v in below}), 0.0, *sorted({round(v, 2) for v in above})],
         slopes,
     ),
     st.lists(st.floats(0.03, 1.5), min_size=1, max_size=5),

@@ -10,8 +10,8 @@ from rig import MS, START
 
 from damper_estimator.control import InverseModel
 from damper_estimator.model import load_model
-from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.recordings import floats, joint_states
+from damper_estimator.runtime import DamperEstimator, deployed
 
 SAFE = 0.25
 CURRENT, JOINT_STATE, FLOAT = "/suspension/left/current", "sensor_msgs/msg/JointState", "std_msgs/msg/Float64"
@@ -79,7 +79,7 @@ class Commanded:
             self.motion.append(0.02 * np.sin(0.02 * len(self.motion)))
             self.rig.send([self.motion[-1]] * 2, ["left", "right"])
             self.rig.wait(lambda i=i: len(self.rig.forces) > before + i, "an answer")
-        # The first sample after a desired force waits for the next one; the others are answered with the one that holds.
+        # The first sample after a desired force waits for the next one; the others are answered with the last one.
         if self._is_wished and (count > 1 or not self._is_fresh):
             self.await_command(lambda m: m.header.stamp.sec * 10**9 + m.header.stamp.nanosec == self.rig.stamp)
         self._is_fresh = False

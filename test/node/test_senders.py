@@ -1,4 +1,4 @@
-"""Sequence numbers: every loss between two messages counts once, two publishers of one damper are found, others are not."""
+"""Sequence numbers: every loss counts once, two publishers of one damper are found, others are not."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_two_publishers_of_one_damper_are_found_whatever_their_numbers(second, d
 
 
 def test_a_slow_second_publisher_is_found():
-    found, confirmed = suspects(interleaved(7_000, 5, rates=(1000, 4), seconds=20.0))
+    _, confirmed = suspects(interleaved(7_000, 5, rates=(1000, 4), seconds=20.0))
     assert confirmed["front"] > 20
 
 
