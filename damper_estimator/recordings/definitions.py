@@ -14,7 +14,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained
 from damper_estimator.share import share_path
 
-OWN_MESSAGES = ("DamperCommand", "DamperForces")  # of damper_msgs
+DAMPER_FORCES, DAMPER_COMMAND = "damper_msgs/msg/DamperForces", "damper_msgs/msg/DamperCommand"
 
 # What a CDR number looks like; bool, byte and char are bytes.
 NUMBERS: Mapping[str, np.dtype] = {
@@ -70,10 +70,10 @@ def field_types(fields: list[tuple]) -> Iterator[str]:
 def builtin_store() -> Typestore:
     """The message types of ROS 2 Jazzy and this project's own."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    for name in OWN_MESSAGES:
-        path = share_path(f"msg_defs/msg/{name}.msg")
+    for name in (DAMPER_FORCES, DAMPER_COMMAND):
+        path = share_path(f"msg_defs/msg/{name.rpartition('/')[2]}.msg")
         with explained(path, "install the package again"):
-            store.register(get_types_from_msg(path.read_text(encoding="utf-8"), f"damper_msgs/msg/{name}"))
+            store.register(get_types_from_msg(path.read_text(encoding="utf-8"), name))
     return store
 
 
