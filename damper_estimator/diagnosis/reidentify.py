@@ -10,6 +10,7 @@ from damper_estimator.diagnosis.restart import restarted
 from damper_estimator.diagnosis.result import Moved
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
 from damper_estimator.diagnosis.settle import settled
+from damper_estimator.identification.knots import with_knots_of
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
 
@@ -73,9 +74,10 @@ def _more(first: Round, left: Errors) -> bool:
 
 
 def _moved(before: DamperModel, after: DamperModel) -> tuple[Moved, ...]:
+    """Where the knots of a curve were laid out again, the curve before is read off at the new ones."""
     errors = after.fit.get("standard_errors", {})
     moved = []
-    for old, new in zip(before.slots, after.slots, strict=True):
+    for old, new in zip(with_knots_of(before, after).slots, after.slots, strict=True):
         change, error = abs(new.value - old.value), errors.get(new.address, float("nan"))
         certain = not error > change / _MOVED
         if certain and change > _MOVED_SHARE * max(abs(old.value), 1e-12):

@@ -41,6 +41,24 @@ def moved_knots(before: DamperModel, after: DamperModel) -> list[str]:
     return [label for (label, old), (_, new) in pairs if old.settings != new.settings]
 
 
+def with_knots_of(model: DamperModel, other: DamperModel) -> DamperModel:
+    """The model with its curves read off at the knots of another one that has the same entries."""
+    pairs = zip(model.effects, other.effects, strict=True)
+    return replace(model, effects=tuple(_read_off(element, laid_out) for element, laid_out in pairs))
+
+
+def _read_off(element: Element, other: Element) -> Element:
+    path = tuple(_read_off(inner, laid_out) for inner, laid_out in zip(element.path, other.path, strict=True))
+    differing = {name for name, value in other.settings.items() if value != element.settings[name]}
+    curves = {
+        p.name: _interpolated(p, element, other.settings)
+        for p in element.effect.parameters
+        if differing.intersection(p.axes)
+    }
+    parameters = {**element.parameters, **curves}
+    return replace(element, path=path, settings=other.settings, parameters=parameters)
+
+
 def _placed(element: Element, channels: Channels) -> Element:
     element = replace(element, path=tuple(_placed(inner, channels) for inner in element.path))
     axes = {}
