@@ -34,7 +34,7 @@ from damper_estimator.plant import PHENOMENA
 OUT = Path("out/bench_diagnosis")
 KINDS = ("hidden", "nothing", "pair", "skew")
 LEVELS = {"medium": MEDIUM, "weak": WEAK, "strong": STRONG}
-JUDGING = ("diagnosis", "effects", "identification", "model", "signals", "validation")
+JUDGING = ("diagnosis", "effects", "identification", "model", "numerics", "signals", "validation")
 NOTHING, PAIRS = 60, 20
 AHEAD = 6
 """Plans that are worked out at a time."""

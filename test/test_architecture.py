@@ -20,10 +20,11 @@ ALLOWED = {
     "signals": {"recordings"},
     "effects": {"signals.layout"},
     "model": {"effects", "signals.layout"},
-    "identification": {"model", "runtime", "effects", "signals"},
-    "validation": {"model", "signals"},
+    "numerics": set(),
+    "identification": {"model", "runtime", "effects", "signals", "numerics"},
+    "validation": {"model", "signals", "numerics"},
     "characterization": {"model", "signals"},
-    "diagnosis": {"model", "signals", "effects", "identification", "validation"},
+    "diagnosis": {"model", "signals", "effects", "numerics", "identification", "validation"},
     "runtime": {"model", "signals"},
     "control": {"model", "runtime", "signals.layout"},
     "plant": set(),
@@ -32,8 +33,10 @@ ALLOWED = {
     # The vehicle for the simulated ride over DDS.
     "node": {"signals", "model", "runtime", "validation", "control", "recordings", "vehicle"},
     "studio": {"report", "recordings", "signals", "effects", "model", "identification", "validation", "diagnosis"},
-    "fleet": {"recordings", "signals", "effects", "model", "identification", "validation", "diagnosis", "report"},
-}
+    "fleet": {
+        "recordings", "signals", "effects", "model", "numerics", "identification", "validation", "diagnosis", "report",
+    },
+}  # fmt: skip
 ALLOWED["cli"] = set(ALLOWED) - {"node"}
 
 ROS = {"rclpy", "launch", "launch_ros", "ament_index_python"}

@@ -19,6 +19,7 @@ from damper_estimator.identification.rows import Rows, excerpts
 from damper_estimator.identification.start import candidates as start_sizes
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import labels, walk
+from damper_estimator.numerics import ROUGH, damped_step, stepped
 
 _ITERATIONS = 10
 _GAIN = 1e-3
@@ -26,7 +27,6 @@ _FINISHING = 4  # iterations on all of the data, from where excerpts led
 _TRIED = 2  # of the starts are gone on with
 _SKETCH = 6000  # samples on which starts are compared
 _RANGE = 0.05  # of what is physical: the size of a parameter that starts at zero
-_STEP = 2e-3  # of a parameter's size: wide, for voids and stops begin and end on samples
 _HELD = 0.3  # of its size a parameter may move in a first-order refit before it is held back
 _SILENT = 1e-9  # of the force's rows
 _SILENT_SLOPE = 1e-7  # the same for differences, whose rounding is larger
@@ -74,10 +74,10 @@ class Attempt:
 
     Attributes:
         effect, phenomenon, size: of the candidate; ``size`` counts its parameters.
-        element: the entry with the fitted values.
-        names, values: of its parameters.
-        at_bound: those that stopped at a physical limit.
-        own_fit, own_unseen: (r, k) derivatives by its parameters, each times the parameter's size.
+        values: of its parameters by name.
+        at_bound: addresses of those that stopped at a physical limit.
+        own_fit, own_unseen: (r, k) derivatives by its parameters, each times the parameter's size; k is 0 where the
+            attempt explains too little to need them.
         sizes: (k,) of its parameters.
         change_fit, change_unseen: (r,) what it adds to the force.
         hidden: whether the freed zero of the gauge hides all that it does.
@@ -129,11 +129,7 @@ def derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], 
     for k, i in enumerate(slots):
         slot = model.slots[i]
         size = slot_size(slot)
-        step = _STEP * size
-        if vector[i] + step > slot.parameter.upper:
-            step = -step
-        changed = vector.copy()
-        changed[i] += step
+        changed, step = stepped(vector, i, size, slot.parameter.lower, slot.parameter.upper, ROUGH)
         columns[:, k] = np.nan_to_num((force_rows(model.with_vector(changed), rows) - force) * (size / step))
     return columns
 
@@ -267,7 +263,5 @@ def first_order(
     """
     if not columns.shape[1]:
         return residual, residual_unseen
-    prior = float(np.mean(residual**2)) / _HELD**2
-    normal = columns.T @ columns + prior * np.eye(columns.shape[1])
-    step = np.linalg.lstsq(normal, -(columns.T @ residual), rcond=1e-12)[0]
+    step = damped_step(columns, residual, _HELD)
     return residual + columns @ step, residual_unseen + columns_unseen @ step

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.diagnosis.attempt import Null
-from damper_estimator.diagnosis.judge import Errors, Tally
+from damper_estimator.diagnosis.judge import Errors
 from damper_estimator.effects.contract import Effect
+from damper_estimator.numerics import rank_correlation
 from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, T, V, X
 
 _TELLING = 0.35  # correlation of ranks that is worth a word
@@ -65,7 +66,7 @@ def _grows(null: Null, without: Errors, with_it: Errors) -> str:
         return ""
     share = taken[moving] / power[moving]
     quantities = {name: values[moving] for name, values in _per_block(null, blocks).items()}
-    known = {name: _rank_correlation(share, own) for name, own in quantities.items() if np.ptp(own) > 0.0}
+    known = {name: rank_correlation(share, own) for name, own in quantities.items() if np.ptp(own) > 0.0}
     up = [name for name, value in known.items() if value >= _TELLING]
     flat = [name for name, value in known.items() if abs(value) < 0.5 * _TELLING]
     down = [name for name, value in known.items() if value <= -_TELLING]
@@ -103,16 +104,11 @@ def _per_block(null: Null, blocks: np.ndarray) -> dict[str, np.ndarray]:
     return quantities
 
 
-def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
-    ranks = [np.argsort(np.argsort(values)).astype(float) for values in (a, b)]
-    return float(np.corrcoef(*ranks)[0, 1])
-
-
 def _listed(names: Sequence[str], last: str = "and") -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
-def confirming(effect: Effect, tied: Sequence[str], tally: Tally) -> str:
+def confirming(effect: Effect, tied: Sequence[str]) -> str:
     """The test that tells the effect from its look-alikes."""
     text = _sentence(effect.separate) if effect.separate else ""
     return f"To tell it from {_listed(list(tied), 'or')}: {text[:1].lower()}{text[1:]}" if tied and text else text

@@ -10,8 +10,8 @@ import numpy as np
 
 from damper_estimator.diagnosis.attempt import Attempt, Null, first_order
 from damper_estimator.diagnosis.scene import unweighted
+from damper_estimator.numerics import block_draws
 
-REPLICATES = 500
 PENALTY = 0.01  # of the error without the effect, per parameter
 LOW, HIGH = 5.0, 95.0  # percentiles
 
@@ -103,17 +103,10 @@ def with_effects(null: Null, attempts: Sequence[Attempt], base: bool) -> Errors:
     return errors(null.scene.blocks, *first_order(fit, np.hstack(free_fit), unseen, np.hstack(free_unseen)))
 
 
-def draws(count: int) -> np.ndarray:
-    """(replicates, count) how often each block is drawn; the same for all that is compared."""
-    random = np.random.default_rng(0)
-    picks = random.integers(0, count, (REPLICATES, count))
-    return np.stack([np.bincount(row, minlength=count) for row in picks])
-
-
 def tallies(null: Null, attempts: Sequence[Attempt], mode: str) -> list[Tally]:
     """All attempts judged, best first; ``mode`` is both, kept or refit."""
     without_kept, without_refitted = nothing(null)
-    drawn = draws(without_kept.blocks.size)
+    drawn = block_draws(without_kept.blocks.size)
     judged = []
     for attempt in attempts:
         kept, refitted = _sane(with_effects(null, [attempt], base=False), with_effects(null, [attempt], base=True))

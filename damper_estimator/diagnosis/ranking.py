@@ -13,13 +13,13 @@ from damper_estimator.diagnosis.judge import (
     PENALTY,
     Errors,
     Tally,
-    draws,
     gains,
     nothing,
     rmse,
     tallies,
     with_effects,
 )
+from damper_estimator.numerics import block_draws
 
 GAIN = 0.25  # of the squared error: what an effect must explain to be found
 LEAST_FORCE = 0.015  # of the force's rms: what it must be worth
@@ -115,7 +115,7 @@ class Round:
         """
         names: list[str] = []
         rivals = [t for t in self.tallies if t.attempt.phenomenon != best.attempt.phenomenon]
-        drawn = draws(self.kept.blocks.size)
+        drawn = block_draws(self.kept.blocks.size)
         for rival in rivals:
             if rival.attempt.phenomenon in names or len(names) >= MOST_TIED:
                 continue

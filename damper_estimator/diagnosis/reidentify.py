@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis.judge import LOW, Errors, draws, errors, gains, rmse
+from damper_estimator.diagnosis.judge import LOW, Errors, errors, gains, rmse
 from damper_estimator.diagnosis.ranking import GAIN, LEAST_FORCE, Round
 from damper_estimator.diagnosis.restart import restarted
 from damper_estimator.diagnosis.result import Moved
@@ -13,6 +13,7 @@ from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification.knots import with_knots_of
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
+from damper_estimator.numerics import block_draws
 
 _MOVED = 3.0  # standard errors
 _MOVED_SHARE = 0.05  # of the value
@@ -57,7 +58,7 @@ def reidentified(first: Round, stage: Scene) -> Reidentified:
     own = settled(start, [rows.measurement for rows in stage.fit], zero_free=True)
     left = errors(stage.blocks, first.null.residual_fit, force_rows(own, stage.unseen) - targets(stage.unseen))
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
-    low = float(np.percentile(gains(draws(left.blocks.size), left, first.kept), LOW))
+    low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))
     worth = np.sqrt(max(rmse(first.null, first.kept) ** 2 - rmse(first.null, left) ** 2, 0.0))
     force = float(np.sqrt(np.mean(targets(stage.unseen) ** 2)))
     explains = gain >= GAIN and low > 0.0 and worth >= LEAST_FORCE * force

@@ -1,6 +1,7 @@
 """Turns rounds of attempts into findings, reasons and sentences."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,10 +11,11 @@ from damper_estimator.diagnosis.judge import HIGH, LOW, Errors, Tally, rmse
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import Finding, Judged, Judgement, Structure
+from damper_estimator.diagnosis.scene import split
 from damper_estimator.diagnosis.search import Accepted, Search
-from damper_estimator.diagnosis.settle import standard_errors
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import Element
+from damper_estimator.numerics import standard_errors
 
 _SHOWN = 0.05  # gain from which on it is kept what a candidate explains
 
@@ -39,7 +41,7 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None) -> Findi
         low=low,
         high=high,
         evidence=evidence(own.null, effect, without, with_it),
-        test_to_separate=confirming(effect, one.tied, one.tally),
+        test_to_separate=confirming(effect, one.tied),
         remark=_remark(one, again),
         parameters=parameters_of(one.element, one.tally.attempt, own),
         is_channel=effect.kind == "channel",
@@ -65,7 +67,7 @@ def _remark(one: Accepted, again: Reidentified | None) -> str:
 
 
 def parameters_of(element: Element, attempt: Attempt, own: Round) -> tuple[FittedParameter, ...]:
-    """The effect's values; standard errors from the bootstrap-free normal equations, inflated for memory."""
+    """The effect's values; their standard errors are those with all other parameters kept."""
     effect = element.effect
     flat = [
         (name if np.ndim(value) == 0 else f"{name}[{k}]", float(number), effect.parameter(name))
@@ -83,13 +85,14 @@ def parameters_of(element: Element, attempt: Attempt, own: Round) -> tuple[Fitte
 
 
 def _standard_errors(attempt: Attempt, own: Round) -> np.ndarray:
-    """(k,) from the scatter of scores between blocks of the fit rows."""
-    count = attempt.own_fit.shape[1]
-    residual = own.null.residual_fit + attempt.change_fit
+    """(k,); NaN where nothing is known of the derivatives, or the data do not determine a parameter."""
     columns = attempt.own_fit
-    if not count or not np.isfinite(columns).all():
+    if not columns.shape[1] or not np.isfinite(columns).all():
         return np.full(attempt.sizes.size, np.nan)
-    return standard_errors(columns, residual) * attempt.sizes
+    rows = own.null.scene.fit
+    residual = own.null.residual_fit + attempt.change_fit
+    rates = [part.rate for part in rows]
+    return standard_errors(split(rows, columns), split(rows, residual), rates) * attempt.sizes
 
 
 def judged_of(found: Search, force_rms: float) -> tuple[Judged, ...]:
@@ -141,8 +144,6 @@ def judgement(own: Round, left: Errors, replicates: np.ndarray, without: Errors)
 def _explains(own: Round, tally: Tally) -> tuple[np.ndarray, ...]:
     """(n,) N in band per unseen recording: what the effect changes of the force."""
     candidate = own.candidates[tally.attempt.effect]
-    from dataclasses import replace
-
     changed, _ = replace(candidate, element=tally.attempt.element(candidate)).added_to(own.null.model)
     parts = []
     for rows in own.null.scene.unseen:

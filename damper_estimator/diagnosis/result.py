@@ -249,8 +249,3 @@ class Improvement:
             "noise_floor_n": self.noise_floor_n,
             "rejected": [judged.record() for judged in self.rejected],
         }
-
-
-def parameters_in_words(parameters: Sequence[FittedParameter]) -> str:
-    """``friction force 42 N, stiffness 1e+05 N/m``."""
-    return ", ".join(f"{p.name} = {p.value:.4g} {p.unit}".removesuffix(" 1") for p in parameters)

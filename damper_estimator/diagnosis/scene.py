@@ -91,6 +91,11 @@ def targets(rows: Sequence[Rows]) -> np.ndarray:
     return np.concatenate([own.target for own in rows])
 
 
+def split(rows: Sequence[Rows], values: np.ndarray) -> list[np.ndarray]:
+    """The part (r_i, ...) of each recording of values (r, ...) over all rows."""
+    return np.split(values, np.cumsum([own.picks.size for own in rows])[:-1])
+
+
 def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     """RMS in N of errors (r,) in rows, their weights taken off again."""
     weight = np.concatenate([own.weight[own.picks] for own in rows])
@@ -113,8 +118,8 @@ def weights(model: DamperModel, measurement: Measurement) -> np.ndarray:
     judged = measurement.judged
     own_rate = kinematics.rate
     gauge_rate = own_rate * measurement.gauge.size / max(measurement.counts.samples, 1)
-    gauge = np.nan_to_num(white_density(measurement.gauge, gauge_rate, band)) * band
-    displacement = np.nan_to_num(white_density(measurement.raw_displacement, own_rate, band))
+    gauge = np.nan_to_num(white_density(measurement.gauge, gauge_rate)) * band
+    displacement = np.nan_to_num(white_density(measurement.raw_displacement, own_rate))
     velocity = (2.0 * np.pi) ** 2 * displacement * band**3 / 3.0
     force = float(np.var(measurement.force[judged])) if judged.any() else 1.0
     high, low = kinematics.block.copy(), kinematics.block.copy()

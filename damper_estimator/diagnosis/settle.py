@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.diagnosis.attempt import near_derivatives, slot_size
-from damper_estimator.diagnosis.scene import force_rows, targets, weights
+from damper_estimator.diagnosis.scene import force_rows, split, targets, weights
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.record import fit_record
@@ -19,13 +19,13 @@ from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.ties import tables, ties_among
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
+from damper_estimator.numerics import damped_step, standard_errors
 from damper_estimator.signals import Measurement
 
 _STEPS = 5
 _SHORTEST = 0.1  # of a step
 _LEAST = 1e-3  # of the squared error: a smaller gain ends it
 _HELD = 1.0  # of a parameter's size: further it is not sent in one step
-_BLOCKS = 40
 
 
 def settled(
@@ -61,9 +61,7 @@ def _descended(
     columns = near_derivatives(model, rows, slots, force)
     for _ in range(_STEPS):
         residual = force - target
-        prior = float(np.mean(residual**2)) / _HELD**2
-        normal = columns.T @ columns + prior * np.eye(len(slots))
-        step = np.linalg.lstsq(normal, -(columns.T @ residual), rcond=1e-12)[0]
+        step = damped_step(columns, residual, _HELD)
         share, best = 1.0, (float(residual @ residual), model, force)
         while share >= _SHORTEST and best[1] is model:
             trial = _moved(model, slots, share * step)
@@ -88,13 +86,6 @@ def _moved(model: DamperModel, slots: Sequence[int], step: np.ndarray) -> Damper
     return model.with_vector(vector)
 
 
-def standard_errors(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
-    """(k,) in units of the columns' parameters, from the scatter of scores between blocks: residuals have memory."""
-    scores = np.array([part.sum(axis=0) for part in np.array_split(columns * residual[:, None], _BLOCKS)])
-    inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-10)
-    return np.sqrt(np.maximum(np.diag(inverse @ (scores.T @ scores) @ inverse), 0.0))
-
-
 def _recorded(
     model: DamperModel, residual: np.ndarray, columns: np.ndarray, slots: Sequence[int], rows: Sequence[Rows]
 ) -> DamperModel:
@@ -105,8 +96,10 @@ def _recorded(
     power, cost = float(np.sum(targets(rows) ** 2)), 0.5 * float(residual @ residual)
     ties = ties_among(tables(model), values, slots, jacobian.T @ jacobian, power, cost)
     model = model.with_vector(ties.weights @ values) if ties.tied else model
-    errors = standard_errors(columns, residual) * sizes
-    told = [(model.slots[i].address, float(e)) for i, e in zip(slots, errors, strict=True) if i not in ties.tied]
+    kept = [i for i in slots if i not in ties.tied]
+    moving = jacobian @ ties.weights[np.ix_(slots, kept)]  # what is tied goes along
+    errors = standard_errors(split(rows, moving), split(rows, residual), [own.rate for own in rows])
+    named = {model.slots[i].address: float(error) for i, error in zip(kept, errors, strict=True)}
     measurements = [own.measurement for own in rows]
     rmse, _, _ = pooled_error(model, measurements)
-    return replace(model, fit=fit_record(measurements, rmse, dict(told)))
+    return replace(model, fit=fit_record(measurements, rmse, named))

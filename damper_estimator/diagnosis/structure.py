@@ -6,9 +6,10 @@ from itertools import combinations
 import numpy as np
 
 from damper_estimator.diagnosis.attempt import Null
-from damper_estimator.diagnosis.judge import HIGH, LOW, Errors, draws, gains
+from damper_estimator.diagnosis.judge import LOW, Errors, gains
 from damper_estimator.diagnosis.result import Structure
 from damper_estimator.identification.rows import Rows
+from damper_estimator.numerics import block_draws
 from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, T, V, X
 
 CELLS = 12  # per axis, in equal shares of the time
@@ -26,7 +27,7 @@ _AXES = {
 def structure(null: Null, without: Errors) -> tuple[Structure | None, float, float]:
     """The grid that predicts most of the unseen residual, with its gain there and the gain's 5 % bound."""
     best: tuple[float, float, Structure] | None = None
-    drawn = draws(without.blocks.size)
+    drawn = block_draws(without.blocks.size)
     usable = [row for row in _AXES if _varies(null.scene.fit, row) and _varies(null.scene.unseen, row)]
     for pair in combinations(usable, 2):
         grid = _grid(null.scene.fit, without.fit, pair)
@@ -81,6 +82,3 @@ def _words(edges: Sequence[np.ndarray], mean: np.ndarray, pair: tuple[int, int])
         for (name, _, unit), own, k in zip(names, edges, (i, j), strict=True)
     )
     return f"the model is {abs(mean[j, i]):.3g} N too {'high' if mean[j, i] > 0.0 else 'low'} at {where}"
-
-
-__all__ = ["HIGH", "Structure", "structure"]

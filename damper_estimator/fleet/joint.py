@@ -30,7 +30,6 @@ from damper_estimator.fleet.held import (
 from damper_estimator.fleet.shares import Shares
 from damper_estimator.fleet.task import digest
 from damper_estimator.identification import Fit, Point, Wishes, free_slots
-from damper_estimator.identification.bounded import bounded_least_squares
 from damper_estimator.identification.excitations import filled, split_of
 from damper_estimator.identification.fit import identified, parameters_of, warnings_of
 from damper_estimator.identification.knots import with_knots_over
@@ -41,6 +40,7 @@ from damper_estimator.identification.selection import narrowed
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import DamperModel
 from damper_estimator.model.files import model_yaml
+from damper_estimator.numerics import bounded_least_squares
 
 
 @dataclass(frozen=True)

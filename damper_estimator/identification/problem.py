@@ -12,16 +12,14 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.identification.bounded import bounded_least_squares, triangle
 from damper_estimator.identification.excited import Excited
-from damper_estimator.identification.noise import residual_noise
 from damper_estimator.identification.rows import Rows, excerpts, motion_moments, natural_sizes
 from damper_estimator.identification.terms import Term
 from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot
+from damper_estimator.numerics import bounded_least_squares, score_covariance, stepped, triangle
 
 _KEPT = 4  # settings of the parameters for which a term's columns are remembered
-_STEP = 1e-5  # of a parameter's size: well above the tolerance to which compliances are solved
 
 _SILENT = 1e-7  # of the measured force
 
@@ -70,8 +68,11 @@ class Linearised:
         return loudly_reduced(by_recording(self.rows, np.column_stack([self.jacobian, self.residual])), self.silent)
 
     def noise(self, weights: np.ndarray) -> tuple[np.ndarray, float]:
-        """See ``noise.residual_noise``: (d, d) and effective samples, for directions ``weights`` (q + p, d)."""
-        return residual_noise(self.rows, self.residual, self.jacobian @ without(self.silent, weights))
+        """See ``numerics.score_covariance``: (d, d) and effective samples, for directions ``weights`` (q + p, d)."""
+        ends = np.cumsum([own.picks.size for own in self.rows])[:-1]
+        scores = self.jacobian @ without(self.silent, weights)
+        rates = [own.rate for own in self.rows]
+        return score_covariance(np.split(self.residual, ends), np.split(scores, ends), rates)
 
 
 class Problem(Unknowns):
@@ -195,12 +196,7 @@ class Problem(Unknowns):
         before = [self._force_at(i, part, point) for i, part in enumerate(self._parts)]
         derivative = np.zeros((self.target.size, self.searched.size))
         for j, slot in enumerate(self.searched):
-            step = _STEP * size[j]
-            if values[slot] + step > self.upper[slot]:
-                step = -step
-            changed = values.copy()
-            changed[slot] += step
-            step = changed[slot] - values[slot]
+            changed, step = stepped(values, slot, size[j], self.lower[slot], self.upper[slot])
             self.evaluations += 1
             for part, force in zip(self._parts, before, strict=True):
                 if slot in part.searched:

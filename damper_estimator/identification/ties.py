@@ -22,13 +22,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damper_estimator.effects.contract import Setting
-from damper_estimator.identification.bounded import bounded_least_squares
 from damper_estimator.identification.knots import AXES
 from damper_estimator.identification.problem import Linearised, Point, Problem
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import DamperModel
 from damper_estimator.model.continuation import Axis, continuation
 from damper_estimator.model.element import labels
+from damper_estimator.numerics import bounded_least_squares
 from damper_estimator.signals.layout import V
 
 LEAST, MOST = 0.02, 0.3

@@ -1,31 +1,22 @@
 """How well the data determine the parameters: standard errors, and parameters that trade off against each other.
 
-The covariance is that of least squares with correlated residuals,
-
-    C = (J'J)^-1 (J' R J) (J'J)^-1 m_e / (m_e - k)
-
-with J (m, k) the derivative of the rows by the free parameters that are not at a bound, and R the residual's
-autocovariance (Toeplitz), estimated for each recording up to ``MEMORY`` seconds with Parzen's taper. Band-limited
-residuals repeat themselves: R counts only what is new. m_e, the effective number of samples, is m over the
-residual's correlation length; the last factor is the usual correction for k fitted parameters. The residual is
-taken as stationary; where a model lacks an effect, it is not noise alone, and the errors are those of this
-excitation.
+See ``numerics.covariance``. Band-limited residuals repeat themselves: only what is new counts. The residual is taken as
+stationary within each recording; where a model lacks an effect, it is not noise alone, and the errors are those of
+this excitation.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.identification.bounded import triangle
 from damper_estimator.identification.problem import Linearised, Point, Problem
 from damper_estimator.identification.ties import Ties
+from damper_estimator.numerics import Directions, directions
 
-_SINGULAR = 1e-5  # smallest over largest singular value of the scaled Jacobian: below it a direction has no influence
 _WEAK = 0.1  # directions below this are asked whether the noise hides them
 _HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
 _TAKES_PART = 0.2  # of the largest share in a direction, or of what is hidden: enough to be named
 _LINKED = 0.1  # correlation of two parameters in the directions without influence
-_INCIDENTAL = 1e-3  # of the largest share: below, rounding
 _FLOOR = 0.02  # of the force: a contribution is not taken as smaller
 _AT_BOUND = 1e-9  # of the distance of the bounds
 
@@ -48,25 +39,6 @@ class Uncertainty:
     tied: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Directions:
-    """Directions in the space of k parameters, each in units of its column's norm, and what the data say along them.
-
-    Attributes:
-        norms: (k,) of the Jacobian's columns.
-        singular: (k,) influence of each direction.
-        vectors: (k, k), a direction per row.
-        deviation: (k,) standard deviation along each; infinite where it has no influence.
-        spread: (k,) standard error of each parameter, from the directions that have influence.
-    """
-
-    norms: np.ndarray
-    singular: np.ndarray
-    vectors: np.ndarray
-    deviation: np.ndarray
-    spread: np.ndarray
-
-
 def uncertainty(problem: Problem, point: Point, linear: Linearised, ties: Ties) -> Uncertainty:
     """Standard errors and trade-offs at the end of a search, of what follows nothing else; ``linear`` is there."""
     every = np.array(problem.free)
@@ -79,7 +51,7 @@ def uncertainty(problem: Problem, point: Point, linear: Linearised, ties: Ties) 
     whole = _directions(linear, basis)
     inner = whole if not at_bound.any() else _directions(linear, basis[:, ~at_bound])
     error = np.full(free.size, np.nan)
-    blind = _untold(inner) | (inner.spread > (high - low)[~at_bound])
+    blind = inner.undetermined | (inner.spread > (high - low)[~at_bound])
     error[~at_bound] = np.where(blind, np.nan, inner.spread)
     # A parameter may stand at its bound only because another takes its part, so both are asked here.
     contributions = np.maximum(np.abs(values) * whole.norms, _FLOOR * np.sqrt(problem.power))
@@ -95,32 +67,12 @@ def uncertainty(problem: Problem, point: Point, linear: Linearised, ties: Ties) 
     return Uncertainty(errors, bounded, tuple(undetermined), following)
 
 
-def _directions(linear: Linearised, basis: np.ndarray) -> _Directions:
+def _directions(linear: Linearised, basis: np.ndarray) -> Directions:
     """Of parameters, each of which moves those of the Jacobian by a column of ``basis`` (q + p, k)."""
-    count = basis.shape[1]
-    if count == 0:
-        return _Directions(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
-    jacobian = linear.reduced[:, :-1] @ basis
-    norms = np.linalg.norm(jacobian, axis=0)
-    scale = np.where(norms > 0.0, norms, 1.0)
-    _, singular, vectors = np.linalg.svd(triangle(jacobian / scale))
-    told = singular > _SINGULAR * singular[0]
-    total, effective = linear.noise(basis @ (vectors[told].T / singular[told] ** 2 / scale[:, None]))
-    covariance = total * effective / max(effective - count, 1.0)
-    deviation = np.full(count, np.inf)
-    deviation[told] = np.sqrt(np.diag(covariance))
-    spread = np.sqrt((vectors[told].T @ covariance * vectors[told].T).sum(axis=1)) / scale
-    return _Directions(norms, singular, vectors, deviation, spread)
+    return directions(linear.reduced[:, :-1] @ basis, lambda weights: linear.noise(basis @ weights))
 
 
-def _untold(known: _Directions) -> np.ndarray:
-    """(k,) bool: parameters without influence, or that take part in a direction without influence."""
-    silent = np.abs(known.vectors[np.isinf(known.deviation)])
-    taking = silent > _INCIDENTAL * silent.max(axis=1, keepdims=True, initial=0.0)
-    return taking.any(axis=0) | (known.norms == 0.0)
-
-
-def _undetermined(known: _Directions, contributions: np.ndarray) -> list[list[int]]:
+def _undetermined(known: Directions, contributions: np.ndarray) -> list[list[int]]:
     """Groups of parameters about whose common direction the data say nothing, or less than the noise."""
     silent = np.isinf(known.deviation)
     groups = _connected(known.vectors[silent], contributions) if silent.any() else []

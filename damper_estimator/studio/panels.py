@@ -103,7 +103,7 @@ def findings(found: Diagnosis, stale: bool) -> Piece:
         told.append(
             html.P("The model was changed since: run the diagnosis again to see what is left.", className="warning")
         )
-    told += [_finding(finding, i) for i, finding in enumerate(found.findings)]
+    told += [_finding(finding) for finding in found.findings]
     moved = moved_rows(found)
     if moved:
         text = "; ".join(f"{row['name']} {row['before']} → {row['after']} {row['unit']}" for row in moved)
@@ -113,7 +113,7 @@ def findings(found: Diagnosis, stale: bool) -> Piece:
     return html.Div(told)
 
 
-def _finding(finding, index: int) -> Piece:
+def _finding(finding) -> Piece:
     text = finding_text(finding)
     facts = [
         ("confidence", text["confidence"]),

@@ -6,11 +6,12 @@ import numpy as np
 
 from damper_estimator.model import DamperModel
 from damper_estimator.numbers import number
+from damper_estimator.numerics import least_squares
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import A, V, X
 from damper_estimator.validation.drift import drift
 from damper_estimator.validation.finding import DataFinding, entry
-from damper_estimator.validation.surrogate import Surrogate, Zero, least_squares, surrogate
+from damper_estimator.validation.surrogate import Surrogate, Zero, surrogate
 
 LEAST_DRIFT = 0.05  # of the force's rms
 _OVER_REST = 1.5  # times the rms of what the motion does not explain

@@ -116,8 +116,8 @@ def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
     return 2.0 * float(quiet.mean() / alike) / rate
 
 
-def white_density(value: np.ndarray, rate: float, band: float) -> float:
-    """Density of an evenly sampled signal, see ``noise_density``; ``band`` in Hz is not needed."""
+def white_density(value: np.ndarray, rate: float) -> float:
+    """Density of an evenly sampled signal, see ``noise_density``; ``rate`` in Hz."""
     if not np.isfinite(rate) or rate <= 0.0:
         return float("nan")
     return noise_density(np.round(np.arange(value.size) * 1e9 / rate).astype(np.int64), value)

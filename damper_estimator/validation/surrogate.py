@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from damper_estimator.numerics import block_variance, least_squares
 from damper_estimator.signals import Measurement, low_pass_zero_phase
 from damper_estimator.signals.cycles import reversals
 
@@ -24,7 +25,6 @@ _BLOCKS = 4  # of cycles in an interval; neighbouring cycles are not independent
 _BLOCK = 1.0  # s; residuals further apart are
 _SLOW = 0.25  # of the frequency of the middle cycle, below which their middle wanders
 _RIDGE = 1e-9
-_PIECE = 64  # rows
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def surrogate(measurements: Sequence[Measurement], forces: Sequence[np.ndarray] 
     cuts = np.cumsum([own.size for own in rows])[:-1]
     rests = np.split(force - motion, cuts)
     common = np.concatenate([np.zeros(curves.shape[1]), np.full(hats.shape[1], 1.0 / hats.shape[1])])
-    variance = _long_run_variance(np.split(residual, cuts), time)
+    variance = block_variance(residual, _blocks(time))
     return Surrogate(
         rows=tuple(rows),
         motion=tuple(np.split(motion, cuts)),
@@ -195,30 +195,17 @@ def _columns(
             yield from (hat * own for own in (np.ones_like(v), v, steep, np.tanh(v / 0.3), x))
 
 
-def least_squares(columns: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Solution (c,) of columns (r, c) and force (r,), and the inverse (c, c) of the normal equations.
-
-    They are summed in small pieces: a library that starts threads for a product of this size takes longer to wake them
-    than to multiply.
-    """
-    normal, right = np.zeros((columns.shape[1], columns.shape[1])), np.zeros(columns.shape[1])
-    for first in range(0, force.size, _PIECE):
-        piece = columns[first : first + _PIECE]
-        normal += piece.T @ piece
-        right += force[first : first + _PIECE] @ piece
-    normal[np.diag_indices_from(normal)] += _RIDGE * force.size
-    inverse = np.linalg.inv(normal)
-    return inverse @ right, inverse
-
-
 def _sum(columns: np.ndarray, shares: np.ndarray) -> np.ndarray:
     return np.einsum("ij,j->i", columns, shares)
 
 
-def _long_run_variance(residual: Sequence[np.ndarray], time: Sequence[np.ndarray]) -> float:
-    """N^2: variance of independent residuals whose sums over blocks would scatter as these do."""
-    sums = [np.bincount((t / _BLOCK).astype(int), own) for own, t in zip(residual, time, strict=True)]
-    return float(np.sum(np.concatenate(sums) ** 2) / sum(own.size for own in residual))
+def _blocks(time: Sequence[np.ndarray]) -> np.ndarray:
+    """(r,) int, the block that each row of all recordings belongs to."""
+    blocks, first = [], 0
+    for own in time:
+        blocks.append(first + (own / _BLOCK).astype(int))
+        first = int(blocks[-1][-1]) + 1
+    return np.concatenate(blocks)
 
 
 def _cycles(m: Measurement) -> np.ndarray:
@@ -255,11 +242,10 @@ def _zero(rows: np.ndarray, time: np.ndarray, rest: np.ndarray, cycles: np.ndarr
 
 
 def _scatter(residual: np.ndarray, time: np.ndarray, knots: np.ndarray) -> float:
-    """N^2: variance of independent residuals of cycles whose sums over blocks would scatter as these do."""
+    """N^2: long-run variance of residuals of cycles."""
     blocks = _BLOCKS * (knots.size - 1)
     block = np.minimum((blocks * (time - knots[0]) / (knots[-1] - knots[0])).astype(int), blocks - 1)
-    freedom = max(blocks - knots.size, 1) / blocks
-    return float(np.sum(np.bincount(block, residual) ** 2) / residual.size / freedom)
+    return block_variance(residual, block, knots.size)
 
 
 def _each_hat(value: np.ndarray, knots: np.ndarray) -> Iterator[np.ndarray]:

@@ -2,49 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import least_squares
 
 from damper_estimator.identification import Problem, rows_of
-from damper_estimator.identification.bounded import bounded_least_squares, triangle
 from damper_estimator.identification.methods.least_squares import refine
 
 SAME = 1e-5  # of a parameter: two searches ended in the same place
 COST = 1e-7  # of the cost
-RIDGE = 1e-5  # of a parameter: what the ridge may move on well-conditioned columns
-
-
-@given(st.integers(0, 999), st.integers(1, 6), st.integers(8, 40))
-@settings(max_examples=50, deadline=None)
-def test_bounded_linear_least_squares_agrees_with_scipys(seed, count, size):
-    random = np.random.default_rng(seed)
-    columns = random.standard_normal((size, count)) * 10.0 ** random.integers(-4, 5, count)
-    target = random.standard_normal(size)
-    free = np.linalg.lstsq(columns, target, rcond=None)[0]
-    lower = np.where(random.uniform(size=count) < 0.5, -np.abs(free) * random.uniform(0.1, 3.0, count), -1e6)
-    upper = -0.3 * lower
-    found = bounded_least_squares(columns, target, lower, upper, np.zeros(count))
-    best = lsq_linear(columns, target, (lower, upper), method="bvls", tol=1e-14).x
-    assert (found >= lower).all() and (found <= upper).all()
-    cost, best_cost = (np.sum((columns @ p - target) ** 2) for p in (found, best))
-    assert cost <= best_cost * (1.0 + RIDGE) + 1e-18
-
-
-def test_what_the_data_do_not_determine_stays_at_the_reference():
-    column = np.linspace(0.0, 1.0, 50)
-    columns = np.column_stack([column, np.zeros(50), column])
-    found = bounded_least_squares(
-        columns, 6.0 * column, np.full(3, -100.0), np.full(3, 100.0), np.array([1.0, 7.0, 3.0])
-    )
-    np.testing.assert_allclose(found, [2.0, 7.0, 4.0], rtol=RIDGE)
-
-
-def test_a_tall_matrix_is_reduced_without_loss():
-    matrix = np.random.default_rng(0).standard_normal((5003, 7))
-    reduced = triangle(matrix)
-    assert reduced.shape == (7, 7)
-    np.testing.assert_allclose(reduced.T @ reduced, matrix.T @ matrix, rtol=1e-10, atol=1e-8)
 
 
 @pytest.fixture

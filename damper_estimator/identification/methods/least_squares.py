@@ -10,9 +10,9 @@ excerpts of the data until two of them agree; the best is finished on all of it.
 
 import numpy as np
 
-from damper_estimator.identification.bounded import bounded_least_squares
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.problem import Point, Problem
+from damper_estimator.numerics import bounded_least_squares
 
 _ITERATIONS = 60
 _GAIN = 1e-8  # of the cost: a promised gain below this is a hundredth of a standard error or less

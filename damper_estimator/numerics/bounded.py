@@ -2,25 +2,10 @@
 
 import numpy as np
 
+from damper_estimator.numerics.triangle import triangle
+
 _RIDGE = 1e-7  # of a column's norm: far below what data tell, enough where they tell nothing
-_PIECE = 8000  # numbers that are reduced at a time; OpenBLAS starts threads above 9216
 _SILENT = 1e-12  # of the largest column: such a column has no influence at all
-
-
-def triangle(matrix: np.ndarray) -> np.ndarray:
-    """R (k, k) of the QR decomposition of a tall matrix (m, k): all that its m rows say about k unknowns.
-
-    It is reduced in pieces, and the pieces again, each so small that the linear algebra library does not call for
-    threads.
-    """
-    count = matrix.shape[1]
-    length = max(_PIECE // count, 2 * count)
-    while matrix.shape[0] > length:
-        pieces = -(-matrix.shape[0] // length)
-        padded = np.zeros((pieces * length, count))
-        padded[: matrix.shape[0]] = matrix
-        matrix = np.linalg.qr(padded.reshape(pieces, length, count), mode="r").reshape(-1, count)
-    return np.linalg.qr(matrix, mode="r")
 
 
 def bounded_least_squares(

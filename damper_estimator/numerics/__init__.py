@@ -1,0 +1,32 @@
+"""Numerical rules that fits and judgements share, one of each; they know nothing of dampers."""
+
+from damper_estimator.numerics.bootstrap import block_draws
+from damper_estimator.numerics.bounded import bounded_least_squares
+from damper_estimator.numerics.covariance import Directions, directions, standard_errors
+from damper_estimator.numerics.differences import ROUGH, SMOOTH, stepped
+from damper_estimator.numerics.long_run import MEMORY, block_variance, long_run_variance, score_covariance
+from damper_estimator.numerics.normal import damped_step, least_squares, normal_equations
+from damper_estimator.numerics.quantiles import order_statistics
+from damper_estimator.numerics.ranks import rank_correlation
+from damper_estimator.numerics.triangle import triangle
+
+__all__ = [
+    "MEMORY",
+    "ROUGH",
+    "SMOOTH",
+    "Directions",
+    "block_draws",
+    "block_variance",
+    "bounded_least_squares",
+    "damped_step",
+    "directions",
+    "least_squares",
+    "long_run_variance",
+    "normal_equations",
+    "order_statistics",
+    "rank_correlation",
+    "score_covariance",
+    "standard_errors",
+    "stepped",
+    "triangle",
+]

@@ -1,0 +1,73 @@
+"""How much chance there is in a residual that repeats itself: variances of sums, not of single samples.
+
+A sum of n samples of a stationary residual e has the variance n s^2 with the long-run variance
+
+    s^2 = sum over all lags k of  c(k),      c(k) = E[e(i) e(i + k)]
+
+Evenly sampled residuals: c is estimated up to ``MEMORY`` seconds, with Parzen's taper, which keeps the sum from
+becoming negative. Unevenly spaced ones, such as means of cycles: from the scatter of the sums over blocks.
+Source: Andrews 1991 (tapers); Kuensch 1989 (blocks).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+MEMORY = 1.0  # s, longest correlation of the residual that is looked at
+
+
+def score_covariance(
+    residuals: Sequence[np.ndarray], scores: Sequence[np.ndarray], rates: Sequence[float]
+) -> tuple[np.ndarray, float]:
+    """Covariance (d, d) of sum(scores' e) for a residual that is stationary within each recording, and the effective
+    number of samples, those over the correlation length; both are sums over the recordings.
+
+    Args:
+        residuals: (n,) of each recording; one with fewer than two samples counts nothing.
+        scores: (n, d) of each.
+        rates: Hz of each.
+    """
+    count = scores[0].shape[1]
+    total, effective = np.zeros((count, count)), 0.0
+    for residual, score, rate in zip(residuals, scores, rates, strict=True):
+        if residual.size < 2:
+            continue
+        spectrum, correlation = _spectrum(residual, rate)
+        transformed = np.fft.rfft(score, 2 * residual.size, axis=0)
+        # The half spectrum stands for both halves; its two ends are there once.
+        weight = np.full(spectrum.size, 2.0)
+        weight[0] = weight[-1] = 1.0
+        total += ((transformed.conj() * (weight * spectrum)[:, None]).T @ transformed).real / (2 * residual.size)
+        effective += residual.size / correlation
+    return total, effective
+
+
+def long_run_variance(residual: np.ndarray, rate: float) -> float:
+    """s^2 of an evenly sampled residual (n,), n > 1, at ``rate`` Hz; white residuals have their variance."""
+    return float(np.mean(residual**2)) * _spectrum(residual, rate)[1]
+
+
+def block_variance(residual: np.ndarray, block: np.ndarray, fitted: int = 0) -> float:
+    """s^2 from the scatter of sums over blocks, each longer than the residual's memory.
+
+    Args:
+        residual: (n,).
+        block: (n,) int, from 0.
+        fitted: parameters that the residual was fitted with; they take degrees of freedom from the blocks.
+    """
+    sums = np.bincount(block, residual)
+    freedom = max(sums.size - fitted, 1) / sums.size
+    return float(np.sum(sums**2) / residual.size / freedom)
+
+
+def _spectrum(residual: np.ndarray, rate: float) -> tuple[np.ndarray, float]:
+    """Power spectrum (n + 1,) of a residual's tapered autocovariance, and its correlation length in rows."""
+    size = residual.size
+    power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2 / size
+    covariance = np.fft.irfft(power, 2 * size)
+    reach = max(1, min(round(MEMORY * rate), size // 4))
+    lag = np.minimum(np.arange(2 * size), 2 * size - np.arange(2 * size)) / reach
+    parzen = np.where(lag <= 0.5, 1.0 - 6.0 * lag**2 * (1.0 - lag), np.where(lag <= 1.0, 2.0 * (1.0 - lag) ** 3, 0.0))
+    tapered = covariance * parzen
+    correlation = tapered.sum() / covariance[0] if covariance[0] > 0.0 else 1.0
+    return np.maximum(np.fft.rfft(tapered).real, 0.0), max(float(correlation), 1.0)
