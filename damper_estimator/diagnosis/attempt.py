@@ -13,7 +13,7 @@ import numpy as np
 from damper_estimator.diagnosis.candidates import Candidate
 from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
-from damper_estimator.identification import Point, Problem
+from damper_estimator.identification import LocalRows, Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.rows import Rows, excerpts
 from damper_estimator.identification.start import candidates as start_sizes
@@ -203,7 +203,7 @@ def _fitted(problem: Problem, candidate: Candidate, scene: Scene) -> np.ndarray:
     """(slots,) values after the search from the best starts."""
     start, iterations = problem.start, _ITERATIONS
     if candidate.starts and problem.searched.size:
-        found = sketched(problem.on(sketch(scene.fit)), candidate)
+        found = sketched(problem.on(LocalRows(sketch(scene.fit))), candidate)
         if found is None:
             return problem.vector(start, np.array([problem.slots[i].value for i in problem.solved]))
         start, iterations = found.searched, _FINISHING
@@ -228,7 +228,7 @@ def sketched(problem: Problem, candidate: Candidate) -> Point | None:
 
 def _sizes(problem: Problem) -> np.ndarray:
     """(q,) magnitudes of the searched parameters; one that starts at zero has a share of its range."""
-    _, size = start_sizes(problem, [own.measurement for own in problem.rows], 0, 0)
+    _, size = start_sizes(problem, 0, 0)
     span = problem.upper[problem.searched] - problem.lower[problem.searched]
     return np.where(problem.start == 0.0, np.maximum(size, _RANGE * span), size)
 

@@ -8,7 +8,7 @@ import numpy as np
 from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges, Trial, Untestable
-from damper_estimator.identification import Problem
+from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.selection import narrowed
 from damper_estimator.model import DamperModel, Element, Slot, make_element
@@ -49,7 +49,7 @@ class Candidate:
     def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:
         """The least-squares problem of the effect's parameters, all others kept."""
         changed, free = self.added_to(model)
-        return Problem(changed, rows, free, slots=self._slots(changed, free))
+        return Problem(changed, LocalRows(rows), free, slots=self._slots(changed, free))
 
     def _slots(self, model: DamperModel, free: Sequence[int]) -> tuple[Slot, ...]:
         label = model.slots[free[0]].address.rpartition(".")[0]

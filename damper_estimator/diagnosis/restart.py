@@ -12,7 +12,7 @@ from damper_estimator.diagnosis.attempt import sketch, sketched
 from damper_estimator.diagnosis.candidates import Candidate
 from damper_estimator.diagnosis.scene import Scene
 from damper_estimator.effects.trial import Trial, Untestable
-from damper_estimator.identification import Problem
+from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import labels
 
@@ -23,7 +23,7 @@ def restarted(model: DamperModel, scene: Scene) -> tuple[DamperModel, float]:
     Returns:
         The model, as it was where no effect explains anything, and the share of the squared error that it takes away.
     """
-    rows = sketch(scene.fit)
+    rows = LocalRows(sketch(scene.fit))
     before = Problem(model, rows, ()).point(np.empty(0)).cost
     best, least = model, before
     for label, element in labels(model.effects):

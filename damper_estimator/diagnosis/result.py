@@ -1,6 +1,5 @@
 """What a diagnosis and an improvement say."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np

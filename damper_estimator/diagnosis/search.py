@@ -12,7 +12,7 @@ from damper_estimator.diagnosis.pool import attempts
 from damper_estimator.diagnosis.ranking import GAIN, Round, round_of
 from damper_estimator.diagnosis.scene import Scene
 from damper_estimator.diagnosis.settle import settled
-from damper_estimator.identification import Problem
+from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.start import candidates as start_sizes
 from damper_estimator.model import DamperModel, Element
@@ -191,11 +191,11 @@ def _settled(model: DamperModel, added: Collection[str], scene: Scene, refits: b
     """The parameters of all that was found, fitted together; with all others where those are refitted."""
     if refits:
         return settled(model, [rows.measurement for rows in scene.fit], zero_free=True)
-    problem = Problem(model, scene.fit, _positions(model, added))
+    problem = Problem(model, LocalRows(scene.fit), _positions(model, added))
     if not problem.searched.size:
         point = problem.point(problem.start)
     else:
-        _, size = start_sizes(problem, [own.measurement for own in scene.fit], 0, 0)
+        _, size = start_sizes(problem, 0, 0)
         point, _ = refine(problem, problem.start, size, 6, 1e-3)
     return problem.model_at(problem.vector(point.searched, point.solved)) if np.isfinite(point.cost) else model
 

@@ -1,12 +1,11 @@
-"""What a worker holds in a joint fit: recordings made ready, and the sums that it answers with.
+"""What a worker holds in a joint fit: recordings made ready, and what it answers about each.
 
-Every answer is made from one recording alone and put together in the order of the recordings, so it does not matter
-who holds which. Who holds one no longer, or never did, reads it anew.
+A worker that holds a recording no longer, or never did, reads it.
 """
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -14,19 +13,18 @@ import yaml
 from distributed import get_worker
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification.excitations import Split, cycles_of, excitations_in
-from damper_estimator.identification.excited import residual, spread_weights
 from damper_estimator.identification.fit import judged_rows
-from damper_estimator.identification.problem import Linearised, Problem, by_recording
-from damper_estimator.identification.rows import Rows, excerpts, moments, motion_moments
+from damper_estimator.identification.local import LocalRows, LocalSums
+from damper_estimator.identification.rows import moments
+from damper_estimator.identification.sources import Totals
+from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot, parse_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, load_signal_map, measure
-from damper_estimator.signals.cycles import Cycle
 
 _KEPT = 0.4  # of the worker's memory for recordings made ready
 _COPIES = 4.0  # bytes that a recording takes beside those of its kinematics, over these
-_PROBLEMS = 2  # sets of unknowns that are remembered for each recording
+_VIEWS = 6  # that are remembered for each recording
 
 
 @dataclass(frozen=True)
@@ -42,47 +40,45 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Chosen:
-    """The excitations of the recordings, for a search with several objectives.
+class Parameters:
+    """The unknowns of a fit, as they travel.
 
     Attributes:
-        given, split: as in ``excitations_in``.
-        weights: by source and group, of the rows of each excitation (e,); None counts all alike.
-    """
-
-    given: Mapping[str, Sequence[str]]
-    split: Split
-    weights: Mapping[Source, Sequence[np.ndarray]] | None = None
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """What is identified, and on how much.
-
-    Attributes:
-        key: tells one from another.
         model: with the start values, as the text of its file: compiled effects do not travel well.
-        free, slots: as in ``Problem``.
-        samples, total: excerpts of about so many samples of the total; 0 for all.
-        chosen: excitations, in place of excerpts.
+        free, slots, settings: as in ``Unknowns``.
     """
 
-    key: str
     model: str
     free: tuple[int, ...]
     slots: tuple[Slot, ...]
-    samples: int = 0
-    total: int = 0
-    chosen: Chosen | None = None
+    settings: Settings | None = None
+
+    def unknowns(self) -> Unknowns:
+        """The same here."""
+        return Unknowns(model_of(self.model), self.free, self.settings, self.slots)
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where the rows are linearised: searched (q,) and solved (p,) parameters, and the magnitude (q,) of the former."""
+class ByRecording:
+    """A word of a call that every recording has a value of its own for."""
 
-    searched: np.ndarray
-    solved: np.ndarray
-    size: np.ndarray
+    values: Mapping[Source, object]
+
+
+@dataclass(frozen=True)
+class View:
+    """Some of a recording's rows, or what they add up to: a call, and the view whose method is called.
+
+    Attributes:
+        key: tells one from another.
+        before: None for all rows of the recording.
+        name, words: of a method of ``LocalRows`` that gives the view.
+    """
+
+    key: str
+    before: "View | None"
+    name: str
+    words: tuple[object, ...]
 
 
 class Held:
@@ -98,8 +94,8 @@ class Held:
         with open_bag(source.recording) as bag:
             signal_map = load_signal_map(source.signals or None)
             self.measurement = measure(bag, signal_map, source.damper, source.start, source.stop)
-        self.rows = judged_rows(model, [self.measurement], [1.0])
-        self._problems: OrderedDict[str, Problem | None] = OrderedDict()
+        self.rows = LocalRows(judged_rows(model, [self.measurement], [1.0]))
+        self._views: OrderedDict[str, LocalRows | LocalSums] = OrderedDict()
 
     @property
     def size(self) -> float:
@@ -109,33 +105,24 @@ class Held:
     @property
     def used(self) -> list[Measurement]:
         """The parts that are identified on."""
-        return [own.measurement for own in self.rows]
+        return [own.measurement for own in self.rows.rows]
 
-    def problem(self, unknown: Unknown) -> Problem | None:
-        """The problem on this recording's rows; None where excerpts leave it none."""
-        if unknown.key not in self._problems:
-            self._problems[unknown.key] = self._made(unknown)
-            while len(self._problems) > _PROBLEMS:
-                self._problems.popitem(last=False)
-        return self._problems[unknown.key]
+    def view(self, view: View | None) -> LocalRows | LocalSums:
+        """What a view shows of this recording; the last few are remembered."""
+        if view is None:
+            return self.rows
+        if view.key not in self._views:
+            words = [self._here(word) for word in view.words]
+            self._views[view.key] = getattr(self.view(view.before), view.name)(*words)
+            while len(self._views) > _VIEWS:
+                self._views.popitem(last=False)
+        return self._views[view.key]
 
-    def _made(self, unknown: Unknown) -> Problem | None:
-        chosen = unknown.chosen
-        found = None if chosen is None else excitations_in(self.rows, chosen.given, chosen.split)
-        rows = found.rows if found else self._excerpts(unknown) if unknown.samples else self.rows
-        if not rows:
-            return None
-        own = Problem(model_of(unknown.model), rows, unknown.free, slots=unknown.slots)
-        if chosen is None or chosen.weights is None:
-            return own
-        return own.weighted(spread_weights(found.members, chosen.weights[self._source], own.size))
-
-    def _excerpts(self, unknown: Unknown) -> list[Rows]:
-        rows = []
-        for own in self.rows:
-            share = unknown.samples * len(own.measurement.kinematics) // unknown.total
-            rows += [own.part(part) for part in excerpts(own.measurement, share)]
-        return [own for own in rows if own.picks.size]
+    def _here(self, word: object) -> object:
+        """A word of a call as this recording takes it."""
+        if isinstance(word, Parameters):
+            return word.unknowns()
+        return word.values[self._source] if isinstance(word, ByRecording) else word
 
 
 _held: OrderedDict[tuple[Source, str], Held] = OrderedDict()
@@ -179,33 +166,34 @@ class Summary:
     """What a recording adds up to.
 
     Attributes:
-        samples: of the usable parts; ``judged`` of them count, ``lost`` judged ones are in no usable part.
-        rows: how many; ``power`` is the sum of their squared targets.
+        totals: of the usable parts.
+        lost: judged samples that are in no usable part.
         filters: cutoff and band, Hz.
-        moments: ``rows.motion_moments`` of each part.
     """
 
-    samples: int
-    judged: int
+    totals: Totals
     lost: int
-    rows: int
-    power: float
     filters: tuple[float, float]
-    moments: list[np.ndarray]
 
 
 def summary(held: Held) -> Summary:
     """What is known of a recording before the search."""
     judged = sum(int(m.judged.sum()) for m in held.used)
     return Summary(
-        samples=sum(len(m.kinematics) for m in held.used),
-        judged=judged,
+        totals=held.rows.totals,
         lost=int(held.measurement.judged.sum()) - judged,
-        rows=sum(own.picks.size for own in held.rows),
-        power=sum(float(own.target @ own.target) for own in held.rows),
         filters=(held.measurement.cutoff, held.measurement.band),
-        moments=[motion_moments(m) for m in held.used],
     )
+
+
+def answer(held: Held, view: View | None, name: str, *words: object) -> object:
+    """What a method of a view returns."""
+    return getattr(held.view(view), name)(*words)
+
+
+def totals(held: Held, view: View | None) -> Totals:
+    """Of a view's rows."""
+    return held.view(view).totals
 
 
 def channel_range(held: Held, row: int) -> tuple[int, float, float]:
@@ -224,35 +212,6 @@ def _channel(held: Held, row: int) -> np.ndarray:
     return values[np.isfinite(values)]
 
 
-def point_sums(held: Held, unknown: Unknown, searched: np.ndarray, solved: np.ndarray) -> np.ndarray:
-    """Triangles (.., p + 1) of the columns and the target less what is there without them."""
-    problem = held.problem(unknown)
-    if problem is None:
-        return np.zeros((0, solved.size + 1))
-    point = problem.point(searched, np.zeros_like(solved))
-    return by_recording(problem.rows, np.column_stack([point.columns, -point.residual]))
-
-
-def linear_sums(held: Held, unknown: Unknown, place: Place) -> np.ndarray:
-    """Triangles (.., q + p + 1) of the rows' differences, columns and residual."""
-    problem = held.problem(unknown)
-    if problem is None:
-        return np.zeros((0, place.searched.size + place.solved.size + 1))
-    near = _near(problem, place)
-    return by_recording(problem.rows, np.column_stack([near.jacobian, near.residual]))
-
-
-def noise_sums(held: Held, unknown: Unknown, place: Place, weights: np.ndarray) -> tuple[np.ndarray, float]:
-    """``Linearised.noise`` of this recording; ``weights`` (q + p, d) are zero for silent parameters."""
-    near = _near(held.problem(unknown), place)
-    # What is silent is judged over all recordings.
-    return replace(near, silent=np.zeros_like(near.silent)).noise(weights)
-
-
-def _near(problem: Problem, place: Place) -> Linearised:
-    return problem.linearised(problem.point(place.searched, place.solved), place.size)
-
-
 def error_sums(held: Held, text: str) -> np.ndarray:
     """(2, 3) moments of the error in band, N, and of the force, over the judged samples at full rate."""
     model, errors, forces = model_of(text), [], []
@@ -261,24 +220,3 @@ def error_sums(held: Held, text: str) -> np.ndarray:
         errors.append(m.in_band(model.force(m.kinematics.block))[m.judged] - measured)
         forces.append(measured)
     return np.array([moments(np.concatenate(errors)), moments(np.concatenate(forces))])
-
-
-def cycles(held: Held) -> list[tuple[Cycle, ...]]:
-    """Whole judged cycles of each part."""
-    return cycles_of(held.rows)
-
-
-def excited_sizes(held: Held, chosen: Chosen) -> tuple[list[np.ndarray], int]:
-    """For each group the number of rows (e,) of each excitation, and of all."""
-    found = excitations_in(held.rows, chosen.given, chosen.split)
-    sizes = [np.array([own.size for own in group], int) for group in found.members]
-    return sizes, sum(own.picks.size for own in found.rows)
-
-
-def excited_errors(held: Held, unknown: Unknown, vectors: np.ndarray) -> list[list[np.ndarray]]:
-    """For each vector (slots,) of values, and each group, the mean squared error (e,) of each excitation."""
-    problem, chosen = held.problem(unknown), unknown.chosen
-    found = excitations_in(held.rows, chosen.given, chosen.split)
-    if problem is None:
-        return [[np.zeros(0) for _ in found.groups] for _ in vectors]
-    return [found.errors(residual(problem, vector)) for vector in vectors]

@@ -3,14 +3,16 @@
 from collections.abc import Callable, Iterable, Sequence
 from time import sleep
 
+import numpy as np
 from distributed import Client, Future, KilledWorker, wait
 
 from damper_estimator.errors import InputError
 from damper_estimator.fleet.cluster import answering
-from damper_estimator.fleet.held import Source, Summary, answers, summary
-from damper_estimator.fleet.quantiles import SpreadSamples
+from damper_estimator.fleet.held import Source, Summary, answers, channel_below, channel_range, summary
+from damper_estimator.identification.samples import Samples
 from damper_estimator.model import DamperModel
 from damper_estimator.model.files import model_yaml
+from damper_estimator.numerics import order_statistics
 
 LOOK = 5.0  # s between two looks for workers that are gone
 PAUSE = 0.2  # s between two looks for any worker
@@ -109,14 +111,17 @@ class Shares:
         except (KilledWorker, TimeoutError):
             return None
 
-    @property
-    def samples(self) -> int:
-        """Of all recordings."""
-        return sum(own.samples for own in self.summaries)
+    def channel(self, row: int) -> Samples:
+        """The judged samples of a row of the block, for ``identification.samples.Channels``; only counts travel."""
+        counts, lows, highs = zip(*self.ask(channel_range, row), strict=True)
+        size, low, high = int(sum(counts)), min(lows), max(highs)
+        if not size:
+            low = high = np.nan
 
-    def channel(self, row: int) -> SpreadSamples:
-        """The judged samples of a row of the block, for ``identification.samples.Channels``."""
-        return SpreadSamples(self.ask, row)
+        def below(edges: Sequence[float]) -> np.ndarray:
+            return np.sum(self.ask(channel_below, row, np.asarray(edges, float)), axis=0)
+
+        return Samples(size, low, high, below, lambda ranks: order_statistics(below, low, high, ranks))
 
 
 def _is_given_up(question: Future) -> bool:

@@ -41,10 +41,6 @@ class Excitations:
     groups: tuple[str, ...]
     members: tuple[tuple[np.ndarray, ...], ...]
 
-    def errors(self, residual: np.ndarray) -> list[np.ndarray]:
-        """For each group the mean squared error (e,) of each excitation, from a residual (m,)."""
-        return [np.array([np.mean(residual[own] ** 2) for own in group]) for group in self.members]
-
 
 @dataclass(frozen=True)
 class Split:
@@ -72,20 +68,6 @@ def split_of(cycles: Sequence[Sequence[Cycle]]) -> Split:
 def cycles_of(rows: Sequence[Rows]) -> list[tuple[Cycle, ...]]:
     """Whole judged cycles of each."""
     return [tuple(find_cycles(own.measurement.kinematics, own.measurement.judged)) for own in rows]
-
-
-def find_excitations(rows: Sequence[Rows], given: Mapping[str, Sequence[str]]) -> Excitations:
-    """The excitations of all recordings by group.
-
-    Args:
-        given: recordings (paths, or file names) by group; empty forms the groups from velocity and frequency.
-
-    Raises:
-        InputError: for a recording in no group, a group without recordings, or no whole cycle anywhere.
-    """
-    found = excitations_in(rows, given, split_of(cycles_of(rows)))
-    kept = filled([len(own) for own in found.members], found.groups, given)
-    return Excitations(found.rows, tuple(found.groups[k] for k in kept), tuple(found.members[k] for k in kept))
 
 
 def filled(counts: Sequence[int], groups: Sequence[str], given: Mapping[str, Sequence[str]]) -> list[int]:

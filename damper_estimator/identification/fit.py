@@ -10,12 +10,13 @@ import numpy as np
 from damper_estimator.errors import InputError
 from damper_estimator.identification.front import Front
 from damper_estimator.identification.knots import moved_knots, with_placed_knots
+from damper_estimator.identification.local import LocalRows
 from damper_estimator.identification.methods.contract import Solution, Wishes, find_method
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
-from damper_estimator.identification.start import candidates_for
+from damper_estimator.identification.start import candidates
 from damper_estimator.identification.ties import followed, rested, tied
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
 from damper_estimator.identification.unknowns import Unknowns
@@ -111,10 +112,10 @@ def fit(
     given = list(measurements) or _refuse("there are no recordings to fit to")
     rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero_free=zero_free)
     placed = with_placed_knots(model, [own.measurement for own in rows])
-    problem = Problem(placed, rows, free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
+    problem = Problem(placed, LocalRows(rows), free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
-    said = warnings_of(problem, model, solution, known, *lost_and_filters(problem, given))
-    return result(model, problem, solution, known, perf_counter() - began, said)
+    said = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
+    return result(model, problem, rows, solution, known, perf_counter() - began, said)
 
 
 def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes) -> tuple[Solution, Uncertainty]:
@@ -125,7 +126,7 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     """
     chosen = find_method(method)
     _check_enough(problem)
-    starts_at, size = candidates_for(problem, problem.natural_sizes(), wishes.seed, starts)
+    starts_at, size = candidates(problem, wishes.seed, starts)
     solution = chosen.search(problem, problem.excerpts(SKETCH_SAMPLES), starts_at, size, wishes)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
@@ -198,7 +199,8 @@ def parameters_of(problem: Unknowns, solution: Solution, known: Uncertainty) -> 
 
 def result(
     model: DamperModel,
-    problem: Problem,
+    problem: Unknowns,
+    rows: Sequence[Rows],
     solution: Solution,
     known: Uncertainty,
     seconds: float,
@@ -207,7 +209,7 @@ def result(
 ) -> Fit:
     """What was identified for one setting, with the errors over its recordings; ``model`` is the one before."""
     began = perf_counter()
-    used = [own.measurement for own in problem.rows if own.setting == setting]
+    used = [own.measurement for own in rows if own.setting == setting]
     fitted = problem.model_at(problem.vector(solution.point.searched, solution.point.solved), setting)
     every = zip(problem.free, parameters_of(problem, solution, known), strict=True)
     own = [replace(p, name=p.name.partition("@")[0]) for i, p in every if i in problem.places[setting]]
@@ -231,9 +233,9 @@ def result(
     )
 
 
-def lost_and_filters(problem: Problem, given: Sequence[Measurement]) -> tuple[int, set[tuple[float, float]]]:
+def lost_and_filters(rows: Sequence[Rows], given: Sequence[Measurement]) -> tuple[int, set[tuple[float, float]]]:
     """Judged samples of all that was asked that are not used, and the filters of what is: cutoff and band, Hz."""
-    used = [own.measurement for own in problem.rows]
+    used = [own.measurement for own in rows]
     lost = sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
     return lost, {(m.cutoff, m.band) for m in used}
 

@@ -25,6 +25,7 @@ from damper_estimator.identification.fit import (
     warnings_of,
 )
 from damper_estimator.identification.knots import with_placed_knots
+from damper_estimator.identification.local import LocalRows
 from damper_estimator.identification.methods.contract import Wishes
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.selection import free_slots, named_slots, narrowed
@@ -93,11 +94,11 @@ def fit_joint(
     differing = named_slots(placed, each)
     chosen = free_slots(placed, [*free, *each], fix)
     settled = Settings(names, frozenset(differing))
-    problem = Problem(placed, rows, chosen, settled, narrowed(placed, limits or {}))
+    problem = Problem(placed, LocalRows(rows), chosen, settled, narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
-    said = warnings_of(problem, model, solution, known, *lost_and_filters(problem, given))
+    said = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
     seconds = perf_counter() - began
-    fits = {name: result(model, problem, solution, known, seconds, said, k) for k, name in enumerate(names)}
+    fits = {name: result(model, problem, rows, solution, known, seconds, said, k) for k, name in enumerate(names)}
     addresses = tuple(placed.slots[i].address for i in differing)
     return JointFit(fits, parameters_of(problem, solution, known), addresses, known.undetermined, said)
 

@@ -1,39 +1,57 @@
 """The values of a channel over all judged samples, as far as knots and regions need them: ranges and counts."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from damper_estimator.signals import Measurement
 
 
+@dataclass(frozen=True)
 class Samples:
-    """Finite values in order; final. What holds the data elsewhere answers the same questions.
+    """Finite values in order, wherever they are.
 
     Attributes:
         size: how many.
         low, high: the smallest and the largest; NaN where there is none.
+        below: edges (k,) to (k,) int, how many values are smaller than each.
+        smallest: ranks to the values that have them, 0 for the smallest.
     """
 
-    def __init__(self, values: np.ndarray):
-        """``values`` (n,), those that are not finite are left out."""
-        self._ordered = np.sort(values[np.isfinite(values)])
-        self.size = self._ordered.size
-        self.low, self.high = self._ordered[[0, -1]].tolist() if self.size else (np.nan, np.nan)
+    size: int
+    low: float
+    high: float
+    below: Callable[[Sequence[float]], np.ndarray]
+    smallest: Callable[[Sequence[int]], list[float]]
 
     def percentiles(self, shares: Sequence[float]) -> list[float]:
         """Values at so many percent, linear between neighbours."""
-        return np.percentile(self._ordered, shares).tolist()
-
-    def below(self, edges: Sequence[float]) -> np.ndarray:
-        """(k,) int, how many values are smaller than each edge."""
-        return np.searchsorted(self._ordered, edges)
+        places = [(self.size - 1) * (share / 100.0) for share in shares]
+        ranks = sorted({min(int(p) + k, self.size - 1) for p in places for k in (0, 1)})
+        found = dict(zip(ranks, self.smallest(ranks), strict=True))
+        pairs = [(found[int(p)], found[min(int(p) + 1, self.size - 1)], p - int(p)) for p in places]
+        # As NumPy does, from whichever neighbour is nearer.
+        return [b - (b - a) * (1.0 - t) if t >= 0.5 else a + (b - a) * t for a, b, t in pairs]
 
 
 Channels = Callable[[int], Samples]
 """Values by row of the sample block."""
 
 
+def samples_of(values: np.ndarray) -> Samples:
+    """Those of values (n,) that are finite."""
+    ordered = np.sort(values[np.isfinite(values)])
+    low, high = ordered[[0, -1]].tolist() if ordered.size else (np.nan, np.nan)
+    return Samples(
+        ordered.size,
+        low,
+        high,
+        lambda edges: np.searchsorted(ordered, edges),
+        lambda ranks: ordered[list(ranks)].tolist(),
+    )
+
+
 def channels_of(measurements: Sequence[Measurement]) -> Channels:
     """The judged samples of measurements together."""
-    return lambda row: Samples(np.concatenate([m.kinematics.block[row, m.judged] for m in measurements]))
+    return lambda row: samples_of(np.concatenate([m.kinematics.block[row, m.judged] for m in measurements]))

@@ -7,15 +7,11 @@ and not to the recording, and keep the model's values.
 """
 
 import re
-from collections.abc import Sequence
 
 import numpy as np
 
 from damper_estimator.identification.problem import Problem
-from damper_estimator.identification.rows import motion_moments, natural_sizes
-from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import Slot
-from damper_estimator.signals import Measurement
 
 SPREAD = 6  # points around the start per searched parameter
 MOST = 40  # points in all
@@ -33,21 +29,13 @@ _BASE = {
 }
 
 
-def candidates(
-    problem: Problem, measurements: Sequence[Measurement], seed: int, count: int | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+def candidates(problem: Problem, seed: int, count: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Start points (s, q), the model's own values first, and the size (q,) of each searched parameter.
 
     ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts
     them. With ``count`` 0 the model's values are all there is.
     """
-    return candidates_for(problem, natural_sizes([motion_moments(own) for own in measurements]), seed, count)
-
-
-def candidates_for(
-    problem: Unknowns, natural: tuple[float, float, float], seed: int, count: int | None
-) -> tuple[np.ndarray, np.ndarray]:
-    """The same from the recordings' rms force (N), displacement (m), and that over their rms velocity (s)."""
+    natural = problem.natural_sizes()
     own = problem.start
     slots = [problem.slots[i] for i in problem.searched]
     if not slots:

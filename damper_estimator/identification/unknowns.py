@@ -33,6 +33,9 @@ class Unknowns:
         free: positions in ``slots`` of all that is identified.
         searched, solved: those of ``free`` that are searched, and solved for.
         lower, upper: (slots,) bounds of all slots.
+        start_vector: (slots,) the model's own values.
+        terms: the model's, whose forces add up to its own.
+        given_free, given_slots: as given.
     """
 
     def __init__(
@@ -44,22 +47,22 @@ class Unknowns:
     ):
         """``free`` and ``slots`` as in ``Problem``."""
         self.model, self.settings = model, settings
-        self._given_slots = tuple(slots or model.slots)
-        self.slots, self.places = _laid_out(self._given_slots, settings)
+        self.given_slots = tuple(slots or model.slots)
+        self.slots, self.places = _laid_out(self.given_slots, settings)
         self.free = tuple(dict.fromkeys(self.places[:, list(free)].T.ravel().tolist()))
-        self._given = tuple(free)
+        self.given_free = tuple(free)
         self.lower = np.array([slot.parameter.lower for slot in self.slots])
         self.upper = np.array([slot.parameter.upper for slot in self.slots])
-        self._terms = terms(model)
-        linear = {int(place) for term in self._terms for slot in term.linear for place in self.places[:, slot]}
+        self.terms = terms(model)
+        linear = {int(place) for term in self.terms for slot in term.linear for place in self.places[:, slot]}
         self.searched = np.array([slot for slot in self.free if slot not in linear], int)
         self.solved = np.array([slot for slot in self.free if slot in linear], int)
-        self._start = np.array([slot.value for slot in self.slots])
+        self.start_vector = np.array([slot.value for slot in self.slots])
 
     @property
     def start(self) -> np.ndarray:
         """(q,) the model's own values of the searched parameters, between their bounds."""
-        return self.clipped(self._start[self.searched])
+        return self.clipped(self.start_vector[self.searched])
 
     def clipped(self, searched: np.ndarray) -> np.ndarray:
         """(q,) between the bounds."""
@@ -67,7 +70,7 @@ class Unknowns:
 
     def vector(self, searched: np.ndarray, solved: np.ndarray) -> np.ndarray:
         """(slots,) values of all slots."""
-        values = self._start.copy()
+        values = self.start_vector.copy()
         values[self.searched], values[self.solved] = searched, solved
         return values
 

@@ -12,11 +12,13 @@ from damper_estimator.errors import InputError
 from damper_estimator.fleet import held, shares
 from damper_estimator.fleet.held import Source
 from damper_estimator.fleet.joint import fit_spread
+from damper_estimator.fleet.remote import RemoteRows
 from damper_estimator.fleet.shares import Shares
 from damper_estimator.identification import Wishes, fit
 from damper_estimator.identification.samples import channels_of
+from damper_estimator.identification.sources import Place
+from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import load_model, parse_model
-from damper_estimator.model.files import model_yaml
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import load_signal_map, measure
 from damper_estimator.signals.layout import V, X
@@ -136,6 +138,8 @@ def test_percentiles_and_counts_are_exact(client, bags):
         assert (spread.size, spread.low, spread.high) == (alone.size, alone.low, alone.high)
         wanted = (0.0, 0.1, 0.5, 33.3, 50.0, 99.5, 99.9, 100.0)
         assert spread.percentiles(wanted) == alone.percentiles(wanted)
+        values = np.concatenate([m.kinematics.block[row, m.judged] for m in map(here, bags)])
+        assert alone.percentiles(wanted) == np.percentile(values, wanted).tolist()
         edges = np.linspace(alone.low, alone.high, 7)
         assert spread.below(edges).tolist() == alone.below(edges).tolist()
 
@@ -146,9 +150,8 @@ def test_what_travels_does_not_grow_with_the_recordings(client, tmp_path):
         path = write_drive(tmp_path / f"{seconds}.mcap", 1, seconds=seconds)
         shares = Shares(client, [source(path)], load_model("linear_viscous"))
         model = load_model("linear_viscous")
-        unknown = held.Unknown(f"{seconds}", model_yaml(model), (0, 1), model.slots)
-        (told,) = shares.ask(held.linear_sums, unknown, held.Place(np.zeros(0), np.ones(2), np.zeros(0)))
-        sizes.append(told.nbytes)
+        sums = RemoteRows(shares).sums(Unknowns(model, (0, 1)))
+        sizes.append(sums.linearised(Place(np.zeros(0), np.ones(2), np.zeros(0))).nbytes)
     assert sizes[0] == sizes[1] == 9 * 8
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification import Front, Wishes, fit, load_front
-from damper_estimator.identification.excitations import find_excitations
+from damper_estimator.identification import Front, LocalRows, Problem, Wishes, fit, load_front
+from damper_estimator.identification.excited import Excited
 from damper_estimator.identification.population import Scale, first_generation
 from damper_estimator.identification.rows import rows_of
 from damper_estimator.model import load_model
@@ -100,28 +100,35 @@ def displaced():
     return model.with_values({slot.address: 1.5 * slot.value for slot in model.slots if not slot.fixed})
 
 
+def excited(rows, given):
+    """The excitations of rows by group, and for each group the positions of the rows of each."""
+    found = Excited(Problem(load_model("linear_viscous"), LocalRows(rows), (0,)), given)
+    return found, found.problem.source.members
+
+
 def test_a_series_of_sines_is_split_into_excitations_and_groups(lagging):
-    together = find_excitations([rows_of(sines(lagging, *SERIES))], {})
-    apart = find_excitations([rows_of(sines(lagging, one)) for one in SERIES], {})
-    for found in (together, apart):
-        assert dict(zip(found.groups, map(len, found.members), strict=True)) == GAO
-        every = np.concatenate([own for group in found.members for own in group])
+    together = excited([rows_of(sines(lagging, *SERIES))], {})
+    apart = excited([rows_of(sines(lagging, one)) for one in SERIES], {})
+    for found, members in (together, apart):
+        assert dict(zip(found.groups, map(len, found.sizes), strict=True)) == GAO
+        assert [[own.size for own in group] for group in members if group] == [own.tolist() for own in found.sizes]
+        every = np.concatenate([own for group in members for own in group])
         assert np.unique(every).size == every.size
 
 
 def test_irregular_motion_gives_one_excitation_per_group(measured):
     rows = [rows_of(measured(load_model("linear_viscous"), seed, seconds=20.0)) for seed in range(2)]
-    found = find_excitations(rows, {})
-    assert len(found.groups) > 1 and all(len(members) <= 2 for members in found.members)
+    found, _ = excited(rows, {})
+    assert len(found.groups) > 1 and all(len(sizes) <= 2 for sizes in found.sizes)
 
 
 def test_given_groups_hold_the_recordings_that_they_name(lagging):
     rows = [rows_of(sines(lagging, one)) for one in SERIES]
     names = [own.measurement.recording for own in rows]
-    found = find_excitations(rows, {"slow": names[:2], "fast": [n.removesuffix(".mcap") for n in names[2:]]})
-    assert found.groups == ("slow", "fast") and list(map(len, found.members)) == [2, 4]
+    found, _ = excited(rows, {"slow": names[:2], "fast": [n.removesuffix(".mcap") for n in names[2:]]})
+    assert found.groups == ("slow", "fast") and list(map(len, found.sizes)) == [2, 4]
     with pytest.raises(InputError, match="no group"):
-        find_excitations(rows, {"slow": names[:2]})
+        excited(rows, {"slow": names[:2]})
 
 
 def test_no_point_of_the_front_is_better_than_another_in_every_group(fronted):

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from damper_estimator.identification import Problem, rows_of
+from damper_estimator.identification import LocalRows, Problem, rows_of
 from damper_estimator.identification.methods.least_squares import refine
+from damper_estimator.identification.sources import Place
+from damper_estimator.identification.unknowns import Unknowns
 
 SAME = 1e-5  # of a parameter: two searches ended in the same place
 COST = 1e-7  # of the cost
@@ -21,7 +23,12 @@ def problems(entry, model_of, measured):
     )
     start = model_of(entry("tanh_hysteresis"), entry("viscous"), entry("static_force"))
     rows = rows_of(measured(truth, noise=0.05))
-    return Problem(start, [rows], range(len(start.slots))), rows
+    return Problem(start, LocalRows([rows]), range(len(start.slots))), rows
+
+
+def sums_of(problem):
+    """What the problem's rows add up to, by themselves."""
+    return problem.source.sums(Unknowns(problem.model, problem.given_free))
 
 
 def test_solving_for_the_linear_parameters_equals_searching_for_all(problems):
@@ -47,14 +54,18 @@ def test_the_residual_of_a_point_is_what_the_whole_model_leaves(problems):
     point = problem.point(np.array([44.0, 0.001]))
     model = problem.model.with_vector(problem.vector(point.searched, point.solved))
     left = rows.of(model.force(rows.measurement.kinematics.block)) - rows.target
-    np.testing.assert_allclose(point.residual, left, atol=1e-8 * np.abs(rows.target).max())
+    near = sums_of(problem).near(Place(point.searched, point.solved, np.array([44.0, 0.01])))
+    np.testing.assert_allclose(near[:, -1], left, atol=1e-8 * np.abs(rows.target).max())
     assert point.cost == pytest.approx(0.5 * np.sum(left**2))
 
 
 def test_the_jacobian_is_the_derivative_with_the_linear_parameters_held(problems):
     problem, rows = problems
     point = problem.point(np.array([44.0, 0.001]))
-    jacobian = problem.linearised(point, np.array([44.0, 0.01])).jacobian[:, :2]
+    size = np.array([44.0, 0.01])
+    near = sums_of(problem).near(Place(point.searched, point.solved, size))
+    jacobian, reduced = near[:, :2], problem.linearised(point, size).reduced
+    np.testing.assert_allclose(reduced.T @ reduced, near.T @ near, rtol=1e-9, atol=1e-9 * np.sum(near[:, -1] ** 2))
     block, values = rows.measurement.kinematics.block, problem.vector(point.searched, point.solved)
     for j, step in enumerate((1e-3, 1e-6)):
         plus, minus = values.copy(), values.copy()

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.identification import Problem, rows_of
+from damper_estimator.identification import LocalRows, Problem, rows_of
 from damper_estimator.identification.knots import FEWEST, moved_knots, with_placed_knots
 from damper_estimator.identification.start import MOST, SPREAD, candidates
 from damper_estimator.model import load_model
@@ -18,8 +18,8 @@ def own(measured):
 
 
 def starts_of(model, own, seed=0):
-    problem = Problem(model, [rows_of(own)], range(len(model.slots)))
-    return problem, *candidates(problem, [own], seed)
+    problem = Problem(model, LocalRows([rows_of(own)]), range(len(model.slots)))
+    return problem, *candidates(problem, seed)
 
 
 def test_the_models_own_values_come_first_and_all_keep_their_bounds(own):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper_estimator.identification import Problem, Wishes, fit, fit_joint, rows_of
+from damper_estimator.identification import LocalRows, Problem, Wishes, fit, fit_joint, rows_of
 from damper_estimator.identification.ties import Ties
 from damper_estimator.identification.uncertainty import uncertainty
 from damper_estimator.model import load_model
@@ -183,7 +183,7 @@ def test_random_knots_obey_the_laws_of_ties(entry, model_of, measured, knots, rm
     )
 
     # What the data determine stays where they put it.
-    problem = Problem(model, [rows_of(own)], range(len(model.slots)))
+    problem = Problem(model, LocalRows([rows_of(own)]), range(len(model.slots)))
     plain = problem.point(np.zeros(0))
     free = Ties((), np.eye(len(velocity)))
     error = uncertainty(problem, plain, problem.linearised(plain, np.zeros(0)), free).standard_error

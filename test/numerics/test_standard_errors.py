@@ -41,7 +41,9 @@ def test_fitted_parameters_take_degrees_of_freedom_from_blocks():
 def test_standard_errors_are_the_scatter_of_the_estimates(memory):
     random = np.random.default_rng(2)
     time = np.arange(3000) / RATE
-    columns = np.stack([np.ones_like(time), np.sin(2.0 * np.pi * 0.4 * time), autoregressive(random, 3000, 0.95)], axis=1)
+    columns = np.stack(
+        [np.ones_like(time), np.sin(2.0 * np.pi * 0.4 * time), autoregressive(random, 3000, 0.95)], axis=1
+    )
     parts = np.split(columns, [1000])
     inverse, misses = np.linalg.pinv(columns), []
     for noise in autoregressive(random, 3000, memory, (TRIALS,)):

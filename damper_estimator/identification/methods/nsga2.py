@@ -62,7 +62,7 @@ def _checked(front: Front, problem: Problem) -> Front:
 
 def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> tuple[Front, int]:
     """The front, and the runs of the model over all data that it took, or their equal."""
-    chosen = problem.excited(wishes.groups)
+    chosen = Excited(problem, wishes.groups)
     small = chosen.problem
     free = np.array(small.free)
     start = _whole(small, small.start)

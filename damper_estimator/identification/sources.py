@@ -1,0 +1,115 @@
+"""Where the rows of a problem are, and what is asked of them: sums, whatever their number.
+
+A least-squares search needs of its rows only what a QR decomposition keeps of them. So each recording is reduced, where
+it lies, to triangles (``numerics.triangle``): k + 1 numbers square for k parameters. The triangles of all recordings,
+one below the other in their order, are a problem of a few rows per recording with the same solution. Nothing is
+squared, so it is as exact as with all rows, and the same wherever the rows are.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from damper_estimator.identification.excitations import Split
+from damper_estimator.identification.unknowns import Unknowns
+from damper_estimator.signals.cycles import Cycle
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the rows are linearised: searched (q,) and solved (p,) parameters, and the magnitude (q,) of the former."""
+
+    searched: np.ndarray
+    solved: np.ndarray
+    size: np.ndarray
+
+
+@dataclass(frozen=True)
+class Totals:
+    """What recordings add up to, whatever the model.
+
+    Attributes:
+        samples: at full rate.
+        rows: how many.
+        power: sum of the squares of the rows' targets.
+        moments: ``rows.motion_moments`` of each recording.
+    """
+
+    samples: int
+    rows: int
+    power: float
+    moments: tuple[np.ndarray, ...]
+
+
+def added_up(parts: Sequence[Totals]) -> Totals:
+    """The totals of all parts together."""
+    return Totals(
+        sum(own.samples for own in parts),
+        sum(own.rows for own in parts),
+        float(sum(own.power for own in parts)),
+        tuple(moments for own in parts for moments in own.moments),
+    )
+
+
+class RowSums(Protocol):
+    """What the rows of a source add up to with given unknowns, of which q are searched and p solved for."""
+
+    def columns(self, searched: np.ndarray) -> np.ndarray:
+        """Triangles (.., p + 1): what one unit of each solved parameter adds, and the target less what is there without
+        them; not finite where the model gives no finite force.
+        """
+        ...
+
+    def linearised(self, place: Place) -> np.ndarray:
+        """Triangles (.., q + p + 1): derivatives by all parameters, those by the searched ones as one-sided differences
+        with the solved ones held, and the residual, modelled less measured.
+        """
+        ...
+
+    def noise(self, place: Place, weights: np.ndarray) -> tuple[np.ndarray, float]:
+        """``numerics.score_covariance`` (d, d) and effective samples, for directions ``weights`` (q + p, d)."""
+        ...
+
+    def errors(self, vectors: np.ndarray) -> list[list[np.ndarray]]:
+        """For each vector (slots,) of values, and each group of a source of excitations, the mean squared error (e,) of
+        each excitation.
+        """
+        ...
+
+
+class RowSource(Protocol):
+    """The rows of some recordings, in this process or elsewhere.
+
+    Attributes:
+        recordings: where the rows come from.
+        totals: of all rows.
+    """
+
+    recordings: tuple[str, ...]
+    totals: Totals
+
+    def sums(self, unknowns: Unknowns) -> RowSums:
+        """What the rows add up to with these unknowns."""
+        ...
+
+    def excerpts(self, samples: int, total: int) -> "RowSource":
+        """The rows of excerpts, of about so many samples of the ``total`` of all recordings."""
+        ...
+
+    def cycles(self) -> list[tuple[Cycle, ...]]:
+        """Whole judged cycles of each recording."""
+        ...
+
+    def excitations(self, given: Mapping[str, Sequence[str]], split: Split) -> "RowSource":
+        """The rows of the excitations alone; see ``excitations.excitations_in``."""
+        ...
+
+    def group_sizes(self) -> list[np.ndarray]:
+        """For each group of a source of excitations the number of rows (e,) of each."""
+        ...
+
+    def weighted(self, weights: Sequence[np.ndarray]) -> "RowSource":
+        """A source of excitations with the rows of each counted so much (e,), for each group."""
+        ...
