@@ -15,7 +15,7 @@ from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
 from damper_estimator.identification import LocalRows, Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
-from damper_estimator.identification.rows import Rows, excerpts
+from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.start import candidates as start_sizes
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import labels, walk
@@ -238,11 +238,7 @@ def sketch(rows: Sequence[Rows]) -> list[Rows]:
     total = sum(len(own.measurement.kinematics) for own in rows)
     if total <= _SKETCH:
         return list(rows)
-    parts = []
-    for own in rows:
-        share = _SKETCH * len(own.measurement.kinematics) // total
-        parts += [own.part(part) for part in excerpts(own.measurement, share)]
-    return [own for own in parts if own.picks.size > 2]
+    return [own for own in LocalRows(rows).excerpts(_SKETCH, total).rows if own.picks.size > 2]
 
 
 def _at_bound(problem: Problem, vector: np.ndarray) -> tuple[str, ...]:

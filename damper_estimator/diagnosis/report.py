@@ -11,9 +11,9 @@ from damper_estimator.diagnosis.judge import HIGH, LOW, Errors, Tally, rmse
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import Finding, Judged, Judgement, Structure
-from damper_estimator.diagnosis.scene import split
 from damper_estimator.diagnosis.search import Accepted, Search
 from damper_estimator.identification import FittedParameter
+from damper_estimator.identification.rows import split
 from damper_estimator.model import Element
 from damper_estimator.numerics import standard_errors
 

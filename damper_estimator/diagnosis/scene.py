@@ -91,11 +91,6 @@ def targets(rows: Sequence[Rows]) -> np.ndarray:
     return np.concatenate([own.target for own in rows])
 
 
-def split(rows: Sequence[Rows], values: np.ndarray) -> list[np.ndarray]:
-    """The part (r_i, ...) of each recording of values (r, ...) over all rows."""
-    return np.split(values, np.cumsum([own.picks.size for own in rows])[:-1])
-
-
 def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     """RMS in N of errors (r,) in rows, their weights taken off again."""
     weight = np.concatenate([own.weight[own.picks] for own in rows])

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.diagnosis.attempt import near_derivatives, slot_size
-from damper_estimator.diagnosis.scene import force_rows, split, targets, weights
+from damper_estimator.diagnosis.scene import force_rows, targets, weights
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.record import fit_record
-from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.rows import Rows, split
 from damper_estimator.identification.ties import tables, ties_among
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels

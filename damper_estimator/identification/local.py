@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from damper_estimator.identification.excitations import Split, cycles_of, excitations_in
-from damper_estimator.identification.rows import Rows, excerpts, motion_moments
+from damper_estimator.identification.rows import Rows, excerpts, motion_moments, split
 from damper_estimator.identification.sources import Place, Totals
 from damper_estimator.identification.terms import Term
 from damper_estimator.identification.unknowns import Unknowns
@@ -77,15 +77,11 @@ class LocalRows:
             for positions, weight in zip(group, own, strict=True):
                 every[positions] += weight
         rows = []
-        for own, weight in zip(self.rows, self.split(every), strict=True):
+        for own, weight in zip(self.rows, split(self.rows, every), strict=True):
             whole = np.zeros(own.weight.size)
             whole[own.picks] = own.weight[own.picks] * weight
             rows.append(own.weighing(whole))
         return LocalRows(rows, self.members)
-
-    def split(self, values: np.ndarray) -> list[np.ndarray]:
-        """The part (r_i, ...) of each recording of values (r, ...) over all rows."""
-        return np.split(values, np.cumsum([own.picks.size for own in self.rows])[:-1]) if self.rows else []
 
 
 class LocalSums:
@@ -114,7 +110,7 @@ class LocalSums:
         if not self._source.rows:
             return np.zeros((weights.shape[1], weights.shape[1])), 0.0
         near = self.near(place)
-        residuals, scores = self._source.split(near[:, -1]), self._source.split(near[:, :-1] @ weights)
+        residuals, scores = split(self._source.rows, near[:, -1]), split(self._source.rows, near[:, :-1] @ weights)
         return score_covariance(residuals, scores, [own.rate for own in self._source.rows])
 
     def errors(self, vectors: np.ndarray) -> list[list[np.ndarray]]:
@@ -143,7 +139,7 @@ class LocalSums:
 
     def _reduced(self, rows: np.ndarray) -> np.ndarray:
         """The triangles of each recording's part of rows (m, k), one below the other."""
-        parts = [triangle(part) for part in self._source.split(rows)]
+        parts = [triangle(part) for part in split(self._source.rows, rows)]
         return np.concatenate([np.zeros((0, rows.shape[1])), *parts])
 
     def _spans(self) -> list[tuple[int, slice]]:

@@ -45,6 +45,7 @@ class Linearised:
     Attributes:
         reduced: (q + p + 1, q + p + 1) or fewer rows: all that the rows say, the residual last; see ``triangle``.
         silent: (q,) bool.
+        place, sums: where, and of which rows.
     """
 
     reduced: np.ndarray

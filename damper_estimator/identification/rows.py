@@ -59,6 +59,11 @@ class Rows:
         return rows_of(cut, self.weight[part], self.setting, self.blind.size > 0)
 
 
+def split(rows: Sequence[Rows], values: np.ndarray) -> list[np.ndarray]:
+    """The part (r_i, ...) of each measurement of values (r, ...) over all rows."""
+    return np.split(values, np.cumsum([own.picks.size for own in rows])[:-1]) if rows else []
+
+
 def rows_of(
     measurement: Measurement, weight: float | np.ndarray = 1.0, setting: int = 0, zero_free: bool = False
 ) -> Rows:

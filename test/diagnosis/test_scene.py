@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
-from damper_estimator.diagnosis.scene import BLOCK, early, force_rows, late, scene, split, targets, unweighted, weights
+from damper_estimator.diagnosis.scene import BLOCK, early, force_rows, late, scene, targets, unweighted, weights
 from damper_estimator.errors import InputError
+from damper_estimator.identification.rows import split
 
 
 def test_the_last_two_fifths_of_each_recording_are_kept_back(user_model, base):
