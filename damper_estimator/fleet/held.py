@@ -111,7 +111,9 @@ class Held:
         """What a view shows of this recording; the last few are remembered."""
         if view is None:
             return self.rows
-        if view.key not in self._views:
+        if view.key in self._views:
+            self._views.move_to_end(view.key)
+        else:
             words = [self._here(word) for word in view.words]
             self._views[view.key] = getattr(self.view(view.before), view.name)(*words)
             while len(self._views) > _VIEWS:
@@ -193,7 +195,9 @@ def answer(held: Held, view: View | None, name: str, *words: object) -> object:
 
 def totals(held: Held, view: View | None) -> Totals:
     """Of a view's rows."""
-    return held.view(view).totals
+    rows = held.view(view)
+    assert isinstance(rows, LocalRows)
+    return rows.totals
 
 
 def channel_range(held: Held, row: int) -> tuple[int, float, float]:

@@ -73,13 +73,13 @@ class LocalRows:
     def weighted(self, weights: Sequence[np.ndarray]) -> "LocalRows":
         """As in the protocol."""
         every = np.zeros(sum(own.picks.size for own in self.rows))
-        for group, own in zip(self.members, weights, strict=True):
-            for positions, weight in zip(group, own, strict=True):
+        for group, counted in zip(self.members, weights, strict=True):
+            for positions, weight in zip(group, counted, strict=True):
                 every[positions] += weight
         rows = []
-        for own, weight in zip(self.rows, split(self.rows, every), strict=True):
+        for own, share in zip(self.rows, split(self.rows, every), strict=True):
             whole = np.zeros(own.weight.size)
-            whole[own.picks] = own.weight[own.picks] * weight
+            whole[own.picks] = own.weight[own.picks] * share
             rows.append(own.weighing(whole))
         return LocalRows(rows, self.members)
 

@@ -80,15 +80,17 @@ class RowSums(Protocol):
 
 
 class RowSource(Protocol):
-    """The rows of some recordings, in this process or elsewhere.
+    """The rows of some recordings, in this process or elsewhere."""
 
-    Attributes:
-        recordings: where the rows come from.
-        totals: of all rows.
-    """
+    @property
+    def recordings(self) -> tuple[str, ...]:
+        """Where the rows come from."""
+        ...
 
-    recordings: tuple[str, ...]
-    totals: Totals
+    @property
+    def totals(self) -> Totals:
+        """Of all rows."""
+        ...
 
     def sums(self, unknowns: Unknowns) -> RowSums:
         """What the rows add up to with these unknowns."""
