@@ -24,7 +24,6 @@ _KNOT_SECONDS, _KNOT_CYCLES, _MOST_KNOTS = 5.0, 6, 8  # the zero's knots: apart 
 _BLOCKS = 4  # of cycles in an interval; neighbouring cycles are not independent
 _BLOCK = 1.0  # s; residuals further apart are
 _SLOW = 0.25  # of the frequency of the middle cycle, below which their middle wanders
-_RIDGE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -236,9 +235,9 @@ def _zero(rows: np.ndarray, time: np.ndarray, rest: np.ndarray, cycles: np.ndarr
     knots = _knots(middle, place)
     hats = _hats(middle, knots)
     weight = count / count.mean()
-    normal = np.linalg.inv(hats.T @ (hats * weight[:, None]) + _RIDGE * np.eye(knots.size))
-    value = normal @ (hats.T @ (weight * level))
-    return Zero(knots, value, normal * _scatter(weight * (level - hats @ value), middle, knots))
+    root = np.sqrt(weight)
+    value, inverse = least_squares(hats * root[:, None], root * level)
+    return Zero(knots, value, inverse * _scatter(weight * (level - hats @ value), middle, knots))
 
 
 def _scatter(residual: np.ndarray, time: np.ndarray, knots: np.ndarray) -> float:
