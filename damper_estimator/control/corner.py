@@ -8,6 +8,7 @@ inverse model are given the same wish and the same kinematics.
 """
 
 from dataclasses import dataclass
+from math import copysign
 from typing import Protocol
 
 import numpy as np
@@ -75,15 +76,19 @@ class CornerController:
         self._rest_force, self._fallback = rest_force, fallback
         self._body = BodyVelocity()
 
-    def step(self, sample: np.ndarray, body_acceleration: float, added: float = 0.0) -> Action:
+    def step(
+        self, sample: np.ndarray, body_acceleration: float, added: float = 0.0, limit: float = float("inf")
+    ) -> Action:
         """Takes one sample of the sensors.
 
         Args:
             sample: (8,) in the rows of ``signals.layout``: kinematics of the suspension, and the current in force.
             body_acceleration: m/s^2, upwards, without gravity.
-            added: N, what another controller wishes on top.
+            added: N, what another controller desires on top.
+            limit: N, most that is wanted on top of the force at rest, in both directions.
         """
         body = self._body.step(body_acceleration, float(sample[DT]))
-        wanted = self._rest_force + added + self._law.force(body, body - float(sample[V]))
+        wanted = added + self._law.force(body, body - float(sample[V]))
+        wanted = self._rest_force + (copysign(limit, wanted) if abs(wanted) > limit else wanted)
         current = self._command.current(sample, wanted)
         return Action(wanted, current if np.isfinite(current) else self._fallback)

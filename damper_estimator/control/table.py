@@ -6,6 +6,7 @@ it is made as well as a table can be: by least squares over all samples, straigh
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,11 @@ class CurrentTable:
         return self.force[right - 1] + share * (self.force[right] - self.force[right - 1])
 
     def current_for(self, velocity: float, wanted: float) -> float:
-        """The current in A whose force at this velocity is nearest to the wanted one; the smallest such."""
+        """The current in A whose force at this velocity is nearest to the wanted one; the smallest such. NaN where
+        either is not finite.
+        """
+        if not (isfinite(velocity) and isfinite(wanted)):
+            return float("nan")
         force, current = self.forces(velocity), self.current
         low, high = force[:-1] - wanted, force[1:] - wanted
         crossing = np.flatnonzero((low <= 0.0) != (high <= 0.0))

@@ -203,7 +203,8 @@ def _processes(scenario: Scenario, folder: Path) -> Iterator[list[subprocess.Pop
     signals.write_text(yaml.safe_dump(_signal_map()))
     estimator = {"model": scenario.model, "signals": signals, "stale_after": 10.0, "use_sim_time": "true"}
     estimator["qos_reliability"] = "reliable"  # a sample that is lost would be waited for
-    controller = scenario.law | {"use_sim_time": "true"} | ({"table": scenario.table} if scenario.table else {})
+    controller = scenario.law | {"use_sim_time": "true", "extrapolating_limit": 1e5}  # off line nothing limits it
+    controller |= {"table": scenario.table} if scenario.table else {}
     words = {EXECUTABLE: estimator, EXECUTABLE.with_name("controller_node"): controller}
     running = [
         subprocess.Popen([str(program), "--ros-args", *(w for n, v in own.items() for w in ("-p", f"{n}:={v}"))])

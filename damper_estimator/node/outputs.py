@@ -1,12 +1,33 @@
-"""The topics on which the node commands currents, one per damper whose force depends on one."""
+"""The topics on which currents are commanded, one per damper whose force depends on one."""
 
+import time
+from collections.abc import Iterable, Sequence
+
+from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Float64
 
 from damper_estimator.node.rclpy_private import RCLError
 
+DEADLINE = 0.2  # s, longest pause between two commands while there is something to command
+LEASE = 1.0  # s after which a process that was killed, or its machine, counts as gone
 DEPTH = 10
+ACKNOWLEDGED = 0.5  # s, longest wait for the last commands to be acknowledged
+ON_THE_WAY = 0.05  # s for subscriptions that acknowledge nothing
+DISCOVERED = 2.0  # s, longest wait for the drivers to be found by another context
+
+
+def offered(depth: int = DEPTH) -> QoSProfile:
+    """What is offered to drivers; a subscription with the defaults asks for none of it and matches all the same."""
+    return QoSProfile(
+        depth=depth,
+        deadline=Duration(seconds=DEADLINE),
+        liveliness=LivelinessPolicy.AUTOMATIC,
+        liveliness_lease_duration=Duration(seconds=LEASE),
+    )
 
 
 class CommandOutputs:
@@ -16,14 +37,14 @@ class CommandOutputs:
         self._node = node
         self._publishers: dict[str, Publisher] = {}
 
-    def offer(self, names: list[str]) -> None:
+    def offer(self, names: Iterable[str]) -> None:
         """Has a topic for each of these dampers; one whose name cannot be part of a topic has none."""
         for name in names:
             if name in self._publishers:
                 continue
             topic = f"suspension/{name}/current_command"
             try:
-                self._publishers[name] = self._node.create_publisher(Float64, topic, DEPTH)
+                self._publishers[name] = self._node.create_publisher(Float64, topic, offered())
             except (ValueError, RCLError) as error:
                 reason = str(error).partition(", at ")[0]
                 self._node.get_logger().warning(f"{name}: no currents can be commanded on {topic}: {reason}")
@@ -36,8 +57,54 @@ class CommandOutputs:
         publisher.publish(data)
         return publisher.topic_name
 
+    def last(self, commands: Iterable[tuple[str, bytes]]) -> list[tuple[Publisher, bytes]]:
+        """For `settle`: commands (name of the damper, serialised) with their publishers."""
+        return [(self._publishers[name], data) for name, data in commands if name in self._publishers]
+
+    @property
+    def publishers(self) -> list[Publisher]:
+        """Of all dampers."""
+        return list(self._publishers.values())
+
     def close(self) -> None:
         """Gives the topics up."""
         for publisher in self._publishers.values():
             self._node.destroy_publisher(publisher)
         self._publishers.clear()
+
+
+def settle(node: Node, publishers: Sequence[Publisher], last: Sequence[tuple[Publisher, bytes]] = ()) -> None:
+    """Waits, but not long, until what the node has published has arrived. Where its context was shut down, so that it
+    could not publish the ``last`` messages, another one sends them.
+    """
+    if node.context.ok():
+        _let_arrive(publishers)
+    elif last:
+        _send_from_another_context(last)
+
+
+def _let_arrive(publishers: Sequence[Publisher]) -> None:
+    end = time.monotonic() + ACKNOWLEDGED
+    for publisher in publishers:
+        publisher.wait_for_all_acked(Duration(seconds=max(end - time.monotonic(), 0.0)))
+    if any(publisher.get_subscription_count() for publisher in publishers):
+        time.sleep(ON_THE_WAY)
+
+
+def _send_from_another_context(last: Sequence[tuple[Publisher, bytes]]) -> None:
+    """Sends messages as other publishers would have, to whoever is found on their topics."""
+    context = Context()
+    context.init()
+    node = Node("last_commands", context=context, use_global_arguments=False, enable_rosout=False,
+                start_parameter_services=False)  # fmt: skip
+    try:
+        publishers = {own: node.create_publisher(own.msg_type, own.topic_name, offered()) for own, _ in last}
+        end = time.monotonic() + DISCOVERED
+        while time.monotonic() < end and not all(own.get_subscription_count() for own in publishers.values()):
+            time.sleep(0.01)
+        for own, data in last:
+            publishers[own].publish(data)
+        _let_arrive(list(publishers.values()))
+    finally:
+        node.destroy_node()
+        context.try_shutdown()

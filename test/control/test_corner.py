@@ -11,9 +11,10 @@ from damper_estimator.control import (
     InverseCommand,
     InverseModel,
     TableCommand,
+    groundhook,
     skyhook,
 )
-from damper_estimator.signals.layout import COMMAND
+from damper_estimator.signals.layout import COMMAND, V
 
 TABLE = CurrentTable(np.array([-1.0, 1.0]), np.array([LOWEST, HIGHEST]), np.array([[-500.0, -1500.0], [500.0, 1500.0]]))
 
@@ -50,3 +51,13 @@ def test_without_an_answer_the_fallback_is_set():
     controller = CornerController(skyhook(1.0), InverseCommand(InverseModel(silent, (LOWEST, HIGHEST))), 0.0, 0.3)
     sample = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.2, np.nan, np.nan])
     assert controller.step(sample, 0.0).current == 0.3
+
+
+def test_the_limit_bounds_what_is_wanted_on_top_of_the_force_at_rest():
+    sample = np.zeros(8)
+    for velocity, wanted in ((0.4, -50.0), (-0.4, -350.0), (0.05, -150.0)):
+        sample[V] = velocity
+        action = CornerController(groundhook(1000.0), ConstantCommand(0.0), -200.0).step(sample, 0.0, limit=150.0)
+        assert action.wanted == pytest.approx(wanted)
+    sample[V] = np.nan
+    assert np.isnan(CornerController(groundhook(1000.0), TableCommand(TABLE)).step(sample, 0.0, limit=150.0).wanted)

@@ -66,3 +66,9 @@ def test_a_table_is_read_from_the_file_that_export_writes(tmp_path):
     single = write_tables(model, force_table(model, np.array([-0.1, 0.1]), commands=(1.0,)), tmp_path / "one")[0]
     with pytest.raises(InputError, match="holds one command only"):
         load_table(single)
+
+
+@pytest.mark.parametrize("velocity, wanted", [(0.2, float("nan")), (0.2, float("inf")), (float("nan"), 100.0)])
+def test_what_is_not_a_number_has_no_current(velocity, wanted):
+    table = CurrentTable(np.array([-1.0, 1.0]), np.array([0.0, 1.0]), np.array([[-1.0, -2.0], [1.0, 2.0]]))
+    assert np.isnan(table.current_for(velocity, wanted))

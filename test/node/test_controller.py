@@ -1,4 +1,4 @@
-"""The example controller: what it wishes, what other controllers add, and when it is silent."""
+"""The example controller: what it desires, what other controllers add, and when it is passive."""
 
 import subprocess
 import sys
@@ -7,11 +7,15 @@ import time
 import numpy as np
 import pytest
 from conftest import EXECUTABLE, stop
+from semi_active import by_table
 
 CONTROLLER = EXECUTABLE.with_name("controller_node")
 FORCE, FELT, ADDED = "/damper_estimator/force", "/suspension/left/body_acceleration", "/damper_controller/added_force"
-GOOD, STALE = 0, 4
+GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
+OK, WARN = b"\x00", b"\x01"
+NEITHER = float("nan"), float("inf")
 REST = -300.0
+SAFE = 0.25
 
 
 @pytest.fixture
@@ -36,16 +40,21 @@ def start_controller(domain):
 class Estimates:
     """Stands in for the estimator; final."""
 
-    def __init__(self, rig) -> None:
+    def __init__(self, rig, topic: str = "/damper_estimator/desired_force") -> None:
+        """``topic`` of the desired forces."""
         from damper_msgs.msg import DamperForces
         from geometry_msgs.msg import AccelStamped
         from sensor_msgs.msg import JointState
+        from std_msgs.msg import Float64
 
-        self.rig, self.wishes, self.count = rig, [], 0
+        self.rig, self.wishes, self.commands, self.count = rig, [], [], 0
         self._types = DamperForces, AccelStamped, JointState
-        rig.node.create_subscription(JointState, "/damper_estimator/desired_force", self.wishes.append, 100)
+        rig.node.create_subscription(JointState, topic, self.wishes.append, 100)
+        rig.node.create_subscription(
+            Float64, "/suspension/left/current_command", lambda m: self.commands.append(m.data), 100
+        )
         self._force = rig.publisher(FORCE, "damper_msgs/msg/DamperForces")
-        rig.wait(lambda: rig.node.count_publishers("/damper_estimator/desired_force") > 0, "the controller")
+        rig.wait(lambda: rig.node.count_publishers(topic) > 0, "the controller")
         self._felt = rig.publisher_unmatched(FELT, "geometry_msgs/msg/AccelStamped")
         while not self._felt.get_subscription_count():  # its topics are made with the first estimate that it hears
             self.tell(0.0)
@@ -69,20 +78,18 @@ class Estimates:
     def add(self, force: float) -> None:
         self._added.publish(self._types[2](name=["left"], effort=[force]))
 
-    def answer(self, velocity: float, status: int = GOOD) -> float | None:
-        """The wish that answers an estimate; None where none comes."""
+    def answer(self, velocity: float, status: int = GOOD) -> float:
+        """The desired force that answers an estimate."""
         before = len(self.wishes)
         self.tell(velocity, status)
-        end = time.monotonic() + 2.0
-        while len(self.wishes) == before and time.monotonic() < end:
-            self.rig.listen(0.02)
-        return self.wishes[-1].effort[0] if len(self.wishes) > before else None
+        self.rig.wait(lambda: len(self.wishes) > before, "a desired force")
+        return self.wishes[-1].effort[0]
 
 
-def test_the_wish_is_the_laws_with_what_others_add_and_silence_without_the_body(start_controller, rig):
+def test_the_wish_is_the_laws_with_what_others_add_and_none_without_the_body(start_controller, rig):
     start_controller(law="groundhook", damping=1000.0, rest_force=REST, timeout=5.0)
     estimator = Estimates(rig)
-    assert estimator.answer(0.2) is None  # the body was not felt yet
+    assert np.isnan(estimator.answer(0.2))  # the body was not felt yet
     estimator.feel(0.0)
     rig.listen(0.2)
     assert estimator.answer(0.2) == pytest.approx(REST + 200.0)  # the wheel goes down at 0.2 m/s
@@ -90,9 +97,96 @@ def test_the_wish_is_the_laws_with_what_others_add_and_silence_without_the_body(
     estimator.add(50.0)
     rig.listen(0.2)
     assert estimator.answer(0.1) == pytest.approx(REST + 50.0 + 100.0)
-    assert estimator.answer(0.1, STALE) is None
+    assert np.isnan(estimator.answer(0.1, STALE))
     rig.listen(5.5)
-    assert estimator.answer(0.1) is None  # what was felt is old
+    assert np.isnan(estimator.answer(0.1))  # what was felt is old
+
+
+def test_only_good_estimates_are_acted_on_and_extrapolating_ones_with_a_limit(start_controller, rig):
+    start_controller(law="groundhook", damping=1000.0, rest_force=REST, timeout=10.0, extrapolating_limit=150.0)
+    estimator = Estimates(rig)
+    estimator.feel(0.0)
+    rig.listen(0.2)
+    assert estimator.answer(0.4) == pytest.approx(REST + 400.0)
+    assert estimator.answer(0.4, EXTRAPOLATING) == pytest.approx(REST + 150.0)
+    assert estimator.answer(-0.4, EXTRAPOLATING) == pytest.approx(REST - 150.0)
+    assert estimator.answer(0.1, EXTRAPOLATING) == pytest.approx(REST + 100.0)
+    for status in (WARMING_UP, DEGRADED, STALE, 77):
+        assert np.isnan(estimator.answer(0.4, status)), status
+    assert np.isnan(estimator.answer(float("nan")))
+    assert estimator.answer(0.4) == pytest.approx(REST + 400.0)
+
+
+def test_what_is_not_a_number_is_rejected_counted_and_forgotten(start_controller, rig):
+    start_controller(law="skyhook", damping=1000.0, timeout=10.0)
+    estimator = Estimates(rig)
+    estimator.feel(2.0)
+    rig.listen(0.2)
+    estimator.answer(0.0)
+    for value in (*NEITHER, 1e300):
+        estimator.feel(value)
+    for value in NEITHER:
+        estimator.add(value)
+    rig.listen(0.3)
+    answers = [estimator.answer(0.0) for _ in range(10)]
+    assert np.diff(answers) == pytest.approx(np.full(9, 1000.0 * 2.0 * 0.01), rel=0.2)  # the last good one holds
+    values = rig.fresh_values("damper_controller: left")
+    assert (values["accelerations rejected"], values["added forces ignored"]) == ("3", "2")
+
+
+def test_an_acceleration_that_is_never_a_number_is_too_old_as_usual(start_controller, rig):
+    start_controller(law="skyhook", timeout=0.5)
+    estimator = Estimates(rig)
+    estimator.feel(1.0)
+    rig.listen(0.1)
+    assert np.isfinite(estimator.answer(0.0))
+    end = time.monotonic() + 1.0
+    while time.monotonic() < end:
+        estimator.feel(float("nan"))
+        rig.listen(0.02)
+    assert np.isnan(estimator.answer(0.0))
+
+
+def test_by_table_the_safe_current_is_commanded_where_there_is_nothing_to_act_on(start_controller, rig, tmp_path):
+    start_controller(law="groundhook", damping=20000.0, table=by_table(tmp_path), safe_current=SAFE, timeout=1.0)
+    estimator = Estimates(rig, "/damper_controller/wished_force")
+    commands = estimator.commands
+    estimator.tell(0.3)
+    rig.wait(lambda: commands and commands[-1] == SAFE, "the safe current before the body is felt")
+
+    def act() -> None:
+        estimator.feel(0.0)
+        rig.listen(0.1)
+        estimator.answer(0.3)
+        rig.wait(lambda: commands[-1] > 2.0 * SAFE, "a current by table")
+
+    for velocity, status in ((0.3, STALE), (0.3, DEGRADED), (0.3, 77), (float("nan"), GOOD), (float("inf"), GOOD)):
+        act()
+        estimator.tell(velocity, status)
+        rig.wait(lambda: commands[-1] == SAFE, f"the safe current at {velocity}, {status}")
+    act()
+    rig.wait(lambda: commands[-1] == SAFE, "the safe current when the estimates stop")
+
+
+def test_its_health_says_whether_it_controls_and_why_not(start_controller, rig):
+    start_controller(law="groundhook", timeout=5.0)
+    rig.wait(lambda: rig.message("damper_controller: node").startswith("no estimates"), "a report before any estimate")
+    estimator = Estimates(rig)
+
+    def tell_until(condition, what: str, status: int = GOOD) -> None:
+        for _ in range(500):
+            estimator.tell(0.1, status)
+            rig.listen(0.05)
+            if condition(rig.status("damper_controller: left")):
+                return
+        raise AssertionError(f"no report of {what}: {rig.status('damper_controller: left')}")
+
+    tell_until(lambda own: own and own.level == WARN and "acceleration" in own.message, "the body that is not felt")
+    estimator.feel(0.0)
+    rig.listen(0.1)
+    tell_until(lambda own: own.level == OK and own.message == "controlling", "control")
+    tell_until(lambda own: own.level == WARN and "not usable" in own.message, "estimates of no use", DEGRADED)
+    rig.wait(lambda: "is the estimator running" in rig.message("damper_controller: left"), "the silence")
 
 
 def test_the_body_is_damped_against_the_sky(start_controller, rig):

@@ -15,16 +15,16 @@ def rms(values: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("by_table", [False, True])
-def test_the_ride_over_dds_is_the_ride_off_line(by_table, domain, tmp_path):
+def test_the_ride_over_dds_is_the_ride_off_line(by_table, identified, domain, tmp_path):
     from damper_estimator.node.live_ride import Scenario, live, offline
 
-    table = None
+    name, table = identified(MODEL, command=list(LIMITS)), None
     if by_table:
-        model = load_model(MODEL)
+        model = load_model(name)
         forces = force_table(model, np.array([-1.0, -0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0]), commands=LIMITS)
         table = write_tables(model, forces, tmp_path)[0]
     (bump,) = [surface for surface in SURFACES if surface.kind == "bump"]
-    scenario = Scenario(CORNER_CASES["semi_active"], surface_height(bump, 2.6, 1)[:20_000], MODEL, table)
+    scenario = Scenario(CORNER_CASES["semi_active"], surface_height(bump, 2.6, 1)[:20_000], name, table)
     there, here = live(scenario), offline(scenario)
     part = slice(round(REST / here.step), None)
     assert np.ptp(here.current[part]) > 0.5 and rms(here.travel[part]) > 1e-3  # it rides, and is controlled
