@@ -2,9 +2,9 @@
 
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
-from damper_msgs.msg import DamperCommand, DamperForces
+from damper_msgs.msg import DamperForces
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock
@@ -17,19 +17,16 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.command_message import COMMAND_TYPE, CommandMessages
-from damper_estimator.node.commands import Command
+from damper_estimator.node.commanding import Commanding
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.inputs import Inputs
 from damper_estimator.node.meanwhile import meanwhile
-from damper_estimator.node.outputs import CommandOutputs
 from damper_estimator.node.process import collect_garbage, tame_garbage_collector
 from damper_estimator.node.rclpy_private import RefusingLifecycleNode
 from damper_estimator.node.recorder import Recorder
 from damper_estimator.node.report import Reporter
 from damper_estimator.node.roster import make_roster
 from damper_estimator.node.settings import CONFIGURING, DECLARATIONS, declare, read_settings
-from damper_estimator.node.wire import float_message
 
 HEALTH_PERIOD = 1.0  # s, REP-107
 COMPARE_PERIOD = 0.05  # s
@@ -61,8 +58,7 @@ class EstimatorNode(RefusingLifecycleNode):
         self.estimation: Estimation | None = None
         self.recorder: Recorder | None = None
         self.inputs = Inputs(self)
-        self.currents = CommandOutputs(self)
-        self._command_messages = CommandMessages()
+        self.commanding = Commanding(self, self._keep)
         self._candidate: Estimation | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._configured: list = []  # timers and publishers that go with the configuration
@@ -143,12 +139,11 @@ class EstimatorNode(RefusingLifecycleNode):
         events = PublisherEventCallbacks(incompatible_qos=self._reporter.note_incompatible_output)
         self.forces = self.create_publisher(DamperForces, "~/force", OUTPUT_DEPTH, event_callbacks=events)
         self.residuals = self.create_publisher(JointState, "~/residual", OUTPUT_DEPTH)
-        self.commands = self.create_publisher(DamperCommand, "~/command", OUTPUT_DEPTH)
+        self.commanding.open()
         self._configured = [
             self.create_timer(COMPARE_PERIOD, self._guarded(self._compare), clock=self._steady),
             self.forces,
             self.residuals,
-            self.commands,
         ]
         self.recorder = recorder
         self.inputs.open(quality)
@@ -157,24 +152,24 @@ class EstimatorNode(RefusingLifecycleNode):
     def _use(self, estimation: Estimation) -> None:
         """From the next message on."""
         if self.is_active and estimation.roster is not self.estimation.roster:
-            self.publish_commands(self.estimation.safe())  # the new one begins without wishes
+            self.commanding.publish(self.estimation.safe())  # the new one begins without wishes
         self.estimation = estimation
         self.inputs.look_at_clock()
         self._watch_every(min(0.5 * estimation.settings.stale_after, LONGEST_WATCH))
         self.inputs.subscribe(estimation)
-        self.currents.offer(estimation.commanded)
+        self.commanding.offer(estimation.commanded)
         self._reporter.introduce(estimation)
 
     def _watch_every(self, period: float) -> None:
-        for timer in self._configured[4:]:
+        for timer in self._configured[3:]:
             self.destroy_timer(timer)
         self._watch_period = period
-        self._configured[4:] = [self.create_timer(period, self._guarded(self._watch), clock=self._steady)]
+        self._configured[3:] = [self.create_timer(period, self._guarded(self._watch), clock=self._steady)]
 
     def _pause(self) -> None:
         """What is commanded is left at the safe current."""
         if self.is_active and self.context.ok():
-            self.publish_commands(self.estimation.safe())
+            self.commanding.publish(self.estimation.safe())
         self.is_active = False
         if self.recorder is not None:
             self.recorder.stop()
@@ -182,14 +177,16 @@ class EstimatorNode(RefusingLifecycleNode):
     def _forget(self) -> None:
         self._pause()
         self.inputs.close()
-        self.currents.close()
+        self.commanding.close()
         for entity in self._configured:
             (self.destroy_publisher if isinstance(entity, Publisher) else self.destroy_timer)(entity)
         self._configured, self.estimation, self.recorder = [], None, None
 
     def end(self) -> None:
-        """Closes the recording, also where ROS is gone already."""
+        """Leaves the dampers at the safe current and closes the recording, also where the context was shut down."""
+        last = self.estimation.safe() if self.is_active and not self.context.ok() else []
         self._pause()
+        self.commanding.settle(last)
 
     def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         """Loads what the parameters ask for; nothing changes yet."""
@@ -207,7 +204,7 @@ class EstimatorNode(RefusingLifecycleNode):
         return SetParametersResult(successful=True)
 
     def _prepared(self, changed: dict[str, object]) -> Estimation | None:
-        deleted = [name for name, value in changed.items() if value is None and name != "dampers"]
+        deleted = [name for name, value in changed.items() if value is None]
         if deleted:
             raise InputError(f"parameter {', '.join(deleted)} cannot be deleted")
         if self.estimation is None:
@@ -246,31 +243,18 @@ class EstimatorNode(RefusingLifecycleNode):
         now = self.inputs.now()
         for message in self.estimation.stale(now):
             self.publish_forces(message)
-        self.publish_commands(self.estimation.overdue(now, 0.5 * self._watch_period))
-        self._state_commands(self.estimation.idle())
+        self.commanding.publish(self.estimation.overdue(now, 0.5 * self._watch_period))
+        self.commanding.state(self.estimation.idle())
 
     def publish_forces(self, message: bytes) -> None:
         """Publishes and records serialised forces."""
         self.forces.publish(message)
         self._reporter.published += 1
+        self._keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
+
+    def _keep(self, topic: str, type_name: str, message: bytes) -> None:
         if self.recorder is not None:
-            self.recorder.keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
-
-    def publish_commands(self, commands: Sequence[Command]) -> None:
-        """Publishes and records currents."""
-        for command in commands:
-            message = float_message(command.current)
-            topic = self.currents.publish(command.damper, message)
-            if topic and self.recorder is not None:
-                self.recorder.keep(topic, "std_msgs/msg/Float64", message)
-        self._state_commands(commands)
-
-    def _state_commands(self, commands: Sequence[Command]) -> None:
-        """Says with stamp and source what was commanded."""
-        for message in self._command_messages.of(commands):
-            self.commands.publish(message)
-            if self.recorder is not None:
-                self.recorder.keep(self.commands.topic_name, COMMAND_TYPE, message)
+            self.recorder.keep(topic, type_name, message)
 
     def _compare(self) -> None:
         if not self.is_active:
@@ -279,8 +263,7 @@ class EstimatorNode(RefusingLifecycleNode):
         if self.residuals.get_subscription_count() or self.recorder is not None:
             for message in messages:
                 self.residuals.publish(message)
-                if self.recorder is not None:
-                    self.recorder.keep(self.residuals.topic_name, "sensor_msgs/msg/JointState", message)
+                self._keep(self.residuals.topic_name, "sensor_msgs/msg/JointState", message)
 
     def _tell_health(self) -> None:
         self.inputs.look_at_clock()

@@ -153,11 +153,11 @@ class Inputs:
                 if answer.forces is not None:
                     node.publish_forces(answer.forces)
                 if answer.commands:
-                    node.publish_commands(answer.commands)
+                    node.commanding.publish(answer.commands)
                 if answer.has_grown:
                     self.check(node.estimation)
                     self.subscribe(node.estimation)
-                    node.currents.offer(node.estimation.commanded)
+                    node.commanding.offer(node.estimation.commanded)
             except MalformedMessage:
                 tally.malformed += 1
             except Exception:

@@ -4,42 +4,43 @@ import sys
 from collections.abc import Callable, Sequence
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.stopping import Stop
 
 DONE, REFUSED = 0, 1
 NEEDED = ("rclpy", "damper_msgs", "diagnostic_msgs", "geometry_msgs", "sensor_msgs", "std_msgs")
 
 
 def main() -> int:
-    """Runs the estimator until it is told to stop.
+    """Runs the estimator until a signal comes.
 
     Returns:
         The exit status: 0 after a signal, 1 where the node refuses to start (one line on standard error).
     """
 
-    def run(words: Sequence[str]) -> None:
+    def run(words: Sequence[str], stop: Stop) -> None:
         from damper_estimator.node.run import run_estimator
 
-        run_estimator(words)
+        run_estimator(words, stop)
 
     return _guarded("estimator_node", run)
 
 
 def controller() -> int:
-    """Runs the example controller until it is told to stop; exit status as `main`."""
+    """Runs the example controller until a signal comes; exit status as `main`."""
 
-    def run(words: Sequence[str]) -> None:
+    def run(words: Sequence[str], stop: Stop) -> None:
         from damper_estimator.node.run import run_controller
 
-        run_controller(words)
+        run_controller(words, stop)
 
     return _guarded("controller_node", run)
 
 
-def _guarded(program: str, run: Callable[[Sequence[str]], None]) -> int:
+def _guarded(program: str, run: Callable[[Sequence[str], Stop], None]) -> int:
+    stop = Stop()
+    stop.listen()  # before anything is imported, which takes a second
     try:
-        run(sys.argv)
-    except KeyboardInterrupt:
-        return DONE
+        run(sys.argv, stop)
     except InputError as error:
         return _refuse(program, str(error))
     except ModuleNotFoundError as error:
@@ -51,6 +52,8 @@ def _guarded(program: str, run: Callable[[Sequence[str]], None]) -> int:
             f"and the workspace's "
             "install/setup.bash, or use .venv of a checkout (make env)",
         )
+    finally:
+        stop.ignore()
     return DONE
 
 

@@ -1,12 +1,14 @@
-"""A node's process: ROS up, node made, messages delivered until a signal comes."""
+"""A node's process: ROS up, node made, messages delivered until a signal comes, dampers left at the safe current."""
 
-import signal
+import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Protocol
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.signals import SignalHandlerOptions
 
 from damper_estimator.errors import InputError
 from damper_estimator.node.controller import ControllerNode
@@ -15,84 +17,100 @@ from damper_estimator.node.executors import make_executor
 from damper_estimator.node.process import set_realtime_priority
 from damper_estimator.node.rclpy_private import RCLError
 from damper_estimator.node.settings import check_words
+from damper_estimator.node.stopping import Stop
 
 WAKE_UP = 0.1  # s, longest time until a signal is seen
+BROKEN = 1.0  # s for which an executor that only fails is kept running
 
 
-def run_estimator(words: Sequence[str]) -> None:
-    """Runs the estimator until SIGINT or SIGTERM; raises InputError as `_run`."""
-    _run(words, _serve_estimator)
+class Ending(Protocol):
+    """A node that knows how to end."""
+
+    def end(self) -> None:
+        """Leaves the dampers at the safe current, also where its context was shut down."""
 
 
-def run_controller(words: Sequence[str]) -> None:
-    """Runs the example controller until SIGINT or SIGTERM; raises InputError as `_run`."""
-    _run(words, _serve_controller)
+def run_estimator(words: Sequence[str], stop: Stop) -> None:
+    """Runs the estimator until a signal comes; raises InputError as `_run`."""
+    _run(words, stop, _serve_estimator)
 
 
-def _run(words: Sequence[str], serve: Callable[[], None]) -> None:
-    """Runs a node.
+def run_controller(words: Sequence[str], stop: Stop) -> None:
+    """Runs the example controller until a signal comes; raises InputError as `_run`."""
+    _run(words, stop, _serve_controller)
+
+
+def _run(words: Sequence[str], stop: Stop, serve: Callable[[Stop], None]) -> None:
+    """Runs a node. Signals are ours: rclpy's handlers would shut the context down before the last commands are out.
 
     Raises:
         InputError: where arguments, parameters, signal map or model are unusable.
     """
-    # rclpy takes the signals; Python's own KeyboardInterrupt would come in the middle of a callback.
-    signal.signal(signal.SIGINT, lambda *_: None)
     try:
-        rclpy.init(args=list(words))
+        rclpy.init(args=list(words), signal_handler_options=SignalHandlerOptions.NO)
     except RCLError as error:
         reason = str(error).partition(", at ")[0]
         raise InputError(
             f"{reason}; check the arguments and the parameter file (config/node.yaml shows one)"
         ) from error
     try:
-        serve()
-    except (KeyboardInterrupt, ExternalShutdownException):
+        serve(stop)
+    except ExternalShutdownException:
         pass
     except Exception:
-        # A signal that comes while the node is being made takes ROS away under it.
+        # Somebody has shut the context down while the node was being made.
         if rclpy.ok():
             raise
     finally:
         rclpy.try_shutdown()
 
 
-def _serve_estimator() -> None:
+def _serve_estimator(stop: Stop) -> None:
     node = EstimatorNode()
     check_words(node)
     executor = make_executor(node.get_parameter("executor").value, node.get_logger())
-    executor.add_node(node)
-    try:
+    with _ended(executor, node):
         if node.get_parameter("autostart").value:
             node.start()
         complaint = set_realtime_priority(node.get_parameter("realtime_priority").value)
         if complaint:
             node.get_logger().warning(complaint)
-        _deliver(executor, node)
+        _spin(executor, node, stop)
+
+
+def _serve_controller(stop: Stop) -> None:
+    node = ControllerNode()
+    executor = make_executor("events", node.get_logger())
+    with _ended(executor, node):
+        _spin(executor, node, stop)
+
+
+@contextmanager
+def _ended(executor: Executor, node: Ending) -> Iterator[None]:
+    """Has the executor deliver to the node, and ends both in order, whatever happens."""
+    executor.add_node(node)
+    try:
+        yield
     finally:
         node.end()
         executor.shutdown()
         node.destroy_node()
 
 
-def _serve_controller() -> None:
-    node = ControllerNode()
-    executor = make_executor("events", node.get_logger())
-    executor.add_node(node)
-    try:
-        _deliver(executor, node)
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-
-
-def _deliver(executor: object, node: Node) -> None:
+def _spin(executor: Executor, node: Ending, stop: Stop) -> None:
+    """Delivers messages until a signal comes, the context is shut down, or the executor does nothing but fail."""
+    stop.is_orderly = True
     # EventsExecutor.spin() delivers nothing in some builds; spin_once() does in all.
-    while rclpy.ok():
+    worked = time.monotonic()
+    while rclpy.ok() and not stop.is_requested:
         try:
             executor.spin_once(timeout_sec=WAKE_UP)
-        except (KeyboardInterrupt, ExternalShutdownException):
-            raise
+            worked = time.monotonic()
+        except ExternalShutdownException:
+            return
         except Exception:
             # A request that rclpy itself stumbles over must not end the estimates.
+            if time.monotonic() - worked > BROKEN:
+                raise
             if rclpy.ok():
                 node.get_logger().error(traceback.format_exc(), throttle_duration_sec=1.0)
