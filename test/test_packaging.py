@@ -238,14 +238,18 @@ def test_the_environment_has_what_the_project_requires():
     assert all(re.search(r">=.*,<", line) for line in lines)
 
 
-def test_the_parameter_file_explains_every_parameter():
-    source = (ROOT / "damper_estimator" / "node" / "settings.py").read_text()
-    text = (ROOT / "config" / "node.yaml").read_text()
+@pytest.mark.parametrize(
+    "file, settings, node",
+    [("node", "settings", "/**"), ("controller", "controller_settings", "/**/damper_controller")],
+)
+def test_the_parameter_files_explain_every_parameter(file, settings, node):
+    source = (ROOT / "damper_estimator" / "node" / f"{settings}.py").read_text()
+    text = (ROOT / "config" / f"{file}.yaml").read_text()
     declared = set(re.findall(r'(?m)^    "(\w+)": Declaration\(', source))
-    given = yaml.safe_load(text)["/**"]["ros__parameters"]
-    assert declared and set(given) <= declared
+    given = yaml.safe_load(text)[node]["ros__parameters"]
+    assert declared and set(given) == declared
     for name in declared:
-        assert re.search(rf"(?m)^    # .*\n    (# )?{name}:", text), name
+        assert re.search(rf"(?m)^    # .*\n    {name}:", text), name
 
 
 def test_make_help_lists_every_target():

@@ -30,7 +30,7 @@ class Declaration:
 
 
 DECLARATIONS: dict[str, Declaration] = {
-    "dampers": Declaration(Parameter.Type.STRING_ARRAY, "names of the dampers; not set: all"),
+    "dampers": Declaration(("",), "names of the dampers; [''] is all"),
     "model": Declaration("", "model file, folder with one DAMPER.yaml each, or a model's name"),
     "signals": Declaration("", "signal map; '' is the default topics"),
     "cutoff": Declaration(FROM_SIGNAL_MAP, "Hz; 0 is unfiltered, -1 as in the signal map", low=-1.0, high=1e5),
@@ -112,14 +112,17 @@ def declare(node: Node, declarations: Mapping[str, Declaration] = DECLARATIONS) 
         try:
             node.declare_parameter(name, declaration.default, descriptor)
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-            raise InputError(f"parameter {name}: must be {_wanted(declaration)} ({error})") from error
+            raise InputError(f"parameter {name}: must be {wanted(declaration)} ({error})") from error
 
 
-def _wanted(declaration: Declaration) -> str:
-    if declaration.default is Parameter.Type.STRING_ARRAY:
+def wanted(declaration: Declaration) -> str:
+    """What a value of this parameter must be, in words."""
+    if isinstance(declaration.default, tuple):
         return "a list of names"
     if isinstance(declaration.default, bool):
         return "true or false"
+    if declaration.allowed:
+        return f"one of {', '.join(declaration.allowed)}"
     if declaration.low is None:
         return "text"
     point = ", written with a point (60.0)" if isinstance(declaration.low, float) else ""
@@ -134,7 +137,7 @@ def read_settings(node: Node, changed: Mapping[str, object] | None = None) -> Se
     """
     values = {f.name: node.get_parameter_or(f.name, Parameter(f.name)).value for f in fields(Settings)}
     values |= {name: value for name, value in (changed or {}).items() if name in values}
-    # A parameter file cannot hold an empty list; [''] is what people write instead.
+    # A parameter file cannot hold an empty list; [''] stands for it.
     values["dampers"] = tuple(filter(None, values["dampers"] or ()))
     faults = (
         []
@@ -143,7 +146,7 @@ def read_settings(node: Node, changed: Mapping[str, object] | None = None) -> Se
     )
     faults += _wrong_words(values, DECLARATIONS)
     faults += [
-        f"parameter {name} is {values[name]!r}; it must be {_wanted(declaration)}"
+        f"parameter {name} is {values[name]!r}; it must be {wanted(declaration)}"
         for name, declaration in DECLARATIONS.items()
         if isinstance(declaration.low, float) and not isfinite(values[name])
     ]

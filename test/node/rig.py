@@ -159,11 +159,22 @@ class Rig:
 
     def get(self, name: str) -> object:
         """The value of a parameter."""
+        return self._values([name])[name]
+
+    def dump(self) -> dict[str, object]:
+        """All parameters by name; None where one has no value."""
+        from rcl_interfaces.srv import ListParameters
+
+        return self._values(self.call(ListParameters, "list_parameters", ListParameters.Request()).result.names)
+
+    def _values(self, names: Sequence[str]) -> dict[str, object]:
         from rcl_interfaces.srv import GetParameters
         from rclpy.parameter import parameter_value_to_python
 
-        (value,) = self.call(GetParameters, "get_parameters", GetParameters.Request(names=[name])).values
-        return parameter_value_to_python(value)
+        values = self.call(GetParameters, "get_parameters", GetParameters.Request(names=names)).values
+        assert len(values) == len(names), f"only {len(values)} of {len(names)} parameters have a value"
+        found = {name: parameter_value_to_python(value) for name, value in zip(names, values, strict=True)}
+        return {name: list(value) if type(value).__name__ == "array" else value for name, value in found.items()}
 
     def close(self) -> None:
         """Leaves the ROS graph."""

@@ -147,6 +147,28 @@ def test_parameters_have_meanings_and_ranges_and_what_is_out_of_range_is_refused
     assert len(rig.drive(5, ["left", "right"])) == 5
 
 
+def test_all_parameters_can_be_dumped_and_a_dump_starts_the_node_again(start, rig, tmp_path):
+    """What `ros2 param dump` does: list the names, get the values, write them as YAML."""
+    from damper_estimator.node.settings import DECLARATIONS
+
+    process = start(model="coulomb", max_gap=0.25, dampers="[left, right]")
+    rig.wait(lambda: rig.health, "the node")
+    dumped = rig.dump()
+    assert dumped.keys() >= DECLARATIONS.keys() and None not in dumped.values()
+    assert rig.set(dampers=[""]) == (True, "")
+    dumped = rig.dump()
+    assert dumped["dampers"] == [""]
+    process.terminate()
+    process.wait(60.0)
+    path = tmp_path / "damper_estimator.yaml"
+    path.write_text(yaml.safe_dump({"/damper_estimator": {"ros__parameters": dumped}}))
+    rig.wait(lambda: rig.node.count_publishers("/damper_estimator/force") == 0, "the end of the first node")
+    rig.health.clear()
+    start("--params-file", str(path))
+    rig.wait(lambda: rig.health, "the second node")
+    assert rig.dump() == dumped
+
+
 def test_names_that_cannot_be_part_of_a_topic_are_estimated_all_the_same(start, rig, tmp_path):
     names = ["front left", "é", "3", "a/b", "~"]
     start(model="coulomb")  # dampers arrive by name

@@ -157,7 +157,7 @@ def test_namespace_and_remapping_move_the_relative_topics(start, tmp_path):
     assert (answer.header.stamp.sec, answer.header.stamp.nanosec, list(answer.name)) == (7, 1, ["left"])
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_it_without_complaint(number, start, player):
     process = start(model="coulomb", dampers="[left]")
     player.wait(lambda: player.health, "diagnostics")
@@ -167,7 +167,7 @@ def test_a_signal_ends_it_without_complaint(number, start, player):
     assert "Traceback" not in said and "rror" not in said.replace("damper_estimator", ""), said
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_while_it_starts_ends_it_without_complaint(number):
     code = (
         "import os, sys, rclpy\nfrom damper_estimator.node import estimator_node, main\nmake = "
@@ -184,9 +184,12 @@ def test_a_signal_while_it_starts_ends_it_without_complaint(number):
     assert [line for line in done.stderr.splitlines() if not line.startswith("[INFO]")] == []
 
 
-def test_the_shipped_parameter_file_starts_it(start, player):
+def test_the_shipped_parameter_file_starts_it_once_a_model_is_named(start, player):
     from damper_estimator.share import share_path
 
-    start("--params-file", str(share_path("config/node.yaml")))
+    words = "--params-file", str(share_path("config/node.yaml"))
+    said = start(*words).communicate(timeout=ENDED_WITHIN)[1]
+    assert "estimator_node: parameter model is not set" in said
+    start(*words, "-p", "model:=coulomb")
     player.wait(lambda: level(player, "input /suspension/displacement") == WARN, "diagnostics")
     assert load_signal_map(None).cutoff == 60.0  # the comment in the file says so
