@@ -1,47 +1,51 @@
-"""Starts the damper force estimator, a managed node that by itself configures and activates.
+"""Starts the damper force estimator, a managed node that configures and activates by itself.
 
 ros2 launch damper_estimator estimator.launch.py model:=/path/to/front_left.yaml namespace:=car_7
+
+What is not given is as params_file has it, or else as the node has it by itself (config/node.yaml).
 """
 
-from pathlib import Path
+from launch.actions import OpaqueFunction
+from launch_ros.actions import LifecycleNode
 
-from ament_index_python.packages import get_package_share_directory
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
-
+from damper_estimator.errors import InputError
+from damper_estimator.node.launch_arguments import (
+    ESTIMATOR,
+    ESTIMATOR_PARAMETERS,
+    RESPAWN_DELAY,
+    LaunchArguments,
+    end_launch,
+    is_set_elsewhere,
+    parameter_files,
+    parameters,
+)
+from damper_estimator.node.settings import Declaration
 from launch import LaunchDescription
 
-PARAMETERS = Path(get_package_share_directory("damper_estimator")) / "config" / "node.yaml"
-
-ARGUMENTS = {
-    "params_file": (str(PARAMETERS), "YAML file with the node's parameters; each is explained in config/node.yaml"),
-    "model": ("", "model file, folder with one DAMPER.yaml each, or a model's name; empty: as in params_file"),
-    "signals": ("", "signal map (YAML); empty: as in params_file"),
-    "namespace": ("", "namespace of the node and its relative topics, one per vehicle"),
-    "displacement": ("suspension/displacement", "topic that is remapped to the default displacement topic"),
-    "use_sim_time": ("false", "take the time of /diagnostics from /clock (estimates carry the input's stamp anyway)"),
-    "autostart": ("true", "configure and activate at once; false leaves both to a lifecycle manager"),
-    "log_level": ("info", "debug, info, warn or error"),
-}
+REQUIRED = {"required": Declaration(False, "end the launch when the node ends, unless it is started again")}
+ARGUMENTS = LaunchArguments(__file__, ESTIMATOR | REQUIRED)
 
 
-def estimator(context) -> list[Node]:
-    """The node, with those arguments on top of the parameter file that were given."""
-    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    overrides = {name: ParameterValue(given[name], value_type=str) for name in ("model", "signals") if given[name]}
-    for name in ("use_sim_time", "autostart"):
-        overrides[name] = given[name].lower() == "true"
+def estimator(context) -> list[LifecycleNode]:
+    """The node; arguments that cannot be used are refused before it starts."""
+    given = ARGUMENTS.given(context)
+    files = parameter_files(given)
+    if "model" not in given and not is_set_elsewhere("model", files, context):
+        raise InputError("estimator.launch.py: no model is given; give model:=/path/to/model.yaml, or a params_file")
+    respawn = given.get("respawn", False)
+    is_required = given.get("required", False) and not respawn
     return [
-        Node(
+        LifecycleNode(
             package="damper_estimator",
             executable="estimator_node",
             name="damper_estimator",
-            namespace=given["namespace"],
-            parameters=[given["params_file"], overrides],
-            remappings=[("suspension/displacement", given["displacement"])],
-            arguments=["--ros-args", "--log-level", given["log_level"]],
+            namespace=given.get("namespace", ""),
+            parameters=[*files, *parameters(given, ESTIMATOR_PARAMETERS)],
+            remappings=[("suspension/displacement", given["displacement"])] if "displacement" in given else [],
+            ros_arguments=["--log-level", given["log_level"]] if "log_level" in given else [],
+            respawn=respawn,
+            respawn_delay=RESPAWN_DELAY,
+            on_exit=end_launch if is_required else None,
             output="screen",
         )
     ]
@@ -49,8 +53,4 @@ def estimator(context) -> list[Node]:
 
 def generate_launch_description() -> LaunchDescription:
     """What ``ros2 launch`` calls."""
-    arguments = [
-        DeclareLaunchArgument(name, default_value=default, description=text)
-        for name, (default, text) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*arguments, OpaqueFunction(function=estimator)])
+    return LaunchDescription([*ARGUMENTS.declare(), OpaqueFunction(function=estimator)])

@@ -1,61 +1,57 @@
-"""Starts the estimator and the example controller of semi-active dampers.
+"""Starts the estimator and the example controller of semi-active dampers; when either ends, the launch ends.
 
 ros2 launch damper_estimator semi_active.launch.py model:=/path/to/models signals:=/path/to/map.yaml law:=skyhook
 ros2 launch damper_estimator semi_active.launch.py model:=/path/to/models table:=/path/to/force_velocity.csv
 
-Without a table the controller wishes forces and the estimator commands currents by the inverse of its model; with one
-the controller commands currents by the table, from the same estimates and the same law.
+Without a table the controller asks for forces and the estimator commands currents by the inverse of its model; with one
+the controller commands currents by the table, from the same estimates and the same law. What is not given is as
+params_file has it, or else as the nodes have it by themselves (config/node.yaml, config/controller.yaml). params_file,
+safe_current and what estimator.launch.py has as well are for both nodes.
 """
 
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
+from launch.actions import GroupAction, IncludeLaunchDescription, OpaqueFunction
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 
+from damper_estimator.node.launch_arguments import (
+    CONTROLLER,
+    CONTROLLER_PARAMETERS,
+    ESTIMATOR,
+    RESPAWN_DELAY,
+    TIME,
+    LaunchArguments,
+    end_launch,
+    parameter_files,
+    parameters,
+)
 from launch import LaunchDescription
 
-ESTIMATOR = Path(get_package_share_directory("damper_estimator")) / "launch" / "estimator.launch.py"
-
-NUMBERS = {
-    "damping": ("2500.0", "N s/m, of the law"),
-    "share": ("0.7", "of the skyhook in the mixed law, 0.0 to 1.0"),
-    "rest_force": ("0.0", "N, of the dampers at rest, added to every wish"),
-}
-ARGUMENTS = {
-    "law": ("mixed", "skyhook, groundhook, mixed or passive"),
-    "table": ("", "force_velocity.csv of damper-estimator export; empty: the estimator's inverse model"),
-    "namespace": ("", "namespace of both nodes and their relative topics, one per vehicle"),
-    "use_sim_time": ("false", "take the time from /clock"),
-} | NUMBERS
+ARGUMENTS = LaunchArguments(__file__, ESTIMATOR | CONTROLLER)
 
 
-def controller(context) -> list[Node]:
-    """The controller, with the arguments as its parameters."""
-    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    parameters = {name: ParameterValue(given[name], value_type=str) for name in ("law", "table")}
-    parameters |= {name: float(given[name]) for name in NUMBERS}
-    parameters["use_sim_time"] = given["use_sim_time"].lower() == "true"
-    return [
-        Node(
-            package="damper_estimator",
-            executable="controller_node",
-            name="damper_controller",
-            namespace=given["namespace"],
-            parameters=[parameters],
-            output="screen",
-        )
-    ]
+def both(context) -> list:
+    """Both nodes; arguments that cannot be used are refused before either starts."""
+    given = ARGUMENTS.given(context)
+    source = PythonLaunchDescriptionSource(str(Path(__file__).with_name("estimator.launch.py")))
+    estimator = IncludeLaunchDescription(source, launch_arguments=[("required", "true")])
+    respawn = given.get("respawn", False)
+    controller = Node(
+        package="damper_estimator",
+        executable="controller_node",
+        name="damper_controller",
+        namespace=given.get("namespace", ""),
+        parameters=[*parameter_files(given), *parameters(given, CONTROLLER_PARAMETERS | TIME)],
+        ros_arguments=["--log-level", given["log_level"]] if "log_level" in given else [],
+        respawn=respawn,
+        respawn_delay=RESPAWN_DELAY,
+        on_exit=None if respawn else end_launch,
+        output="screen",
+    )
+    return [GroupAction([estimator]), controller]
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What ``ros2 launch`` calls; the estimator's arguments are those of estimator.launch.py."""
-    arguments = [
-        DeclareLaunchArgument(name, default_value=default, description=text)
-        for name, (default, text) in ARGUMENTS.items()
-    ]
-    estimator = IncludeLaunchDescription(PythonLaunchDescriptionSource(str(ESTIMATOR)))
-    return LaunchDescription([*arguments, estimator, OpaqueFunction(function=controller)])
+    """What ``ros2 launch`` calls."""
+    return LaunchDescription([*ARGUMENTS.declare(), OpaqueFunction(function=both)])

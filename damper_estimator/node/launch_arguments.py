@@ -1,0 +1,176 @@
+"""The arguments of the project's launch files: read and checked before anything starts.
+
+``ros2 launch`` accepts any argument with any value. Here a value must fit its parameter, and an argument that nobody
+declared is refused: always where it is a slip of the pen, and whatever it is where the launch file was started by
+itself. A launch file that includes ours may have arguments of its own.
+"""
+
+import sys
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+
+import yaml
+from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.events.process import ProcessExited
+from launch_ros.parameter_descriptions import ParameterValue
+
+from damper_estimator.errors import InputError
+from damper_estimator.node.controller_settings import DECLARATIONS as CONTROLLER_PARAMETERS
+from damper_estimator.node.settings import DECLARATIONS, Declaration, wanted
+from launch import LaunchContext
+
+PACKAGE = "damper_estimator"
+RESPAWN_DELAY = 1.0  # s
+Value = str | float | int | bool
+
+TIME = {"use_sim_time": Declaration(False, "take the time from /clock")}
+ESTIMATOR_PARAMETERS = {name: DECLARATIONS[name] for name in ("model", "signals", "safe_current", "autostart")} | TIME
+COMMON = {
+    "params_file": Declaration("", "YAML file with parameters; config/node.yaml and controller.yaml explain them"),
+    "namespace": Declaration("", "namespace of the nodes and their relative topics, one per vehicle"),
+    "log_level": Declaration("", "of the log", allowed=("debug", "info", "warn", "error", "fatal")),
+    "respawn": Declaration(False, "start a node again when it ends"),
+}
+ESTIMATOR = ESTIMATOR_PARAMETERS | COMMON | {
+    "displacement": Declaration("", "topic that the default displacement topic is remapped to"),
+}  # fmt: skip
+CONTROLLER = CONTROLLER_PARAMETERS | TIME | COMMON
+
+
+class LaunchArguments:
+    """The arguments of one launch file; final. One that is not given leaves its parameter as it is elsewhere."""
+
+    def __init__(self, file: str, declarations: Mapping[str, Declaration]) -> None:
+        """``file`` is the launch file's ``__file__``."""
+        self._file = Path(file)
+        self._declarations = dict(declarations)
+
+    def declare(self) -> list[DeclareLaunchArgument]:
+        """What ``ros2 launch --show-args`` lists."""
+        return [
+            DeclareLaunchArgument(name, default_value="", description=_described(own))
+            for name, own in self._declarations.items()
+        ]
+
+    def given(self, context: LaunchContext) -> dict[str, Value]:
+        """The arguments that were given, with the type of their parameter.
+
+        Raises:
+            InputError: one line with every unknown argument and every value that does not fit.
+        """
+        texts = {name: context.launch_configurations.get(name, "") for name in self._declarations}
+        values, faults = {}, self._unknown(context, {name for name, text in texts.items() if text})
+        for name, text in texts.items():
+            value = parsed(text, self._declarations[name]) if text else None
+            if value is not None:
+                values[name] = value
+            elif text:
+                faults.append(f"{name}:={text}: {name} must be {wanted(self._declarations[name])}")
+        if faults:
+            raise InputError(f"{self._file.name}: {'; '.join(faults)}")
+        return values
+
+    def _unknown(self, context: LaunchContext, given: set[str]) -> list[str]:
+        free, others = (
+            self._declarations.keys() - given,
+            context.launch_configurations.keys() - self._declarations.keys(),
+        )
+        found = {name: f"; {meant} is meant?" for name in others for meant in free if is_slip(name, meant)}
+        if self._is_started_by_itself():
+            words = [word.partition(":=")[0] for word in context.argv if ":=" in word]
+            found = {name: "" for name in words if name not in self._declarations} | found
+        return [f"there is no argument {name}{hint}" for name, hint in found.items()]
+
+    def _is_started_by_itself(self) -> bool:
+        """Whether ``ros2 launch`` was given this file, by package and name or by path."""
+        words = sys.argv[1:]
+        by_name = (PACKAGE, self._file.name) in zip(words, words[1:], strict=False)
+        return by_name or any(Path(word).resolve() == self._file.resolve() for word in words)
+
+
+def parsed(text: str, declaration: Declaration) -> Value | None:
+    """The value that a text stands for; None where it does not fit. Truth is what YAML calls so: true, Yes, off ..."""
+    kind = type(declaration.default)
+    if kind is str:
+        return text if not declaration.allowed or text in declaration.allowed else None
+    if kind is bool:
+        value = _loaded(text)
+        return value if isinstance(value, bool) else None
+    try:
+        value = kind(text)
+    except ValueError:
+        return None
+    is_inside = declaration.low is None or declaration.low <= value <= declaration.high
+    return value if isfinite(value) and is_inside else None
+
+
+def _described(declaration: Declaration) -> str:
+    by_default = "" if declaration.default == "" else f"; by default {declaration.default}"
+    return declaration.description + by_default
+
+
+def is_slip(written: str, meant: str) -> bool:
+    """Whether two different names differ by one letter (another, missing or surplus), by two that are exchanged, or in
+    nothing but case and hyphens.
+    """
+    a, b = (name.lower().replace("-", "_") for name in (written, meant))
+    while a and b and a[0] == b[0]:
+        a, b = a[1:], b[1:]
+    while a and b and a[-1] == b[-1]:
+        a, b = a[:-1], b[:-1]
+    return written != meant and (max(len(a), len(b)) <= 1 or (len(a) == 2 and a == b[::-1]))
+
+
+def parameter_files(given: Mapping[str, Value]) -> list[str]:
+    """The ``params_file``, where it was given.
+
+    Raises:
+        InputError: where it is no file; launch itself would go on without it.
+    """
+    path = given.get("params_file", "")
+    if path and not Path(path).is_file():
+        raise InputError(f"params_file:={path}: there is no such file")
+    return [path] if path else []
+
+
+def parameters(given: Mapping[str, Value], names: Mapping[str, object]) -> list[dict[str, object]]:
+    """Those of the given arguments that are parameters ``names``, for a node; texts stay texts, whatever is in them."""
+    chosen = {
+        name: ParameterValue(value, value_type=str) if isinstance(value, str) else value
+        for name, value in given.items()
+        if name in names
+    }
+    return [chosen] if chosen else []
+
+
+def end_launch(event: ProcessExited, context: LaunchContext) -> list[Shutdown]:
+    """For ``on_exit`` of a node without which the others are of no use."""
+    return [] if context.is_shutdown else [Shutdown(reason=f"{event.process_name} has ended")]
+
+
+def is_set_elsewhere(name: str, files: list[str], context: LaunchContext) -> bool:
+    """Whether a parameter file, or ``SetParameter`` of an including launch file, gives the parameter a value.
+
+    For any node: the node itself judges what is its own.
+    """
+    shared = context.launch_configurations.get("global_params", ())
+    paths = [*files, *(own for own in shared if not isinstance(own, tuple))]
+    return any(own[0] == name and own[1] for own in shared if isinstance(own, tuple)) or any(
+        _is_in(_loaded(Path(path).read_text(encoding="utf-8")), name) for path in paths
+    )
+
+
+def _loaded(text: str) -> object:
+    """What YAML makes of a text; None where it is none, which the node complains about."""
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        return None
+
+
+def _is_in(content: object, name: str) -> bool:
+    if not isinstance(content, dict):
+        return False
+    own = content.get("ros__parameters")
+    return bool(isinstance(own, dict) and own.get(name)) or any(_is_in(value, name) for value in content.values())
