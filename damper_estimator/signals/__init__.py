@@ -2,10 +2,13 @@
 
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Counts
 from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase
+from damper_estimator.signals.channels import ChannelData, find_topic, read_channels, signals_for
 from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.map_writing import save_signal_map, signal_map_yaml
-from damper_estimator.signals.measurement import Measurement, measure
+from damper_estimator.signals.measurement import Measurement, check_force, measure, measured
+from damper_estimator.signals.part_channels import part_channels
+from damper_estimator.signals.rest import LEAST_SECONDS, Rest, find_rests
 from damper_estimator.signals.signal_map import (
     Channel,
     DamperSignals,
@@ -18,20 +21,30 @@ from damper_estimator.signals.signal_map import (
 __all__ = [
     "DEFAULT_MAX_GAP",
     "Channel",
+    "ChannelData",
     "Counts",
     "DamperSignals",
     "Differentiator",
     "Fusion",
+    "LEAST_SECONDS",
     "Kinematics",
     "Measurement",
+    "Rest",
     "SignalMap",
+    "check_force",
     "default_signals",
     "delay_seconds",
+    "find_rests",
+    "find_topic",
     "load_signal_map",
     "low_pass",
     "low_pass_zero_phase",
     "measure",
+    "measured",
     "parse_signal_map",
+    "part_channels",
+    "read_channels",
     "save_signal_map",
     "signal_map_yaml",
+    "signals_for",
 ]

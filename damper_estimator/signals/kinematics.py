@@ -63,6 +63,11 @@ class Kinematics:
         return self.block[TEMPERATURE]
 
     @property
+    def pressure(self) -> np.ndarray:
+        """(n,) Pa, NaN where there is none."""
+        return self.block[PRESSURE]
+
+    @property
     def rate(self) -> float:
         """Hz, from the steps inside the stretches; NaN for fewer than two samples."""
         inside = self.dt > 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -99,30 +100,56 @@ def measure(
         InputError: one line; topics, fields or dampers that are not there, or nothing left in the window.
     """
     chosen = signals_for(bag, signal_map, damper)
-    signals = chosen.dampers[damper]
-    data = _read(bag, signals, damper, force_wanted)
+    data = read_channels(bag, chosen.dampers[damper].channels())
+    found = measured(str(bag.path), damper, data, chosen, start, end, max_gap)
+    if force_wanted:
+        check_force(found)
+    return found
+
+
+def measured(
+    recording: str,
+    damper: str,
+    data: Mapping[str, ChannelData],
+    signal_map: SignalMap,
+    start: float = 0.0,
+    end: float = float("inf"),
+    max_gap: float = DEFAULT_MAX_GAP,
+) -> Measurement:
+    """One damper from the values of its channels, wherever they come from, in order of stamp.
+
+    Args:
+        recording: name for errors and records.
+        data: by role (displacement, force, command, ...), in order of arrival.
+        signal_map: with an entry for ``damper``.
+        start, end, max_gap: as in ``measure``.
+
+    Raises:
+        InputError: without displacement, or with nothing left in the window.
+    """
+    signals = signal_map.dampers[damper]
+    if "displacement" not in data:
+        raise InputError(
+            f"{recording}: has no displacement of damper {damper!r} ({signals.displacement.topic}, "
+            f"{signals.displacement.field})"
+        )
     arrived = data["displacement"]
     counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
-    windows = _windows(chosen, start, end)
-    kinematics, raw = _kinematics(data, signals, chosen.cutoff, max_gap, windows)
+    windows = _windows(signal_map, start, end)
+    kinematics, raw = _kinematics(data, signals, signal_map.cutoff, max_gap, windows)
     if not len(kinematics):
         raise InputError(
-            f"{bag.path}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, "
+            f"{recording}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, "
             f"--to or the map's windows"
         )
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:
         gauge_stamp, gauge = _in_order(data["force"], signals.force.skew)
-        force, near = _damper_force(data["force"], signals, kinematics, chosen.cutoff, max_gap)
-        near &= ~touched(kinematics.stamp, gauge_stamp[clipped(gauge)], chosen.cutoff, chosen.band)
-        if force_wanted and not near.any():
-            raise InputError(
-                f"{bag.path}: the force of damper {damper!r} was not recorded at the same time as "
-                f"its displacement; check the stamps and the skew"
-            )
+        force, near = _damper_force(data["force"], signals, kinematics, signal_map.cutoff, max_gap)
+        near &= ~touched(kinematics.stamp, gauge_stamp[clipped(gauge)], signal_map.cutoff, signal_map.band)
     return Measurement(
-        recording=str(bag.path),
+        recording=recording,
         damper=damper,
         kinematics=kinematics,
         force=force,
@@ -130,37 +157,40 @@ def measure(
         counts=counts,
         gauge=gauge,
         raw_displacement=raw,
-        cutoff=chosen.cutoff,
-        band=chosen.band,
+        cutoff=signal_map.cutoff,
+        band=signal_map.band,
         signals=signals,
-        acceleration=_acceleration(data, signals, kinematics, chosen.cutoff, max_gap),
+        acceleration=_acceleration(data, signals, kinematics, signal_map.cutoff, max_gap),
         gauge_stamp=gauge_stamp,
     )
 
 
+def check_force(measurement: Measurement) -> None:
+    """Refuses a measurement whose force was not measured, or at another time than its displacement.
+
+    Raises:
+        InputError: one line.
+    """
+    if measurement.force is None:
+        force = measurement.signals.force
+        raise InputError(
+            f"{measurement.recording}: has no measured force of damper {measurement.damper!r} ({force.topic}, "
+            f"{force.field}); this verb needs one"
+        )
+    if measurement.kinematics.warm().any() and not measurement.judged.any():
+        raise InputError(
+            f"{measurement.recording}: the force of damper {measurement.damper!r} was not recorded at the same time as "
+            f"its displacement; check the stamps and the skew"
+        )
+
+
 def _acceleration(
-    data: dict[str, ChannelData], signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
+    data: Mapping[str, ChannelData], signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
 ) -> np.ndarray | None:
     if "acceleration" not in data:
         return None
     values, near = _filtered(data["acceleration"], signals.acceleration.skew, kinematics, cutoff, max_gap)
     return np.where(near, values, np.nan)
-
-
-def _read(bag: Bag, signals: DamperSignals, damper: str, force_wanted: bool) -> dict[str, ChannelData]:
-    """The damper's channels; an error where the displacement, or a wanted force, is missing."""
-    data = read_channels(bag, signals.channels())
-    if "displacement" not in data:
-        raise InputError(
-            f"{bag.path}: has no displacement of damper {damper!r} ({signals.displacement.topic}, "
-            f"{signals.displacement.field})"
-        )
-    if force_wanted and "force" not in data:
-        raise InputError(
-            f"{bag.path}: has no measured force of damper {damper!r} ({signals.force.topic}, "
-            f"{signals.force.field}); this verb needs one"
-        )
-    return data
 
 
 def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[float, float]]:
@@ -178,7 +208,7 @@ def _in_order(data: ChannelData, skew: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _kinematics(
-    data: dict[str, ChannelData],
+    data: Mapping[str, ChannelData],
     signals: DamperSignals,
     cutoff: float,
     max_gap: float,
