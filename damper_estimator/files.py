@@ -1,10 +1,14 @@
-"""Files: writing so that nothing is lost (beside the target first, then moved into place), and reading YAML."""
+"""Files: writing so that nothing is lost (beside the target first, then moved into place), JSON, and reading YAML."""
 
+import json
+import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import yaml
 
 from damper_estimator.errors import InputError
@@ -36,6 +40,24 @@ def write_text(path: str | Path, text: str) -> None:
     """Writes a text file in one step; the old file stays until the new one is complete."""
     with written_beside(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def json_text(results: Mapping[str, object]) -> str:
+    """Results as JSON; NaN and infinite become null: JSON has neither."""
+    return json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def plain(value: Any) -> Any:
+    """The value in JSON's own types: NumPy scalars and arrays, tuples and paths turned into them."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value
 
 
 def read_yaml(path: str | Path) -> object:

@@ -1,6 +1,7 @@
 """The rooms stay apart: who may import whom, where ROS is, how long a piece of code may be."""
 
 import ast
+import importlib
 import re
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "damper_estimator"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
-ROOT_MODULES = {"compiled", "errors", "files", "numbers", "share"}
+ROOT_MODULES = {"compiled", "errors", "files", "lazy", "numbers", "share"}
 
 # What each room may import of the others; a room is added here when it is built. `signals.layout` is one module.
 ALLOWED = {
@@ -30,14 +31,26 @@ ALLOWED = {
     "plant": set(),
     "vehicle": {"model", "runtime", "signals.layout", "plant", "control"},
     "report": {"validation", "diagnosis", "characterization", "vehicle"},
+    "workflows": {
+        "recordings", "signals", "model", "identification", "validation", "characterization", "diagnosis", "control",
+        "runtime", "report",
+    },
     # The vehicle for the simulated ride over DDS.
     "node": {"signals", "model", "runtime", "validation", "control", "recordings", "vehicle"},
-    "studio": {"report", "recordings", "signals", "effects", "model", "identification", "validation", "diagnosis"},
+    "studio": {
+        "report", "recordings", "signals", "effects", "model", "identification", "validation", "diagnosis", "workflows",
+    },
     "fleet": {
         "recordings", "signals", "effects", "model", "numerics", "identification", "validation", "diagnosis", "report",
+        "workflows",
     },
 }  # fmt: skip
 ALLOWED["cli"] = set(ALLOWED) - {"node"}
+# The public API is made of the workflows, and of what their functions take and give.
+PUBLIC = {"workflows", "model", "signals"}
+# Rooms that use all others, and are used, through ``__init__`` alone; the rows of the sample block are a public module.
+THROUGH_THE_FRONT = {"workflows"}
+PUBLIC_MODULES = {"signals.layout"}
 
 ROS = {"rclpy", "launch", "launch_ros", "ament_index_python"}
 ROS_MESSAGES = re.compile(r"\w+_(msgs|interfaces)$")
@@ -72,8 +85,20 @@ def trespasses(path: Path) -> list[str]:
     own = room(path)
     inside = {name.removeprefix("damper_estimator.") for name in imported(path) if name.startswith("damper_estimator.")}
     foreign = {name for name in inside if (PACKAGE / name.split(".")[0]).is_dir() and name.split(".")[0] != own}
-    allowed = ALLOWED.get(own, set()) if own else {"cli"} if path.name == "__main__.py" else set()
+    allowed = ALLOWED.get(own, set()) if own else {"__main__.py": {"cli"}, "__init__.py": PUBLIC}.get(path.name, set())
     return sorted(name for name in foreign if not any(name == a or name.startswith(f"{a}.") for a in allowed))
+
+
+def behind_the_front(path: Path) -> list[str]:
+    """Modules of other rooms that the file imports past their ``__init__``, where that is not allowed."""
+    own = room(path)
+    modules = {
+        node.module.removeprefix("damper_estimator.")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("damper_estimator.")
+    }
+    past = {name for name in modules if "." in name and name.split(".")[0] != own} - PUBLIC_MODULES
+    return sorted(name for name in past if own in THROUGH_THE_FRONT or name.split(".")[0] in THROUGH_THE_FRONT)
 
 
 def culprits(find: Callable[[Path], Collection[str]]) -> dict[str, Collection[str]]:
@@ -95,6 +120,35 @@ def long_functions(path: Path) -> list[str]:
 
 def test_a_file_imports_only_what_its_room_may():
     assert culprits(trespasses) == {}
+
+
+def test_workflows_use_rooms_and_are_used_through_their_front_alone():
+    assert culprits(behind_the_front) == {}
+
+
+def test_a_name_that_a_lazy_package_offers_is_not_that_of_a_module_in_it():
+    for package in ("damper_estimator.workflows",):
+        offered = set(importlib.import_module(package).__all__)
+        modules = {path.stem for path in (PACKAGE / package.partition(".")[2]).iterdir()}
+        assert offered & modules == set()
+
+
+def test_a_lazy_package_offers_exactly_the_names_that_type_checkers_see():
+    for package in ("damper_estimator.workflows",):
+        module = importlib.import_module(package)
+        shown = {name for name in dir(module) if not name.startswith("_")} - set(sys.modules[package].__dict__)
+        assert shown == set(module.__all__) - set(module.__dict__)
+        assert all(getattr(module, name) is not None for name in module.__all__)
+
+
+def test_no_verb_imports_another_verb():
+    verbs = {f"cli.{path.stem}" for path in (PACKAGE / "cli").glob("*.py") if "def add_arguments(" in path.read_text()}
+
+    def imported_verbs(path: Path) -> list[str]:
+        names = {name.removeprefix("damper_estimator.") for name in imported(path)} if room(path) == "cli" else set()
+        return sorted(verb for verb in verbs if any(name.startswith(f"{verb}.") for name in names))
+
+    assert culprits(imported_verbs) == {}
 
 
 def test_ros_is_imported_in_the_node_alone():

@@ -5,6 +5,7 @@ from damper_estimator.characterization.loops import Loop, mean_loops
 from damper_estimator.characterization.patterns import Pattern, classify
 from damper_estimator.characterization.points import MEANINGS, Line, Point, characteristic_points
 from damper_estimator.characterization.quasi_static import QuasiStatic, quasi_static
+from damper_estimator.characterization.record import peaks, peaks_csv, record
 from damper_estimator.characterization.structure import Structure, derive, structure_model
 from damper_estimator.characterization.subtraction import Difference, difference, semi_active
 
@@ -27,7 +28,10 @@ __all__ = [
     "derive",
     "difference",
     "mean_loops",
+    "peaks",
+    "peaks_csv",
     "quasi_static",
+    "record",
     "semi_active",
     "structure_model",
 ]

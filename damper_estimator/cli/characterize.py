@@ -10,16 +10,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from damper_estimator.characterization import (
-    MEANINGS,
-    Characterization,
-    Diagram,
-    QuasiStatic,
-    characterize,
-    quasi_static,
-    structure_model,
-)
-from damper_estimator.characterization.record import peaks, peaks_csv, record
+from damper_estimator.characterization import MEANINGS, Characterization, Diagram, QuasiStatic, peaks, peaks_csv
 from damper_estimator.cli.common import (
     STANDARD_OUTPUT,
     add_bags,
@@ -28,14 +19,12 @@ from damper_estimator.cli.common import (
     add_signals,
     add_window,
     progress,
+    read_asked,
     write_json,
 )
-from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
-from damper_estimator.model.files import model_yaml
-from damper_estimator.recordings import open_bag
-from damper_estimator.signals import Measurement, SignalMap, load_signal_map, measure
-from damper_estimator.signals.channels import signals_for
+from damper_estimator.model import save_model
+from damper_estimator.workflows import CharacterizationResults, characterize, structure_of
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,64 +56,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Characterizes every damper; see the module's docstring."""
-    signal_map = load_signal_map(arguments.signals)
-    window = (arguments.start or 0.0, float("inf") if arguments.stop is None else arguments.stop)
-    measured = read(arguments.bags, signal_map, arguments.dampers, window)
-    found = {}
-    for damper, measurements in measured.items():
-        others = read(arguments.subtract, signal_map, [damper])[damper] if arguments.subtract else []
-        slow = quasi_static(read([arguments.slow], signal_map, [damper])[damper][0]) if arguments.slow else None
-        found[damper] = characterize(measurements, others, slow)
-        if arguments.json != STANDARD_OUTPUT:
-            print(text(found[damper], slow))
-    _write(arguments, found)
+    recording = read_asked(arguments).with_force("characterize")
+    for note in recording.notes:
+        progress(note)
+    subtract = read_asked(arguments, arguments.subtract, whole=True) if arguments.subtract else None
+    slow = read_asked(arguments, [arguments.slow], whole=True) if arguments.slow else None
+    results = characterize(recording, subtract=subtract, slow=slow)
+    if arguments.json != STANDARD_OUTPUT:
+        for own in results.by_damper.values():
+            print(text(own.found, own.slow))
+    _write(arguments, results)
     return 0
 
 
-def read(
-    paths: Sequence[Path],
-    signal_map: SignalMap,
-    wanted: Sequence[str],
-    window: tuple[float, float] = (0.0, float("inf")),
-) -> dict[str, list[Measurement]]:
-    """Measurements by damper; a damper without a measured force is left out unless it is asked for.
-
-    Raises:
-        InputError: where a wanted damper, or the force of all, is missing.
-    """
-    found: dict[str, list[Measurement]] = {}
-    for path in paths:
-        with open_bag(path) as bag:
-            for damper in wanted or signals_for(bag, signal_map).dampers:
-                measurement = measure(bag, signal_map, damper, *window, force_wanted=damper in wanted)
-                if measurement.force is None:
-                    progress(f"{path}: the force of {damper} was not measured; left out")
-                else:
-                    found.setdefault(damper, []).append(measurement)
-    if not found:
-        raise InputError(
-            f"{paths[0]}: no damper has a measured force; characterize needs one (name its topic in a signal map)"
-        )
-    return found
-
-
-def _write(arguments: argparse.Namespace, found: dict[str, Characterization]) -> None:
-    for damper, own in found.items():
+def _write(arguments: argparse.Namespace, results: CharacterizationResults) -> None:
+    for damper, own in results.by_damper.items():
         if arguments.peaks:
-            write_text(_target(arguments.peaks, damper, len(found)), peaks_csv(own.diagrams))
+            write_text(_target(arguments.peaks, damper, len(results)), peaks_csv(own.found.diagrams))
         if arguments.output:
-            if own.structure is None:
-                raise InputError(
-                    f"{own.recordings[0]}: no band of damper {damper} has a type, so no structure follows; "
-                    "drive sines between 0.5 and 15 Hz"
-                )
-            write_text(_target(arguments.output, damper, len(found)), model_yaml(structure_model(own.structure)))
-    bags = [str(path) for path in arguments.bags]
-    write_json(arguments.json, {"bags": bags, "dampers": {damper: record(own) for damper, own in found.items()}})
+            save_model(structure_of(own.found), _target(arguments.output, damper, len(results)))
+    write_json(arguments.json, results.to_dict())
     if arguments.html:
-        from damper_estimator.report.characteristic_page import characteristic_page
-
-        write_text(arguments.html, characteristic_page(list(found.values())))
+        results.save(arguments.html)
         progress(f"wrote {arguments.html}")
 
 

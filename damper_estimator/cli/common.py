@@ -1,16 +1,17 @@
 """What several verbs share: arguments under the same names, JSON, progress."""
 
 import argparse
-import json
-import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from damper_estimator.errors import InputError
+from damper_estimator.files import json_text, write_text
 
-from damper_estimator.files import write_text
+if TYPE_CHECKING:
+    from damper_estimator.workflows import Reader, Recording
 
 STANDARD_OUTPUT = "-"
 
@@ -67,6 +68,37 @@ def add_html(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--html", metavar="FILE", type=Path, help="write one self-contained page with the figures")
 
 
+def open_asked(arguments: argparse.Namespace) -> "AbstractContextManager[Reader]":
+    """Opens ``arguments.bags`` by what ``add_signals`` and ``add_window`` declare, to read one damper at a time."""
+    from damper_estimator.workflows import opened, signal_map_of
+
+    signal_map = signal_map_of(arguments.signals)
+    return opened(arguments.bags, signal_map, arguments.dampers, arguments.start, arguments.stop)
+
+
+def read_asked(arguments: argparse.Namespace, bags: Sequence[Path] | None = None, whole: bool = False) -> "Recording":
+    """Reads ``arguments.bags``, or other ``bags`` by the same map and dampers; the ``whole`` of them in place of the
+    window."""
+    from damper_estimator.workflows import read
+
+    window = (None, None) if whole else (arguments.start, arguments.stop)
+    return read(
+        arguments.bags if bags is None else bags,
+        signals=arguments.signals, dampers=arguments.dampers, start=window[0], stop=window[1],
+    )  # fmt: skip
+
+
+def check_places(*places: Path | str | None) -> None:
+    """Tells before the work that results could not be written; ``-`` is standard output.
+
+    Raises:
+        InputError: where the folder of one of these files is missing.
+    """
+    for place in places:
+        if place not in (None, STANDARD_OUTPUT) and not Path(place).parent.is_dir():
+            raise InputError(f"{place}: its folder does not exist; make it or choose another place")
+
+
 def progress(text: str) -> None:
     """Tells how the work goes, on standard error."""
     print(text, file=sys.stderr, flush=True)
@@ -82,21 +114,8 @@ def write_json(destination: str | None, results: Mapping[str, Any]) -> None:
     """
     if destination is None:
         return
-    text = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json_text(results)
     if destination == STANDARD_OUTPUT:
         sys.stdout.write(text)
     else:
         write_text(destination, text)
-
-
-def plain(value: Any) -> Any:
-    """The value in JSON's own types: NumPy scalars and arrays, tuples and paths turned into them."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return str(value) if isinstance(value, Path) else value

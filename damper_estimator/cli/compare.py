@@ -10,32 +10,25 @@ by --group.
 
 import argparse
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 
 from damper_estimator.cli.common import (
+    STANDARD_OUTPUT,
     add_bags,
     add_html,
     add_json,
     add_models,
     add_signals,
     add_window,
+    open_asked,
     progress,
     write_json,
 )
 from damper_estimator.cli.data_findings import print_findings
 from damper_estimator.cli.groups import parse_groups
-from damper_estimator.cli.steps import step_line, step_records
-from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
-from damper_estimator.model import load_model
-from damper_estimator.recordings import Bag, open_bag
-from damper_estimator.signals import Measurement, SignalMap, load_signal_map, measure
-from damper_estimator.signals.channels import signals_for
-from damper_estimator.validation import Comparison, compare, per_recording
-from damper_estimator.validation.spectra import partial_coherence
-from damper_estimator.validation.velocity import velocity_agreement
+from damper_estimator.validation import Comparison, per_recording
+from damper_estimator.workflows import ModelsCompared, asked, compare, in_words, no_force, page_title
 
 _REGIONS = 5
 
@@ -56,108 +49,44 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compares; see the module's docstring."""
-    grouping = parse_groups(arguments.group, arguments.bags)
+    """Compares; see the module's docstring. One damper after the other, so that memory holds the samples of one."""
+    groups = parse_groups(arguments.group, arguments.bags)
     records: dict[str, object] = {}
     sections, notes = [], []
-    with ExitStack() as stack:
-        bags = [stack.enter_context(open_bag(path)) for path in arguments.bags]
-        chosen = _dampers(bags, load_signal_map(arguments.signals), arguments.dampers)
-        for name, own in chosen.items():
-            measurements, missing = _measurements(own, name, arguments)
-            notes += missing
-            if not measurements:
+    with open_asked(arguments) as reader:
+        for name in reader.dampers:
+            recording = reader.damper(name).where_force()
+            notes += recording.notes
+            if not recording.dampers:
                 continue
-            judged = [compare(load_model(model, name), *measurements) for model in arguments.models]
-            comparisons = [replace(comparison, grouping=grouping) for comparison in judged]
-            records[name] = _record(comparisons, arguments.models)
-            if arguments.json != "-":
-                _print(name, comparisons)
-            if arguments.steps:
-                records[name] |= _steps(comparisons, arguments.json != "-")
+            found = compare(recording, arguments.models, groups=groups, steps=arguments.steps).only
+            records[name] = found.record()
+            if arguments.json != STANDARD_OUTPUT:
+                _print(name, found)
             if arguments.html:
                 from damper_estimator.report import damper_section
 
-                sections.append(damper_section(comparisons, len(chosen)))
+                sections.append(damper_section(found.comparisons, len(reader.dampers)))
     if not records:
-        raise InputError(
-            f"{arguments.bags[0]}: no damper has a measured force; compare needs one (name its topic in a signal map)"
-        )
+        raise no_force(str(arguments.bags[0]), "compare")
     for note in notes:
         progress(note)
+    bags = [str(path) for path in arguments.bags]
     if arguments.html:
-        _write_page(arguments, sections)
-    write_json(
-        arguments.json, {"bags": [str(path) for path in arguments.bags], "models": arguments.models, "dampers": records}
-    )
+        _write_page(arguments.html, sections, in_words(bags))
+    write_json(arguments.json, asked(bags, arguments.models) | {"dampers": records})
     return 0
 
 
-def _write_page(arguments: argparse.Namespace, sections: Sequence) -> None:
+def _write_page(path: Path, sections: Sequence, bags: str) -> None:
     from damper_estimator.report import comparison_page
 
-    models = " and ".join(sections[0].figures["models"])
-    bags = arguments.bags[0].name if len(arguments.bags) == 1 else f"{len(arguments.bags)} recordings"
-    write_text(arguments.html, comparison_page(sections, f"{models} against {bags}"))
-    progress(f"wrote {arguments.html}")
+    write_text(path, comparison_page(sections, page_title(sections, bags)))
+    progress(f"wrote {path}")
 
 
-def _dampers(
-    bags: Sequence[Bag], signal_map: SignalMap, wanted: Sequence[str]
-) -> dict[str, list[tuple[Bag, SignalMap]]]:
-    """The bags that have each damper, in order of appearance, and the map to read it by.
-
-    Raises:
-        InputError: where a wanted damper is in none of the bags.
-    """
-    found: dict[str, list[tuple[Bag, SignalMap]]] = {}
-    maps = [signals_for(bag, signal_map) for bag in bags]
-    for bag, own in zip(bags, maps, strict=True):
-        for name in own.dampers:
-            if not wanted or name in wanted:
-                found.setdefault(name, []).append((bag, own))
-    for name in wanted:
-        if name not in found:
-            signals_for(bags[0], maps[0], name)
-    return found
-
-
-def _measurements(
-    bags: Sequence[tuple[Bag, SignalMap]], name: str, arguments: argparse.Namespace
-) -> tuple[list[Measurement], list[str]]:
-    """The damper in all its bags, less those without its force, and notes on these."""
-    start = 0.0 if arguments.start is None else arguments.start
-    end = float("inf") if arguments.stop is None else arguments.stop
-    asked = name in arguments.dampers
-    measurements = [measure(bag, own, name, start, end, force_wanted=asked) for bag, own in bags]
-    notes = [f"{m.recording}: the force of {name} was not measured; left out" for m in measurements if m.force is None]
-    return [m for m in measurements if m.force is not None], notes
-
-
-def _record(comparisons: Sequence[Comparison], models: Sequence[str]) -> dict[str, object]:
-    """The first model's record; all models under ``models``, and where there are several bags each under ``bags``."""
-    records = []
-    for comparison, model in zip(comparisons, models, strict=True):
-        record = comparison.record() | {"model_file": model}
-        if len(comparison.traces) > 1:
-            record["bags"] = [own.record() | {"bag": own.recordings[0]} for own in per_recording(comparison)]
-        records.append(record)
-    measurements = [t.measurement for t in comparisons[0].traces]
-    velocities = {m.recording: own.record() for m in measurements if (own := velocity_agreement(m)) is not None}
-    first = records[0] | {"partial_coherence": partial_coherence(measurements).record()}
-    return first | ({"velocity": velocities} if velocities else {}) | ({"models": records} if len(records) > 1 else {})
-
-
-def _steps(comparisons: Sequence[Comparison], printed: bool) -> dict[str, object]:
-    """Every step by itself, under ``steps`` and the model's name; printed where wanted."""
-    steps = {c.model.name: step_records(c.model, [t.measurement for t in c.traces]) for c in comparisons}
-    for model, own in steps.items() if printed else ():
-        print(f"  steps, {model}:")
-        print(*(step_line(record) for record in own), sep="\n")
-    return {"steps": steps}
-
-
-def _print(name: str, comparisons: Sequence[Comparison]) -> None:
+def _print(name: str, found: ModelsCompared) -> None:
+    comparisons = found.comparisons
     print(f"{name}  ({comparisons[0].measures.samples} samples of {len(comparisons[0].traces)} recording(s))")
     width = max(len(c.model.name) for c in comparisons)
     print(f"  {'model':{width}}  rms error  of force     ESR     fit  correlation  energy  bias")
@@ -174,6 +103,9 @@ def _print(name: str, comparisons: Sequence[Comparison]) -> None:
         _print_regions(c, len(comparisons) > 1)
     for c in comparisons:
         _print_excitations(c, len(comparisons) > 1)
+    for model, steps in (found.steps or {}).items():
+        print(f"  steps, {model}:")
+        print(*(_step_line(step) for step in steps), sep="\n")
 
 
 def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
@@ -210,3 +142,11 @@ def _print_excitations(comparison: Comparison, named: bool) -> None:
         slow, fast = group.frequency_hz
         span = f"{low:.2g} to {high:.2g} m/s, {slow:.2g} to {fast:.2g} Hz, {group.cycles} cycles"
         print(f"  {group.name}{of}: {group.rmse_n:.4g} N rms, {100 * group.relative_rms:.3g} % of force ({span})")
+
+
+def _step_line(record: Mapping) -> str:
+    return (
+        f"    at {record['time_s']:.2f} s: {1e3 * record['height_m']:+.0f} mm in {record['seconds']:.2f} s, peak "
+        f"{record['peak_velocity']:+.2f} m/s: rms error {record['rmse_n']:.4g} N "
+        f"({100 * record['nrmse']:.1f} % of the force), correlation {record['correlation']:.3f}"
+    )

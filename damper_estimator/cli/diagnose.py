@@ -8,12 +8,11 @@ Mistakes of the measurement chain are told first; they are mended in the signal 
 
 import argparse
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, progress, write_json
+from damper_estimator.cli.common import STANDARD_OUTPUT, check_places, progress, write_json
 from damper_estimator.cli.diagnosis_text import next_steps, print_diagnosis
-from damper_estimator.cli.judging import add_judging, check_places, in_words, read_cases
+from damper_estimator.cli.judging import add_judging, read_judging
 from damper_estimator.cli.work_line import WorkLine
-from damper_estimator.diagnosis import diagnose
-from damper_estimator.files import write_text
+from damper_estimator.workflows import DiagnosisResults, diagnose_case
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,26 +22,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnoses every damper; see the module's docstring."""
-    check_places(arguments.html, None if arguments.json == STANDARD_OUTPUT else arguments.json)
+    check_places(arguments.html, arguments.json)
     found = {}
-    for case in read_cases(arguments):
-        with WorkLine(case.damper) as told:
-            found[case.damper] = diagnose(
-                case.model, case.fit, case.unseen, mode=arguments.mode, workers=arguments.workers, progress=told
-            )
+    given = read_judging(arguments, "diagnose")
+    for case in given.cases:
+        with WorkLine(case.damper) as line:
+            found[case.damper] = diagnose_case(case, arguments.mode, arguments.workers, line)
         if arguments.json != STANDARD_OUTPUT:
             print_diagnosis(case.damper, found[case.damper])
     if arguments.json != STANDARD_OUTPUT:
         print(*next_steps(found, arguments.bags, arguments.validate, arguments.model), sep="\n", end="")
+    results = DiagnosisResults(given.asked, found)
     if arguments.html:
-        from damper_estimator.report import diagnosis_page, diagnosis_section
-
-        sections = [diagnosis_section(damper, own) for damper, own in found.items()]
-        write_text(
-            arguments.html, diagnosis_page(sections, f"what {arguments.model} lacks on {in_words(arguments.bags)}")
-        )
+        results.save(arguments.html)
         progress(f"wrote {arguments.html}")
-    records = {damper: {"model": own.model.name, **own.record()} for damper, own in found.items()}
-    asked = {"bags": arguments.bags, "validate": arguments.validate, "model": arguments.model}
-    write_json(arguments.json, asked | {"dampers": records})
+    write_json(arguments.json, results.to_dict())
     return 0

@@ -1,7 +1,5 @@
-"""What ``fit`` tells of its results: tables for people, JSON for programs."""
+"""What ``fit`` prints of its results."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, fields
 from pathlib import Path
 
 from damper_estimator.identification import Fit, FittedParameter, Front, JointFit
@@ -35,18 +33,6 @@ def _uncertainty(parameter: FittedParameter) -> str:
     )
 
 
-def as_json(result: Fit, target: Path) -> dict[str, object]:
-    """The result for programs: the fields of ``Fit``, with the model's name and file."""
-    plain = {
-        field.name: getattr(result, field.name)
-        for field in fields(result)
-        if field.name not in ("model", "parameters", "front")
-    }
-    if result.front is not None:
-        plain["front"] = _front_json(result.front, target)
-    return {"model": result.model.name, "file": target, **plain, "parameters": [asdict(p) for p in result.parameters]}
-
-
 def _front_lines(front: Front, target: Path) -> list[str]:
     """Corners of the front, and where the parameters of each group's best solutions lie."""
     width = max(map(len, (*front.groups, "knee")))
@@ -67,20 +53,6 @@ def _front_lines(front: Front, target: Path) -> list[str]:
     return [*lines, f"  all points: {target.with_suffix('.front.csv')}; --pick and --front take another one"]
 
 
-def _front_json(front: Front, target: Path) -> dict[str, object]:
-    return {
-        "file": target.with_suffix(".front.csv"),
-        "picked": front.picked,
-        "knee": front.row("knee"),
-        "groups": list(front.groups),
-        "excitations": list(front.excitations),
-        "parameters": list(front.names),
-        "values": front.values,
-        "objectives": front.objectives,
-        "regimes": front.regimes(),
-    }
-
-
 def joint_table(damper: str, result: JointFit, folder: Path) -> str:
     """A joint fit for people: what is shared once, what differs side by side."""
     first = next(iter(result.fits.values()))
@@ -95,14 +67,3 @@ def joint_table(damper: str, result: JointFit, folder: Path) -> str:
     before = "".join(f"{f'{own.esr_before:.3g} -> {own.esr:.3g}':>26}" for own in result.fits.values())
     lines += [f"  {'ESR':<{width}}{before}", *(f"  note: {warning}" for warning in result.warnings)]
     return "\n".join([*lines, f"  {first.seconds:.1f} s, {first.evaluations} evaluations; written to {folder}"])
-
-
-def joint_json(result: JointFit, targets: Mapping[str, Path]) -> dict[str, object]:
-    """A joint fit for programs: each setting as a fit of its own, and all parameters once."""
-    return {
-        "each": list(result.each),
-        "settings": {name: as_json(own, targets[name]) for name, own in result.fits.items()},
-        "parameters": [asdict(p) for p in result.parameters],
-        "undetermined": result.undetermined,
-        "warnings": list(result.warnings),
-    }

@@ -9,17 +9,18 @@ from pathlib import Path
 from distributed import Client
 
 from damper_estimator import __version__
-from damper_estimator.cli.common import plain, progress
-from damper_estimator.cli.fit import limits_of, save
-from damper_estimator.cli.fit_report import as_json, table
+from damper_estimator.cli.common import progress
+from damper_estimator.cli.fit_report import table
+from damper_estimator.cli.limits import limits_of
 from damper_estimator.errors import InputError
-from damper_estimator.files import write_text
+from damper_estimator.files import plain, write_text
 from damper_estimator.fleet.held import Source
 from damper_estimator.fleet.joint import fit_spread
 from damper_estimator.fleet.manifest import Recording
 from damper_estimator.fleet.task import Task, digest
 from damper_estimator.identification import Wishes
 from damper_estimator.model import load_model
+from damper_estimator.workflows import fit_record, save_fit
 
 MODELS = "models"
 
@@ -79,9 +80,9 @@ def _identified(
         client, model, [_source(task, arguments) for task in tasks], arguments.free, arguments.fix,
         arguments.method, wishes, limits_of(arguments.limit),
     )  # fmt: skip
-    save(fit, target)
+    save_fit(fit, target)
     left_out = [{"recording": own.recording, "reason": reason} for own, reason in refused.items()]
-    record = {"fingerprint": fingerprint, "left_out": left_out, **as_json(fit, target)}
+    record = {"fingerprint": fingerprint, "left_out": left_out, **fit_record(fit, target)}
     write_text(told, json.dumps(plain(record), indent=2, allow_nan=False) + "\n")
     notes = [f"  left out: {own['reason']}" for own in left_out]
     return "\n".join([table(named, fit, target), *notes])

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, progress, write_json
-from damper_estimator.errors import InputError
-from damper_estimator.recordings import Part, load_column_maps, planned_paths, read_parts, write_part
+from damper_estimator.recordings import Part
+from damper_estimator.workflows import import_files
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,52 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Reads every file before it writes the first recording, so that a bad one leaves nothing behind."""
-    maps = load_column_maps(arguments.columns)
-    parts: list[Part] = []
-    templates: list[str | None] = []
-    for path in arguments.files:
-        rules = maps.for_file(path.name)
-        found = read_parts(path, rules)
-        progress(f"{path}: {len(found)} part{'s' if len(found) > 1 else ''}")
-        parts += found
-        templates += [rules.name] * len(found)
-    paths = planned_paths(parts, templates, arguments.output)
-    _make_folder(arguments.output)
-    for part, path in zip(parts, paths, strict=True):
-        write_part(part, path)
-        if arguments.json != STANDARD_OUTPUT:
-            print(_line(part, path))
-    write_json(arguments.json, {"parts": [_facts(part, path) for part, path in zip(parts, paths, strict=True)]})
+    imported = import_files(arguments.files, arguments.columns, arguments.output, progress)
+    for own in imported if arguments.json != STANDARD_OUTPUT else ():
+        print(_line(own.part, own.path))
+    write_json(arguments.json, {"parts": [own.record() for own in imported]})
     return 0
-
-
-def _make_folder(output: Path) -> None:
-    if output.suffix == ".mcap":
-        return
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{output}: cannot be made ({error.strerror}); choose another folder with -o") from error
-
-
-def _facts(part: Part, path: Path) -> dict:
-    """A part for the JSON: ranges in the units that the bag holds."""
-    return {
-        "file": path,
-        "source": part.source,
-        "part": part.number,
-        "samples": len(part.stamps),
-        "rate_hz": part.rate,
-        "duration_s": part.duration,
-        "dampers": {
-            damper: {
-                name: {"min": np.nanmin(values), "max": np.nanmax(values), "unit": part.units[damper][name]}
-                for name, values in channels.items()
-            }
-            for damper, channels in part.dampers.items()
-        },
-        "notes": part.notes,
-    }
 
 
 def _line(part: Part, path: Path) -> str:

@@ -8,17 +8,15 @@ Mistakes of the measurement chain never go into the model: --signals-out writes 
 import argparse
 from pathlib import Path
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, progress, write_json
+from damper_estimator.cli.common import STANDARD_OUTPUT, check_places, progress, write_json
 from damper_estimator.cli.diagnosis_text import print_improvement
-from damper_estimator.cli.fit import output_paths
-from damper_estimator.cli.judging import Case, add_judging, check_places, in_words, read_cases
-from damper_estimator.cli.mended_map import mended_map
+from damper_estimator.cli.judging import add_judging, read_judging
 from damper_estimator.cli.work_line import WorkLine
-from damper_estimator.diagnosis import Improvement, improve
+from damper_estimator.diagnosis import Improvement
 from damper_estimator.files import write_text
 from damper_estimator.model import save_model
-from damper_estimator.report.diagnosis_wording import mend_rows
-from damper_estimator.signals import load_signal_map, save_signal_map
+from damper_estimator.signals import save_signal_map
+from damper_estimator.workflows import Case, ImprovementResults, improve_case, improvement_record, output_paths
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,19 +34,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Improves every damper's model, then writes all files."""
-    given = (arguments.html, arguments.signals_out, None if arguments.json == STANDARD_OUTPUT else arguments.json)
-    check_places(*given)
-    cases = read_cases(arguments)
-    targets = output_paths(arguments.output, [case.damper for case in cases])
-    found = {case.damper: _improved(case, arguments) for case in cases}
-    page = _page(arguments, found) if arguments.html else ""
+    check_places(arguments.html, arguments.signals_out, arguments.json)
+    given = read_judging(arguments, "improve")
+    targets = output_paths(arguments.output, [case.damper for case in given.cases])
+    found = {case.damper: _improved(case, arguments) for case in given.cases}
+    results = ImprovementResults(given.asked, found, given.signal_map)
+    page = results.page() if arguments.html else ""
     files = {
         damper: _save(own, targets[damper], _steps_folder(arguments, damper, len(found)))
         for damper, own in found.items()
     }
     if arguments.signals_out:
-        signals = {damper: own.signals for damper, own in found.items()}
-        save_signal_map(mended_map(load_signal_map(arguments.signals), arguments.bags, signals), arguments.signals_out)
+        save_signal_map(results.corrected_map(), arguments.signals_out)
     if arguments.html:
         write_text(arguments.html, page)
         progress(f"wrote {arguments.html}")
@@ -57,22 +54,14 @@ def run(arguments: argparse.Namespace) -> int:
             print_improvement(damper, own, [targets[damper]], arguments.signals_out)
         if arguments.signals_out:
             print(f"wrote {arguments.signals_out}")
-    asked = {"bags": arguments.bags, "validate": arguments.validate, "model": arguments.model}
-    records = {damper: _record(own, targets[damper], files[damper]) for damper, own in found.items()}
-    write_json(arguments.json, asked | {"signals_out": arguments.signals_out, "dampers": records})
+    records = {damper: improvement_record(own, targets[damper], tuple(files[damper])) for damper, own in found.items()}
+    write_json(arguments.json, given.asked | {"signals_out": arguments.signals_out, "dampers": records})
     return 0
 
 
 def _improved(case: Case, arguments: argparse.Namespace) -> Improvement:
-    with WorkLine(case.damper) as told:
-        return improve(case.model, case.fit, case.unseen, mode=arguments.mode, workers=arguments.workers, progress=told)
-
-
-def _page(arguments: argparse.Namespace, found: dict[str, Improvement]) -> str:
-    from damper_estimator.report import improvement_page, improvement_section
-
-    sections = [improvement_section(damper, own) for damper, own in found.items()]
-    return improvement_page(sections, f"{arguments.model} improved on {in_words(arguments.bags)}")
+    with WorkLine(case.damper) as line:
+        return improve_case(case, arguments.mode, arguments.workers, line)
 
 
 def _steps_folder(arguments: argparse.Namespace, damper: str, count: int) -> Path | None:
@@ -93,11 +82,3 @@ def _save(found: Improvement, target: Path, folder: Path | None) -> list[Path]:
         files.append(folder / f"{number:02d}_{'_'.join(part for part in (step.action, step.effect) if part)}.yaml")
         save_model(step.model, files[-1])
     return files
-
-
-def _record(found: Improvement, target: Path, files: list[Path]) -> dict[str, object]:
-    record = {"model": found.model.name, "file": target, **found.record(), "mends": mend_rows(found)}
-    if files:
-        steps = zip(record["steps"], files, strict=True)
-        record["steps"] = [{**step, "file": path} for step, path in steps]
-    return record

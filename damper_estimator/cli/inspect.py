@@ -10,17 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.common import add_bags, add_json, add_signals, write_json
+from damper_estimator.cli.common import STANDARD_OUTPUT, add_bags, add_json, add_signals, write_json
 from damper_estimator.cli.data_findings import print_findings
-from damper_estimator.cli.map_proposal import propose
 from damper_estimator.errors import InputError
-from damper_estimator.recordings import Bag, open_bag
-from damper_estimator.signals import DEFAULT_MAX_GAP, SignalMap, load_signal_map, measure, save_signal_map
-from damper_estimator.signals.channels import read_channels, signals_for
-from damper_estimator.signals.rest import find_rests
-from damper_estimator.validation import DataFinding, data_findings
-from damper_estimator.validation.channel_quality import channel_quality
-from damper_estimator.validation.suitability import excitation, verdict
+from damper_estimator.signals import load_signal_map, save_signal_map
+from damper_estimator.workflows import DamperInspected, Inspection, inspect
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,129 +29,56 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Inspects; see the module's docstring."""
-    with open_bag(arguments.bag) as bag:
-        topics = _topics(bag)
-        signal_map, guesses = _map(bag, arguments.signals)
-        for name in arguments.dampers:
-            signals_for(bag, signal_map, name)
-        names = [name for name in signal_map.dampers if not arguments.dampers or name in arguments.dampers]
-        dampers = {name: _inspected(bag, signal_map, name) for name in names}
+    given = None if arguments.signals is None else load_signal_map(arguments.signals)
+    found = inspect(arguments.bag, given, arguments.dampers)
     if arguments.output is not None:
-        if not signal_map.dampers:
+        if not found.signal_map.dampers:
             raise InputError(
                 f"{arguments.bag}: no displacement was recognised, so no signal map can be proposed; write one by hand"
             )
-        save_signal_map(signal_map, arguments.output)
-    write_json(arguments.json, {"topics": topics, "guesses": guesses, "dampers": dampers})
-    if arguments.json != "-":
-        _print(topics, guesses, dampers)
+        save_signal_map(found.signal_map, arguments.output)
+    write_json(arguments.json, found.to_dict())
+    if arguments.json != STANDARD_OUTPUT:
+        _print(found)
         if arguments.output is not None:
             print(f"wrote {arguments.output}")
     return 0
 
 
-def _topics(bag: Bag) -> list[dict[str, object]]:
-    """Name, type, count and rate (by log time) of each topic."""
-    ends: dict[str, tuple[int, int]] = {}
-    for batch in bag.batches():
-        for connection, log, _ in batch.raw():
-            first, last = ends.get(connection.topic, (log, log))
-            ends[connection.topic] = (min(first, log), max(last, log))
-    topics = []
-    for topic in bag.topics:
-        first, last = ends.get(topic.name, (0, 0))
-        rate = (topic.messages - 1) / ((last - first) * 1e-9) if last > first else float("nan")
-        topics.append({"name": topic.name, "type": topic.type, "messages": topic.messages, "rate_hz": rate})
-    return topics
-
-
-def _map(bag: Bag, path: Path | None) -> tuple[SignalMap, tuple[str, ...]]:
-    if path is not None:
-        return signals_for(bag, load_signal_map(path)), ()
-    proposal = propose(bag)
-    return proposal.signal_map, proposal.guesses
-
-
-def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> dict[str, object]:
-    signals = signal_map.dampers[name]
-    data = read_channels(bag, signals.channels())
-    if "displacement" not in data:
-        raise InputError(
-            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}, "
-            f"{signals.displacement.field})"
-        )
-    quality = {
-        role: channel_quality(own.stamp, own.value, DEFAULT_MAX_GAP)
-        for role, own in data.items()
-        if role in ("displacement", "force")
-    }
-    measurement = measure(bag, signal_map, name, force_wanted=False)
-    moved, findings = excitation(measurement), data_findings(None, [measurement])
-    ordered = [array for role in quality for array in _ordered(data[role].stamp, data[role].value)]
-    rests = find_rests(*ordered)
-    slow = {
-        role: [float(np.nanmin(own.value)), float(np.nanmax(own.value))]
-        for role, own in data.items()
-        if role not in quality
-    }
-    return {
-        **{role: own.record() for role, own in quality.items()},
-        "excitation": moved.record(),
-        "ranges": slow,
-        "rests": [{"from": rest.start, "to": rest.end} for rest in rests],
-        "findings": [finding.record() for finding in findings],
-        "verdict": verdict(moved, quality["displacement"], quality.get("force"), bool(rests)).record(),
-    }
-
-
-def _ordered(stamp: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    good = np.isfinite(value)
-    order = np.argsort(stamp[good], kind="stable")
-    return stamp[good][order], value[good][order]
-
-
-def _print(topics: list, guesses: tuple[str, ...], dampers: Mapping[str, dict]) -> None:
-    width = max((len(t["name"]) for t in topics), default=0)
-    for t in topics:
-        rate = f"{t['rate_hz']:8.1f} Hz" if np.isfinite(t["rate_hz"]) else ""
-        print(f"{t['name']:{width}}  {t['messages']:8d}  {rate:11}  {t['type']}")
-    if guesses:
+def _print(found: Inspection) -> None:
+    width = max((len(topic.name) for topic in found.topics), default=0)
+    for topic in found.topics:
+        rate = f"{topic.rate_hz:8.1f} Hz" if np.isfinite(topic.rate_hz) else ""
+        print(f"{topic.name:{width}}  {topic.messages:8d}  {rate:11}  {topic.type}")
+    if found.guesses:
         print("guessed:")
-        for guess in guesses:
+        for guess in found.guesses:
             print(f"  {guess}")
-    if not dampers:
+    if not found.dampers:
         print("no displacement was recognised; write a signal map (topic and field of each channel)")
-    for name, record in dampers.items():
-        _print_damper(name, record)
+    for name, damper in found.dampers.items():
+        _print_damper(name, damper)
 
 
-def _print_damper(name: str, record: Mapping[str, dict]) -> None:
-    judged = record["verdict"]
-    print(f"{name}: {'good enough to identify a damper' if judged['good'] else 'not good enough to identify a damper'}")
+def _print_damper(name: str, found: DamperInspected) -> None:
+    judged = found.verdict
+    print(f"{name}: {'good enough to identify a damper' if judged.good else 'not good enough to identify a damper'}")
     for role, factor, unit in (("displacement", 1e3, "mm"), ("force", 1.0, "N")):
-        if role in record:
-            q = record[role]
-            faults = {
-                "gaps": q["gaps"],
-                "steps back": q["steps_back"],
-                "older": q["inversions"],
-                "equal": q["duplicates"],
-            }
-            faults |= {"not finite": q["non_finite"], "saturated": q["saturated"]}
-            told = ", ".join(f"{count} {what}" for what, count in faults.items() if count) or "no faults"
+        if role in found.quality:
+            q = found.quality[role]
+            faults = {"gaps": q.gaps, "steps back": q.steps_back, "older": q.inversions, "equal": q.duplicates}
+            faults |= {"not finite": q.non_finite, "saturated": q.saturated}
+            said = ", ".join(f"{count} {what}" for what, count in faults.items() if count) or "no faults"
             print(
-                f"  {role}: {q['samples']} samples at {q['rate_hz']:.4g} Hz (jitter {1e3 * q['jitter_s']:.2g} "
-                f"ms), {factor * q['low']:.4g} to "
-                f"{factor * q['high']:.4g} {unit}, steps of {factor * q['quantum']:.2g}, noise "
-                f"{factor * q['noise']:.2g} {unit}; {told}"
+                f"  {role}: {q.samples} samples at {q.rate_hz:.4g} Hz (jitter {1e3 * q.jitter_s:.2g} ms), "
+                f"{factor * q.low:.4g} to {factor * q.high:.4g} {unit}, steps of {factor * q.quantum:.2g}, noise "
+                f"{factor * q.noise:.2g} {unit}; {said}"
             )
-    _print_excitation(record["excitation"])
-    print_findings([DataFinding(**own) for own in record["findings"]])
-    for kind in ("faults", "remarks"):
-        for text in judged[kind]:
-            print(f"  {kind[:-1]}: {text}")
-    for text in judged["drive_next"]:
-        print(f"  drive next: {text}")
+    _print_excitation(found.excitation.record())
+    print_findings(found.findings)
+    for kind, texts in (("fault", judged.faults), ("remark", judged.remarks), ("drive next", judged.drive_next)):
+        for text in texts:
+            print(f"  {kind}: {text}")
 
 
 def _print_excitation(e: Mapping[str, object]) -> None:

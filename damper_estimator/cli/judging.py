@@ -1,26 +1,20 @@
-"""What ``diagnose`` and ``improve`` share: the recordings to find on and to judge on, and how candidates are judged."""
+"""The arguments that ``diagnose`` and ``improve`` share, and the recordings and models that they name."""
 
 import argparse
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from damper_estimator.cli.common import add_bags, add_html, add_json, add_models, add_signals, add_window, progress
-from damper_estimator.cli.fit import read
-from damper_estimator.errors import InputError
-from damper_estimator.model import DamperModel, load_model
-from damper_estimator.signals import Measurement, load_signal_map
-
-
-@dataclass(frozen=True)
-class Case:
-    """One damper: the user's model and the recordings; without ``unseen`` the last 40 % of each are kept back."""
-
-    damper: str
-    model: DamperModel
-    fit: tuple[Measurement, ...]
-    unseen: tuple[Measurement, ...]
+from damper_estimator.cli.common import (
+    add_bags,
+    add_html,
+    add_json,
+    add_models,
+    add_signals,
+    add_window,
+    progress,
+    read_asked,
+)
+from damper_estimator.workflows import Judging, judging_of
 
 
 def add_judging(parser: argparse.ArgumentParser) -> None:
@@ -56,36 +50,15 @@ def _positive(text: str) -> int:
     return number
 
 
-def read_cases(arguments: argparse.Namespace) -> list[Case]:
-    """Every damper with its model and recordings.
+def read_judging(arguments: argparse.Namespace, use: str) -> Judging:
+    """What is to be judged: every damper with its model and recordings.
 
     Raises:
         InputError: where a model, a recording or a measured force is missing.
     """
-    signal_map = load_signal_map(arguments.signals)
-    window = (arguments.start, arguments.stop)
-    found = read(arguments.bags, signal_map, arguments.dampers, *window)
-    models = {damper: load_model(arguments.model, damper) for damper in found}
-    unseen = read(arguments.validate, signal_map, arguments.dampers, *window) if arguments.validate else {}
-    for damper in found:
-        if arguments.validate and damper not in unseen:
-            progress(
-                f"{damper}: in none of the recordings to judge on; the last 40 % of its own are kept back for that"
-            )
-    return [Case(damper, models[damper], tuple(own), tuple(unseen.get(damper, ()))) for damper, own in found.items()]
-
-
-def check_places(*places: Path | str | None) -> None:
-    """Tells before the work that results could not be written.
-
-    Raises:
-        InputError: where the folder of one of these files is missing.
-    """
-    for place in places:
-        if place is not None and not Path(place).parent.is_dir():
-            raise InputError(f"{place}: its folder does not exist; make it or choose another place")
-
-
-def in_words(paths: Sequence[Path]) -> str:
-    """Recordings for a title."""
-    return paths[0].name if len(paths) == 1 else f"{len(paths)} recordings"
+    recording = read_asked(arguments)
+    validate = read_asked(arguments, arguments.validate) if arguments.validate else None
+    found = judging_of(recording, arguments.model, validate, use)
+    for note in found.notes:
+        progress(note)
+    return found

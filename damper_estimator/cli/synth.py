@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from damper_estimator.cli.common import plain, progress, write_json
+from damper_estimator.cli.common import progress, write_json
 from damper_estimator.cli.synth_files import write_record, write_signal_map, write_truth
 from damper_estimator.errors import InputError
+from damper_estimator.files import plain
 from damper_estimator.plant import (
     DAMPERS,
     PHENOMENA,

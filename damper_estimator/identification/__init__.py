@@ -1,5 +1,6 @@
 """Identification: the parameters with which a model agrees best with what was measured, and how far to trust them."""
 
+from damper_estimator.identification.excitations import named
 from damper_estimator.identification.fit import Fit, FittedParameter, fit
 from damper_estimator.identification.front import Front, load_front
 from damper_estimator.identification.joint import JointFit, fit_joint, settings_by_channel
@@ -23,6 +24,7 @@ __all__ = [
     "fit_joint",
     "free_slots",
     "load_front",
+    "named",
     "pooled_error",
     "rows_of",
     "settings_by_channel",

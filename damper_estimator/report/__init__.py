@@ -1,18 +1,33 @@
 """What people look at: figures, tables, and one self-contained page that opens without a network."""
 
+from damper_estimator.report.characteristic_page import characteristic_page, loops_over_velocity
 from damper_estimator.report.comparison_page import Section, comparison_page, damper_section
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.diagnosis_page import DiagnosisSection, diagnosis_page, diagnosis_section
+from damper_estimator.report.diagnosis_wording import mend_rows, plain_name, step_name
+from damper_estimator.report.forces import forces_figure, plotly_figure
+from damper_estimator.report.front_page import front_page
 from damper_estimator.report.improvement_page import improvement_page, improvement_section
+from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
 
 __all__ = [
     "DiagnosisSection",
     "Section",
+    "characteristic_page",
     "comparison_page",
     "damper_section",
     "diagnosis_page",
     "diagnosis_section",
+    "forces_figure",
+    "front_page",
     "improvement_page",
     "improvement_section",
+    "loops_over_velocity",
+    "mend_rows",
     "min_max_rows",
+    "plain_name",
+    "plotly_figure",
+    "ranking_figure",
+    "step_name",
+    "waterfall_figure",
 ]

@@ -9,6 +9,7 @@ from damper_estimator.characterization.record import peaks
 from damper_estimator.numbers import number
 from damper_estimator.report.figures import packed
 from damper_estimator.report.page import render
+from damper_estimator.report.plots import axis, line
 from damper_estimator.report.wording import recording_name
 
 _ROLES = {
@@ -130,3 +131,13 @@ def _details(diagram: Diagram) -> dict[str, object]:
         for p, line in zip(diagram.points.values(), diagram.lines.values(), strict=True)
     ]
     return {"name": _name(diagram), "type": diagram.pattern.type, "because": diagram.pattern.because, "points": points}
+
+
+def loops_over_velocity(diagrams: Sequence[Diagram]) -> dict[str, object]:
+    """Force over velocity of each operating point, for notebooks."""
+    data = [
+        line(np.append(d.loop.velocity, d.loop.velocity[0]), np.append(d.loop.force, d.loop.force[0]), _name(d),
+             f"@model{number % 5}")
+        for number, d in enumerate(diagrams)
+    ]  # fmt: skip
+    return {"data": data, "layout": {"xaxis": axis("velocity in m/s"), "yaxis": axis("force in N"), "showlegend": True}}

@@ -16,7 +16,7 @@ RIGHT = "name: right\nsource: test\neffects: [{linear_viscous: {rebound: 1500.0,
 @pytest.fixture
 def engine(monkeypatch):
     own = Engine()
-    monkeypatch.setattr("damper_estimator.cli.diagnose.diagnose", own.diagnose)
+    monkeypatch.setattr("damper_estimator.workflows.diagnosis.diagnosed", own.diagnose)
     return own
 
 

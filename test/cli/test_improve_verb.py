@@ -15,7 +15,7 @@ from damper_estimator.signals import load_signal_map, measure
 @pytest.fixture
 def engine(monkeypatch):
     own = Engine()
-    monkeypatch.setattr("damper_estimator.cli.improve.improve", own.improve)
+    monkeypatch.setattr("damper_estimator.workflows.improvement.improved", own.improve)
     return own
 
 
@@ -130,7 +130,7 @@ def test_a_failure_leaves_nothing(engine, driven, model_file, tmp_path, monkeypa
             raise InputError("a.mcap: has no force")
         return engine.improve(*words, **more)
 
-    monkeypatch.setattr("damper_estimator.cli.improve.improve", fails_for_the_second)
+    monkeypatch.setattr("damper_estimator.workflows.improvement.improved", fails_for_the_second)
     assert main([str(word) for word in ("improve", bag, "-m", model_file, *files, *pages)]) == 1
     assert {path.name for path in tmp_path.iterdir()} == kept
 

@@ -54,7 +54,7 @@ def test_passages_of_one_recording_count_what_arrived_once(viscous, motion, meas
 
 
 def test_the_record_has_the_documented_keys_and_is_plain(viscous, motion, measured):
-    from damper_estimator.cli.common import plain
+    from damper_estimator.files import plain
 
     record = compare(viscous, measured(*motion(), double)).record()
     assert KEYS <= set(record)

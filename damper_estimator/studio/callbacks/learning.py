@@ -14,7 +14,7 @@ from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.explained import explained_figure
 from damper_estimator.studio.page import EMPTY
-from damper_estimator.studio.paint import as_tall_as, painted
+from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.studio.sessions import Sessions
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import Bag
 from damper_estimator.signals import Channel, DamperSignals, SignalMap, default_signals, measure
-from damper_estimator.validation.suitability import excitation
+from damper_estimator.validation import excitation
 
 WORDS = {
     "force": re.compile(r"force|effort|gauge|gage|strain|load|wrench|(?:^|[/_.])f(?:$|[/_.\[])", re.I),

@@ -1,0 +1,113 @@
+"""Characteristic diagrams of dampers, their pattern types, and the model structure that they call for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from damper_estimator.characterization import (
+    Characterization,
+    Diagram,
+    QuasiStatic,
+    characterize as characterized,
+    peaks,
+    quasi_static,
+    record,
+    structure_model,
+)
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel
+from damper_estimator.workflows.recording import Recording
+from damper_estimator.workflows.results import Results
+
+
+@dataclass(frozen=True)
+class DamperCharacterized:
+    """One damper: its diagrams, and the quasi-static force that was taken from everything first (None: none was)."""
+
+    found: Characterization
+    slow: QuasiStatic | None
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class CharacterizationResults(Results[DamperCharacterized]):
+    """Diagrams and pattern types by damper."""
+
+    @property
+    def characterization(self) -> Characterization:
+        """All that was found about one damper."""
+        return self.only.found
+
+    @property
+    def diagrams(self) -> tuple[Diagram, ...]:
+        """The operating points: mean loops of force over displacement, velocity and acceleration."""
+        return tuple(self.only.found.diagrams)
+
+    @property
+    def structure(self) -> DamperModel:
+        """The structure that the pattern types call for, as a model to fit.
+
+        Raises:
+            InputError: where no frequency band has a type.
+        """
+        return structure_of(self.only.found)
+
+    def page(self) -> str:
+        """One self-contained HTML page with the diagrams."""
+        from damper_estimator.report import characteristic_page
+
+        return characteristic_page([own.found for own in self.by_damper.values()])
+
+    def _record(self, own: DamperCharacterized) -> dict[str, object]:
+        return record(own.found)
+
+    def _line(self, own: DamperCharacterized) -> str:
+        types = [f"{b.low:g} to {b.high:g} Hz type {b.passive}" for b in own.found.bands if b.passive is not None]
+        return f"{len(own.found.diagrams)} operating points, {', '.join(types) or 'no type'}"
+
+    def _rows(self, own: DamperCharacterized) -> list[dict[str, object]]:
+        return [peaks(diagram.loop) for diagram in own.found.diagrams]
+
+    def _figure(self, own: DamperCharacterized) -> Mapping[str, object]:
+        from damper_estimator.report import loops_over_velocity
+
+        return loops_over_velocity(own.found.diagrams)
+
+
+def characterize(
+    recording: Recording, *, subtract: Recording | None = None, slow: Recording | None = None
+) -> CharacterizationResults:
+    """Averages the cycles of each frequency, amplitude and command, and names the type of their patterns.
+
+    Args:
+        recording: sines, or a sweep; dampers without a force are left out.
+        subtract: the same motion at another setting (current, pressure, adjuster).
+        slow: a slow test (about 5 mm/s) whose force over displacement is taken from everything first.
+
+    Raises:
+        InputError: one line; without a measured force, and without a whole cycle.
+    """
+    found = {}
+    for damper, measurements in recording.with_force("characterize").measurements.items():
+        others = [] if subtract is None else _of(subtract, damper)
+        still = None if slow is None else quasi_static(_of(slow, damper)[0])
+        found[damper] = DamperCharacterized(characterized(measurements, others, still), still)
+    return CharacterizationResults({"bags": list(recording.names)}, found)
+
+
+def structure_of(found: Characterization) -> DamperModel:
+    """The structure of a damper's patterns as a model.
+
+    Raises:
+        InputError: where no frequency band has a type.
+    """
+    if found.structure is None:
+        raise InputError(
+            f"{found.recordings[0]}: no band of damper {found.damper} has a type, so no structure follows; "
+            "drive sines between 0.5 and 15 Hz"
+        )
+    return structure_model(found.structure)
+
+
+def _of(recording: Recording, damper: str) -> list:
+    return list(recording.of(damper).with_force("characterize").measurements[damper])

@@ -1,0 +1,241 @@
+"""Identification: the parameters with which a model agrees best with what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+
+from damper_estimator.errors import InputError
+from damper_estimator.files import write_text
+from damper_estimator.identification import Fit, FittedParameter, Front, Wishes, fit as identified
+from damper_estimator.model import DamperModel, save_model
+from damper_estimator.signals import Measurement
+from damper_estimator.workflows.models import ModelLike, model_name, models_for
+from damper_estimator.workflows.recording import Recording
+from damper_estimator.workflows.results import Results
+
+Limits = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """How to identify.
+
+    Attributes:
+        free: addresses or patterns to identify although the model fixes them.
+        fix: to leave as they are; ``free`` wins over ``fix``.
+        limits: lowest and highest value by address, narrower than the declared bounds.
+        method: one of ``damper_estimator.identification.all_methods()``.
+        seed: of the start values that are drawn.
+        groups: for several objectives, recordings by the objective's name; empty forms them from the recordings.
+        pick: which point of the front becomes the model: ``knee``, a group's name, or a number.
+        front: points found before, to pick from without a search.
+        population, generations: of evolutionary methods; None for the method's default.
+    """
+
+    free: tuple[str, ...] = ()
+    fix: tuple[str, ...] = ()
+    limits: Limits | None = None
+    method: str = "least_squares"
+    seed: int = 0
+    groups: Mapping[str, tuple[str, ...]] | None = None
+    pick: str = "knee"
+    front: Front | None = None
+    population: int | None = None
+    generations: int | None = None
+
+    def wishes(self, tell: Callable[[str], None]) -> Wishes:
+        """What the method is given."""
+        return Wishes(
+            seed=self.seed, progress=tell, groups=self.groups or {}, pick=self.pick, front=self.front,
+            generations=self.generations, population=self.population,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ModelFitted:
+    """One damper: the model as it was given, what was identified, and on what."""
+
+    start: DamperModel
+    fit: Fit
+    measurements: tuple[Measurement, ...]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FitResults(Results[ModelFitted]):
+    """Identified models and how far they can be trusted, by damper.
+
+    For one damper (``result["front_left"]`` where there are several) its model and numbers are at hand.
+    """
+
+    @property
+    def model(self) -> DamperModel:
+        """The model with the identified values."""
+        return self.fit.model
+
+    @property
+    def models(self) -> dict[str, DamperModel]:
+        """The models of all dampers by name; ``compare`` and the others take that."""
+        return {damper: own.fit.model for damper, own in self.by_damper.items()}
+
+    @property
+    def fit(self) -> Fit:
+        """All that was identified of one damper."""
+        return self.only.fit
+
+    @property
+    def parameters(self) -> tuple[FittedParameter, ...]:
+        """What was identified, with standard errors."""
+        return self.fit.parameters
+
+    @property
+    def rmse_n(self) -> float:
+        """rms error in band over the recordings that were fitted to, N."""
+        return self.fit.rmse_n
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know about the result, one sentence each."""
+        return self.fit.warnings
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the model (``.yaml``; several dampers: a folder with one ``DAMPER.yaml`` each), or the record (``.json``).
+
+        Raises:
+            InputError: for another ending, and where it cannot be written.
+        """
+        path = Path(path)
+        if path.suffix == ".json":
+            return super().save(path)
+        if path.suffix and path.suffix not in (".yaml", ".yml"):
+            raise InputError(f"{path}: cannot hold a model; give a name that ends in .yaml, or a folder")
+        for damper, target in output_paths(path, list(self)).items():
+            save_fit(self.by_damper[damper].fit, target)
+        return path
+
+    def _record(self, own: ModelFitted) -> dict[str, object]:
+        return fit_record(own.fit, None)
+
+    def _line(self, own: ModelFitted) -> str:
+        fit = own.fit
+        return f"{fit.model.name}, {len(fit.parameters)} parameters, {fit.rmse_before_n:.4g} -> {fit.rmse_n:.4g} N rms"
+
+    def _rows(self, own: ModelFitted) -> list[dict[str, object]]:
+        return [asdict(parameter) for parameter in own.fit.parameters]
+
+    def _figure(self, own: ModelFitted) -> Mapping[str, object]:
+        from damper_estimator.report import forces_figure
+        from damper_estimator.validation import compare as compared
+
+        models = (replace(own.start, name=f"{own.start.name} as given"), own.fit.model)
+        return forces_figure([compared(model, *own.measurements) for model in models])
+
+
+def fit(
+    recording: Recording,
+    model: ModelLike,
+    *,
+    free: Iterable[str] = (),
+    fix: Iterable[str] = (),
+    limits: Limits | None = None,
+    method: str = "least_squares",
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> FitResults:
+    """Identifies a model's free parameters, for each damper on all its recordings together.
+
+    Args:
+        recording: what was measured; dampers without a force are left out.
+        model: the start: a name of the library, a model file, a folder with one ``DAMPER.yaml`` each, a model, or a
+            mapping of these by damper.
+        free, fix: addresses such as ``coulomb.force``, whole effects, or patterns with ``*`` and ``?``: to identify
+            although the model fixes them, and to leave as they are; ``free`` wins.
+        limits: lowest and highest value by address.
+        method: ``least_squares``, or another that ``damper-estimator fit --help`` lists.
+        seed: of the start values that are drawn; equal seeds give equal results.
+        progress: receives a line from time to time.
+
+    Raises:
+        InputError: one line; without a measured force, for a model that cannot be used, and for too few samples.
+    """
+    options = FitOptions(tuple(free), tuple(fix), limits, method, seed)
+    return fit_with(recording, model, options, progress or _silent)
+
+
+def fit_with(recording: Recording, model: ModelLike, options: FitOptions, tell: Callable[[str], None]) -> FitResults:
+    """``fit`` with all options; ``tell`` receives a line from time to time."""
+    measured = recording.with_force("fit")
+    models = models_for(model, measured.dampers)
+    found = {}
+    for damper, measurements in measured.measurements.items():
+        start, count = models[damper], len(measurements)
+        tell(f"{damper}: fitting {start.name} to {count} recording{'s' if count > 1 else ''}")
+        fitted = identified(
+            start, measurements, options.free, options.fix, options.method, options.seed,
+            wishes=options.wishes(tell), limits=options.limits,
+        )  # fmt: skip
+        found[damper] = ModelFitted(start, fitted, measurements)
+    return FitResults({"bags": list(recording.names), "model": model_name(model)}, found)
+
+
+def fit_record(fit: Fit, target: Path | None) -> dict[str, object]:
+    """A fit for JSON: the fields of ``Fit``, with the model's name and file (None where it was not written)."""
+    plain = {
+        field.name: getattr(fit, field.name)
+        for field in fields(fit)
+        if field.name not in ("model", "parameters", "front")
+    }
+    if fit.front is not None:
+        plain["front"] = _front_record(fit.front, target)
+    return {"model": fit.model.name, "file": target, **plain, "parameters": [asdict(p) for p in fit.parameters]}
+
+
+def _front_record(front: Front, target: Path | None) -> dict[str, object]:
+    return {
+        "file": None if target is None else target.with_suffix(".front.csv"),
+        "picked": front.picked,
+        "knee": front.row("knee"),
+        "groups": list(front.groups),
+        "excitations": list(front.excitations),
+        "parameters": list(front.names),
+        "values": front.values,
+        "objectives": front.objectives,
+        "regimes": front.regimes(),
+    }
+
+
+def save_fit(fit: Fit, target: Path) -> None:
+    """Writes the model, and its front beside it where there is one.
+
+    Raises:
+        InputError: where it cannot be written.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    save_model(fit.model, target)
+    if fit.front is not None:
+        from damper_estimator.report import front_page
+
+        front = fit.front
+        write_text(target.with_suffix(".front.csv"), front.as_csv())
+        page = front_page(fit.model.name, front.groups, front.objectives, front.picked, front.regimes())
+        write_text(target.with_suffix(".front.html"), page)
+
+
+def output_paths(output: Path, dampers: Sequence[str]) -> dict[str, Path]:
+    """Where each damper's model goes: into the folder ``output``, or to the file ``output`` where there is one damper.
+
+    Raises:
+        InputError: for one file and several dampers.
+    """
+    if output.is_dir() or (len(dampers) > 1 and output.suffix not in (".yaml", ".yml")):
+        return {damper: output / f"{damper}.yaml" for damper in dampers}
+    if len(dampers) > 1:
+        raise InputError(
+            f"{output}: is one file, but there are dampers {', '.join(dampers)}; name a folder, or choose one with -d"
+        )
+    return {dampers[0]: output}
+
+
+def _silent(text: str) -> None:
+    """Tells nobody."""

@@ -1,0 +1,155 @@
+"""What is in a recording, how good it is, a proposed signal map, and whether it can identify a damper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.recordings import Bag, open_bag
+from damper_estimator.signals import (
+    DEFAULT_MAX_GAP,
+    Rest,
+    SignalMap,
+    find_rests,
+    measure,
+    read_channels,
+    signals_for,
+)
+from damper_estimator.validation import (
+    ChannelQuality,
+    DataFinding,
+    Excitation,
+    Verdict,
+    channel_quality,
+    data_findings,
+    excitation,
+    verdict,
+)
+from damper_estimator.workflows.map_proposal import propose
+from damper_estimator.workflows.taring import ordered
+
+
+@dataclass(frozen=True)
+class TopicFacts:
+    """A topic: name, type, number of messages, and their rate by log time in Hz (NaN for fewer than two)."""
+
+    name: str
+    type: str
+    messages: int
+    rate_hz: float
+
+
+@dataclass(frozen=True)
+class DamperInspected:
+    """One damper.
+
+    Attributes:
+        quality: of displacement and force, by role, as far as they were recorded.
+        excitation: how it was moved.
+        ranges: smallest and largest value of each slow channel, by role.
+        rests: stretches of standstill.
+        findings: mistakes of the measurement chain that the recording shows by itself.
+        verdict: whether it can identify a damper, and what to drive next.
+    """
+
+    quality: Mapping[str, ChannelQuality]
+    excitation: Excitation
+    ranges: Mapping[str, tuple[float, float]]
+    rests: tuple[Rest, ...]
+    findings: tuple[DataFinding, ...]
+    verdict: Verdict
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            **{role: own.record() for role, own in self.quality.items()},
+            "excitation": self.excitation.record(),
+            "ranges": {role: list(own) for role, own in self.ranges.items()},
+            "rests": [{"from": rest.start, "to": rest.end} for rest in self.rests],
+            "findings": [finding.record() for finding in self.findings],
+            "verdict": self.verdict.record(),
+        }
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """A recording: its topics, the signal map that was used or proposed, what was guessed for it, and its dampers."""
+
+    topics: tuple[TopicFacts, ...]
+    signal_map: SignalMap
+    guesses: tuple[str, ...]
+    dampers: Mapping[str, DamperInspected]
+
+    def to_dict(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "topics": [asdict(topic) for topic in self.topics],
+            "guesses": self.guesses,
+            "dampers": {name: own.record() for name, own in self.dampers.items()},
+        }
+
+
+def inspect(path: Path, signal_map: SignalMap | None = None, dampers: Sequence[str] = ()) -> Inspection:
+    """Looks into a recording.
+
+    Args:
+        signal_map: None proposes one.
+        dampers: which; empty for all.
+
+    Raises:
+        InputError: for a recording that cannot be read, and dampers that it does not have.
+    """
+    with open_bag(path) as bag:
+        topics = _topics(bag)
+        if signal_map is None:
+            proposal = propose(bag)
+            used, guesses = proposal.signal_map, proposal.guesses
+        else:
+            used, guesses = signals_for(bag, signal_map), ()
+        for name in dampers:
+            signals_for(bag, used, name)
+        names = [name for name in used.dampers if not dampers or name in dampers]
+        return Inspection(topics, used, guesses, {name: _inspected(bag, used, name) for name in names})
+
+
+def _topics(bag: Bag) -> tuple[TopicFacts, ...]:
+    ends: dict[str, tuple[int, int]] = {}
+    for batch in bag.batches():
+        for connection, log, _ in batch.raw():
+            first, last = ends.get(connection.topic, (log, log))
+            ends[connection.topic] = (min(first, log), max(last, log))
+    topics = []
+    for topic in bag.topics:
+        first, last = ends.get(topic.name, (0, 0))
+        rate = (topic.messages - 1) / ((last - first) * 1e-9) if last > first else float("nan")
+        topics.append(TopicFacts(topic.name, topic.type, topic.messages, rate))
+    return tuple(topics)
+
+
+def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
+    signals = signal_map.dampers[name]
+    data = read_channels(bag, signals.channels())
+    if "displacement" not in data:
+        raise InputError(
+            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}, "
+            f"{signals.displacement.field})"
+        )
+    quality = {
+        role: channel_quality(own.stamp, own.value, DEFAULT_MAX_GAP)
+        for role, own in data.items()
+        if role in ("displacement", "force")
+    }
+    measurement = measure(bag, signal_map, name, force_wanted=False)
+    moved, findings = excitation(measurement), data_findings(None, [measurement])
+    rests = find_rests(*(array for role in quality for array in ordered(data[role])))
+    ranges = {
+        role: (float(np.nanmin(own.value)), float(np.nanmax(own.value)))
+        for role, own in data.items()
+        if role not in quality
+    }
+    judged = verdict(moved, quality["displacement"], quality.get("force"), bool(rests))
+    return DamperInspected(quality, moved, ranges, rests, tuple(findings), judged)

@@ -1,0 +1,43 @@
+"""Which model is meant: a name of the library, a file, a folder, a model, or one of these for each damper."""
+
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel, load_model
+
+ModelSource = str | PathLike[str] | DamperModel
+ModelLike = ModelSource | Mapping[str, ModelSource]
+"""A model, the name of one in the library, a model file, a folder with one DAMPER.yaml each, or these by damper."""
+
+
+def model_for(model: ModelLike, damper: str) -> DamperModel:
+    """The model of one damper.
+
+    Raises:
+        InputError: where there is none, or its file cannot be used.
+    """
+    if isinstance(model, DamperModel):
+        return model
+    if not isinstance(model, Mapping):
+        return load_model(Path(model) if isinstance(model, PathLike) else model, damper)
+    if damper not in model:
+        raise InputError(f"models: none for damper {damper}; there are models for {', '.join(model) or 'no damper'}")
+    return model_for(model[damper], damper)
+
+
+def models_for(model: ModelLike, dampers: Iterable[str]) -> dict[str, DamperModel]:
+    """The model of each damper.
+
+    Raises:
+        InputError: as ``model_for``.
+    """
+    return {damper: model_for(model, damper) for damper in dampers}
+
+
+def model_name(model: ModelLike) -> object:
+    """What a record says of a model that was given: its name or path as given, or that of each damper."""
+    if isinstance(model, Mapping):
+        return {damper: model_name(own) for damper, own in model.items()}
+    return model.name if isinstance(model, DamperModel) else str(model)

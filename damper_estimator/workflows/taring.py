@@ -1,0 +1,117 @@
+"""Finding rest in a recording, and zeroing gauge and displacement in a signal map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from damper_estimator.errors import InputError
+from damper_estimator.recordings import Bag, open_bag
+from damper_estimator.signals import (
+    LEAST_SECONDS,
+    Channel,
+    ChannelData,
+    DamperSignals,
+    Rest,
+    SignalMap,
+    find_rests,
+    read_channels,
+    signals_for,
+)
+
+
+@dataclass(frozen=True)
+class Tared:
+    """One damper: its rests, the longest first, and its entry of the signal map before and after."""
+
+    rests: tuple[Rest, ...]
+    before: DamperSignals
+    after: DamperSignals
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        longest = self.rests[0]
+        return {
+            "rest": {"from": longest.start, "to": longest.end},
+            "displacement_was_m": longest.displacement,
+            "force_was_n": longest.force - self.before.preload,
+            "displacement_offset": self.after.displacement.offset,
+            "force_offset": self.after.force.offset,
+            "other_rests": [
+                {
+                    "from": rest.start,
+                    "to": rest.end,
+                    "displacement_m": rest.displacement - longest.displacement,
+                    "force_n": rest.force - longest.force,
+                }
+                for rest in sorted(self.rests[1:], key=lambda rest: rest.start)
+            ],
+        }
+
+
+@dataclass(frozen=True)
+class Tare:
+    """The signal map with offsets that make the rests zero, and what was found for each damper."""
+
+    signal_map: SignalMap
+    dampers: Mapping[str, Tared]
+
+    def to_dict(self) -> dict[str, object]:
+        """For JSON."""
+        return {"dampers": {name: own.record() for name, own in self.dampers.items()}}
+
+
+def tare(path: Path, signal_map: SignalMap, dampers: Sequence[str] = ()) -> Tare:
+    """Sets offsets so that in the longest rest the displacement is zero, and the damper's force as well.
+
+    Args:
+        dampers: which; empty for all. The others keep their entries.
+
+    Raises:
+        InputError: where there is no displacement, or no rest.
+    """
+    with open_bag(path) as bag:
+        whole = signals_for(bag, signal_map)
+        for name in dampers:
+            signals_for(bag, whole, name)
+        found = {name: _tared(bag, name, whole.dampers[name]) for name in dampers or whole.dampers}
+    entries = {**whole.dampers, **{name: own.after for name, own in found.items()}}
+    return Tare(replace(whole, dampers=entries), found)
+
+
+def _tared(bag: Bag, name: str, signals: DamperSignals) -> Tared:
+    data = read_channels(bag, {"displacement": signals.displacement, "force": signals.force})
+    if "displacement" not in data:
+        raise InputError(
+            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); mend the signal map"
+        )
+    moved = ordered(data["displacement"])
+    force = ordered(data["force"]) if "force" in data else (None, None)
+    rests = sorted(find_rests(*moved, *force), key=lambda rest: -rest.seconds)
+    if not rests:
+        what = "displacement and force are" if "force" in data else "the displacement is"
+        raise InputError(
+            f"{bag.path}: damper {name} is never at rest ({what} nowhere quiet for {LEAST_SECONDS:g} s); "
+            "record some seconds of standstill, or give offsets in the signal map"
+        )
+    zeroed = replace(signals, displacement=_shifted(signals.displacement, -rests[0].displacement))
+    if "force" in data:
+        zeroed = replace(zeroed, force=_shifted(signals.force, signals.preload - rests[0].force))
+    return Tared(tuple(rests), signals, zeroed)
+
+
+def ordered(data: ChannelData) -> tuple[np.ndarray, np.ndarray]:
+    """The finite values of a channel by rising stamp: stamps (n,) ns and values (n,)."""
+    good = np.isfinite(data.value)
+    order = np.argsort(data.stamp[good], kind="stable")
+    return data.stamp[good][order], data.value[good][order]
+
+
+def _shifted(channel: Channel, by: float) -> Channel:
+    if channel.table is not None:
+        raw, value = channel.table
+        return replace(channel, table=(raw, tuple(float(v) + by for v in value)), given=True)
+    return replace(channel, offset=float(channel.offset + by), given=True)
