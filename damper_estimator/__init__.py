@@ -1,3 +1,62 @@
-"""Damper force estimation in real time, and the reasons why an estimate is wrong."""
+"""Damper force estimation in real time, and the reasons why an estimate is wrong.
+
+    import damper_estimator as de
+
+    recording = de.read("drive.mcap")
+    model = de.fit(recording, "carrera_akutain").model
+    result = de.compare(recording, model)
+    found = de.diagnose(recording, model)
+
+Everything is in SI units; displacement is positive in extension, force positive where it resists extension. Results
+show themselves in notebooks and have ``figure()``, ``to_dict()``, ``to_dataframe()`` and ``save(path)``. With several
+dampers a result is a mapping by name. What cannot be used raises ``InputError`` with one line. The names below are
+imported when they are used; docs/python.md is the tour.
+"""
+
+from typing import TYPE_CHECKING
+
+from damper_estimator.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from damper_estimator.errors import InputError
+    from damper_estimator.model import DamperModel, library_models, load_model, save_model
+    from damper_estimator.signals import SignalMap, load_signal_map, save_signal_map
+    from damper_estimator.workflows import (
+        ComparisonResults,
+        DiagnosisResults,
+        FitResults,
+        ImprovementResults,
+        Recording,
+        ReplayResults,
+        compare,
+        diagnose,
+        fit,
+        improve,
+        read,
+        replay,
+    )
 
 __version__ = "0.1.0"
+__all__ = [
+    "ComparisonResults",
+    "DamperModel",
+    "DiagnosisResults",
+    "FitResults",
+    "ImprovementResults",
+    "InputError",
+    "Recording",
+    "ReplayResults",
+    "SignalMap",
+    "compare",
+    "diagnose",
+    "fit",
+    "improve",
+    "library_models",
+    "load_model",
+    "load_signal_map",
+    "read",
+    "replay",
+    "save_model",
+    "save_signal_map",
+]
+__getattr__, __dir__ = lazy_names(__name__, __file__)

@@ -5,7 +5,7 @@ from damper_estimator.report.comparison_page import Section, comparison_page, da
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.diagnosis_page import DiagnosisSection, diagnosis_page, diagnosis_section
 from damper_estimator.report.diagnosis_wording import mend_rows, plain_name, step_name
-from damper_estimator.report.forces import forces_figure, plotly_figure
+from damper_estimator.report.forces import estimates_figure, forces_figure, plotly_figure
 from damper_estimator.report.front_page import front_page
 from damper_estimator.report.improvement_page import improvement_page, improvement_section
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
@@ -18,6 +18,7 @@ __all__ = [
     "damper_section",
     "diagnosis_page",
     "diagnosis_section",
+    "estimates_figure",
     "forces_figure",
     "front_page",
     "improvement_page",

@@ -50,6 +50,25 @@ def forces_figure(comparisons: Sequence[Comparison]) -> dict[str, object]:
     return {"data": data, "layout": layout, "height": _HEIGHT}
 
 
+def estimates_figure(time: np.ndarray, force: np.ndarray, at: np.ndarray, residual: np.ndarray) -> dict[str, object]:
+    """Estimated force over time, and the residual below where a force was measured.
+
+    Args:
+        time, force: (n,) s and N.
+        at, residual: (m,) s and N; empty without a measured force.
+    """
+    rows = min_max_rows([force], _MOST)
+    data = [line(time[rows], force[rows], "estimate", "@model0")]
+    layout: dict[str, object] = {"xaxis": axis("time in s"), "yaxis": axis("force in N")}
+    if residual.size:
+        shown = min_max_rows([residual], _MOST)
+        data.append(line(at[shown], residual[shown], "residual", "@error", yaxis="y2"))
+        layout["xaxis"] = axis("time in s", anchor="y2")
+        layout["yaxis"] = axis("force in N", domain=[0.42, 1.0])
+        layout["yaxis2"] = axis("estimate - measured in N", domain=[0.0, 0.36], zerolinecolor=GREY)
+    return {"data": data, "layout": layout, "height": _HEIGHT}
+
+
 def plotly_figure(figure: Mapping[str, object]) -> PlotlyFigure:
     """A figure of the report as one of Plotly's, in the light theme on white."""
     from plotly.graph_objects import Figure as PlotlyFigure

@@ -1,6 +1,6 @@
 """From stamps to samples: signal maps, the filter that differentiates, and measurements ready for comparison."""
 
-from damper_estimator.signals.admission import DEFAULT_MAX_GAP, Counts
+from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Counts
 from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, find_topic, read_channels, signals_for
 from damper_estimator.signals.fusion import Fusion
@@ -20,6 +20,7 @@ from damper_estimator.signals.signal_map import (
 
 __all__ = [
     "DEFAULT_MAX_GAP",
+    "DUPLICATE",
     "Channel",
     "ChannelData",
     "Counts",

@@ -46,6 +46,9 @@ if TYPE_CHECKING:
     from damper_estimator.workflows.models import ModelLike, model_for, models_for
     from damper_estimator.workflows.reading import Reader, opened, read, signal_map_of
     from damper_estimator.workflows.recording import Recording, in_words, no_force
+    from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, replay_bag, replay_to
+    from damper_estimator.workflows.replay_line import Tally
+    from damper_estimator.workflows.replaying import ReplayResults, replay
     from damper_estimator.workflows.taring import Tare, tare
 
 __all__ = [
@@ -67,6 +70,10 @@ __all__ = [
     "ModelsCompared",
     "Reader",
     "Recording",
+    "ReplayOptions",
+    "ReplayResults",
+    "ReplaySetup",
+    "Tally",
     "Tare",
     "asked",
     "characterize",
@@ -91,6 +98,9 @@ __all__ = [
     "output_paths",
     "page_title",
     "read",
+    "replay",
+    "replay_bag",
+    "replay_to",
     "save_fit",
     "signal_map_of",
     "structure_of",

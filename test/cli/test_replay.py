@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from damper_estimator.cli.main import main
-from damper_estimator.cli.replay import Replay
 from damper_estimator.model import load_model
 from damper_estimator.recordings import BagWriter, joint_states, open_bag
 from damper_estimator.runtime import DamperEstimator, deployed
 from damper_estimator.signals import SignalMap, load_signal_map, measure
 from damper_estimator.signals.channels import signals_for
+from damper_estimator.workflows import ReplaySetup, replay_bag
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FORCE, RESIDUAL = "/damper_estimator/force", "/damper_estimator/residual"
@@ -67,7 +67,7 @@ def test_the_size_of_blocks_changes_no_bit(size, driven, model_file, tmp_path):
     with open_bag(bag) as opened, BagWriter(tmp_path / "parts.mcap") as writer:
         chosen = signals_for(opened, SignalMap())
         models = {name: load_model(model_file) for name in chosen.dampers}
-        Replay(opened, chosen, models, 0.1, None, None).write(writer, size)
+        replay_bag(opened, ReplaySetup(chosen, models), writer, size=size)
     for topic, fields in ((FORCE, paths), (RESIDUAL, ["effort[front_left]", "effort[front_right]"])):
         one, other = (read(path, topic, *fields) for path in (whole, tmp_path / "parts.mcap"))
         assert np.array_equal(one.stamp, other.stamp) and np.array_equal(one.log, other.log)
