@@ -5,7 +5,7 @@ class InputError(Exception):
     """The user's input cannot be used; the text says which file, what is wrong and what to do.
 
     The command line prints it on one line and exits with status 1; the node refuses to start with it.
-    Anything else that is raised is a bug of ours and keeps its traceback.
+    Anything else that is raised is a bug of ours; the command line writes its traceback to a file and names that file.
     """
 
     def __init__(self, text: str) -> None:

@@ -30,7 +30,7 @@ def main(words: Sequence[str] | None = None) -> int:
         words: the command line after the program's name; None takes the process's own.
 
     Returns:
-        The exit status: 0 done, 1 the input is unusable, 2 wrong usage, 130 interrupted, 141 the reader of our
+        The exit status: 0 done, 1 the input is unusable or we have a bug, 2 wrong usage, 130 interrupted, 141 the reader of our
         output left.
     """
     words = list(sys.argv[1:] if words is None else words)
@@ -50,6 +50,10 @@ def main(words: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"{PROGRAM}: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except Exception as error:  # a bug of ours
+        from damper_estimator.cli.internal_error import internal_error
+
+        return _refuse(internal_error(error, words))
 
 
 def _refuse(reason: str) -> int:

@@ -5,6 +5,7 @@ import errno
 import subprocess
 import sys
 import types
+from pathlib import Path
 
 import pytest
 
@@ -107,10 +108,46 @@ def test_an_interrupt_is_one_line_and_status_130(verb, capsys):
     assert capsys.readouterr().err == "damper-estimator: interrupted\n"
 
 
-def test_our_own_bugs_keep_their_traceback(verb):
+@pytest.fixture
+def bug(verb, monkeypatch, tmp_path):
+    """A verb with a bug, and a home and a folder for temporary files that are this test's own."""
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
     verb(lambda arguments: 1 // 0)
-    with pytest.raises(ZeroDivisionError):
-        command_line.main(["probe"])
+
+
+def told(capsys):
+    """The one line on standard error, and the file that it names."""
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1 and line.startswith("damper-estimator: internal error: ZeroDivisionError")
+    return Path(line.partition("details are in ")[2].partition(";")[0])
+
+
+def test_a_bug_of_ours_is_one_line_with_status_1_and_its_details_lie_in_a_file(bug, tmp_path, capsys):
+    assert command_line.main(["probe", "--count", "7"]) == 1
+    path = told(capsys)
+    assert path.parent == tmp_path / "home" / ".local" / "state" / "damper_estimator"
+    details = path.read_text()
+    assert "Traceback" in details and "1 // 0" in details and "'probe' '--count' '7'" in details
+    assert __version__ in details
+
+
+def test_the_details_of_a_bug_are_kept_where_the_home_cannot_be_written_to(bug, tmp_path, capsys):
+    (tmp_path / "home").write_text("a file: nothing can be written below it")
+    assert command_line.main(["probe"]) == 1
+    path = told(capsys)
+    assert path.parent == tmp_path / "temporary" / "damper_estimator" and "Traceback" in path.read_text()
+
+
+def test_the_details_of_a_bug_are_printed_where_no_file_can_be_written(bug, tmp_path, capsys):
+    (tmp_path / "home").write_text("")
+    (tmp_path / "temporary").rmdir()
+    (tmp_path / "temporary").write_text("")
+    assert command_line.main(["probe"]) == 1
+    shown = capsys.readouterr().err
+    assert "1 // 0" in shown and shown.splitlines()[-1].endswith("please send them")
 
 
 def test_a_reader_that_leaves_early_causes_no_complaint():

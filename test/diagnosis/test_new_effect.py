@@ -1,6 +1,5 @@
 """A phenomenon that nobody knew of is one new file, and is then found on data."""
 
-import numpy as np
 import pytest
 from faults import changed, halves
 
@@ -63,6 +62,4 @@ def test_one_new_file_is_found_on_data(latch, user_model, base):
     own = diagnose(user_model, [fit], [unseen])
     assert own.verdict == "missing"
     assert own.findings[0].phenomenon == "latch" and own.findings[0].effect == "magnet_latch"
-    assert own.findings[0].test_to_separate.endswith("a slow stroke through the middle.") or np.char.find(
-        own.findings[0].test_to_separate, "slow stroke"
-    )
+    assert "slow stroke" in own.findings[0].test_to_separate

@@ -1,0 +1,57 @@
+"""What becomes of an exception that nobody expected: its details in a file, one line for the user."""
+
+import os
+import platform
+import sys
+import tempfile
+import traceback
+from collections.abc import Iterator, Sequence
+from datetime import datetime
+from pathlib import Path
+
+from damper_estimator import __version__
+
+
+def internal_error(error: BaseException, words: Sequence[str]) -> str:
+    """The line to print; the traceback goes to a file, to standard error only where no file can be written.
+
+    Args:
+        words: the command line after the program's name.
+    """
+    told = f"internal error: {type(error).__name__}: {error}"
+    details = "".join(traceback.format_exception(error))
+    place = _written(
+        f"damper_estimator {__version__}, Python {sys.version}, {platform.platform()}\n"
+        f"damper-estimator {' '.join(map(repr, words))}\n\n{details}"
+    )
+    if place is None:
+        print(details, file=sys.stderr)
+        return f"{told}; no file could be written, so the details stand above; please send them"
+    return f"{told}; the details are in {place}; please send this file, and the recording if you may"
+
+
+def _written(text: str) -> Path | None:
+    """The file that holds the text; None where none of the folders can be written to."""
+    name = f"error_{datetime.now():%Y-%m-%d_%H-%M-%S}_{os.getpid()}.txt"
+    for folder in _folders():
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text, encoding="utf-8", errors="backslashreplace")
+        except OSError:
+            continue
+        return folder / name
+    return None
+
+
+def _folders() -> Iterator[Path]:
+    """Where the file may go: the user's folder for state, then that for temporary files."""
+    state = os.environ.get("XDG_STATE_HOME")
+    if state:
+        yield Path(state) / "damper_estimator"
+    home = os.environ.get("HOME")
+    if home:
+        yield Path(home) / ".local" / "state" / "damper_estimator"
+    try:
+        yield Path(tempfile.gettempdir()) / "damper_estimator"
+    except FileNotFoundError:  # none that can be written to
+        return
