@@ -24,13 +24,13 @@ from distributed import Client
 from hour_bag import write_hour
 
 from damper_estimator import __version__
-from damper_estimator.cli.fleet_work import work
 from damper_estimator.cli.synth_files import DISPLACEMENT, EPOCH, FORCE
 from damper_estimator.fleet.carry import carry_out
 from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.manifest import find_recordings
 from damper_estimator.fleet.rows import write_rows
 from damper_estimator.fleet.run import Asked, Fleet, Tally
+from damper_estimator.fleet.verbs import Compare, Diagnose, Fit, Replay, work
 from damper_estimator.plant import DAMPERS, Sensors, measure, simulate
 from damper_estimator.recordings import BagWriter, Stream, joint_states
 from damper_estimator.vehicle import drive
@@ -76,7 +76,7 @@ def run(client: Client, folder: Path, output: Path, tell=lambda tally: None) -> 
     """``fleet compare`` with pages over a folder, from nothing; the table at its end included."""
     rmtree(output, ignore_errors=True)
     recordings = find_recordings([str(folder / "**" / "*.mcap")])
-    fleet = Fleet(Asked("compare", (), MODEL, output), recordings, work, tell)
+    fleet = Fleet(Asked(Compare(), MODEL, output), recordings, work, tell)
     began = time.perf_counter()
     fleet.run(client)
     write_rows(output, "compare", fleet.tasks)
@@ -103,7 +103,7 @@ def _warm(path: str, folder: str) -> None:
 
     look = take_look(path, "", folder)
     facts = dict.fromkeys(("recording_checksum", "model_checksum", "signals_checksum", "vehicle"), look.checksum)
-    work(Task("compare", (), path, "front", "", MODEL, folder, True, facts))
+    work(Task(Compare(), path, "front", "", MODEL, folder, True, facts))
 
 
 def throughput(folder: Path, count: int) -> None:
@@ -217,10 +217,10 @@ def hour(folder: Path) -> None:
     path.parent.mkdir(parents=True)
     write_hour(path)
     size = path.stat().st_size / 1e6
-    for verb in ("compare", "fit", "diagnose", "replay"):
+    for options in (Compare(), Fit(), Diagnose(), Replay()):
         with connected(None, 1, CLUSTER) as client:
             fleet = Fleet(
-                Asked(verb, (), MODEL, folder / "out"),
+                Asked(options, MODEL, folder / "out"),
                 [replace(own, dampers=("front_left",)) for own in find_recordings([str(path)])],
                 work,
                 lambda tally: None,
@@ -228,9 +228,9 @@ def hour(folder: Path) -> None:
             fleet.run(client)
             (peak,) = client.run(peak_memory).values()
         assert fleet.tally.failed == 0
-        written = sum(path.stat().st_size for path in fleet.asked.output.rglob(f"*.{verb}.*")) / 1e6
+        written = sum(path.stat().st_size for path in fleet.asked.output.rglob(f"*.{options.verb}.*")) / 1e6
         told(
-            f"{verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.tally.seconds:.0f} s, peak {peak:.0f} "
+            f"{options.verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.tally.seconds:.0f} s, peak {peak:.0f} "
             f"MB, {written:.1f} MB written"
         )
 

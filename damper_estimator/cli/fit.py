@@ -31,7 +31,7 @@ from damper_estimator.cli.common import (
     write_json,
 )
 from damper_estimator.cli.fit_report import joint_table, table
-from damper_estimator.cli.limits import limits_of
+from damper_estimator.cli.fit_words import check_objectives, limits_of
 from damper_estimator.errors import InputError
 from damper_estimator.identification import all_methods, load_front, named
 from damper_estimator.workflows import (
@@ -129,11 +129,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _options(arguments: argparse.Namespace) -> FitOptions:
-    method = all_methods().get(arguments.method)
-    asked = [f"--{name}" for name in ("group", "pick", "front") if getattr(arguments, name)]
-    if method is not None and asked and not method.several:
-        several = ", ".join(name for name, own in all_methods().items() if own.several)
-        raise InputError(f"{', '.join(asked)}: {arguments.method} has a single objective; use --method {several}")
+    given = [f"--{name}" for name in ("group", "pick", "front") if getattr(arguments, name)]
+    check_objectives(arguments.method, given)
     return FitOptions(
         free=tuple(arguments.free),
         fix=tuple(arguments.fix),

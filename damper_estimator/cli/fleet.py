@@ -9,26 +9,25 @@ stops nothing: the exit status is 1 only where no task at all went well, or resu
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, add_models, add_signals, write_json
+from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, add_models, add_signals, add_window, write_json
+from damper_estimator.cli.fit_words import check_objectives, limits_of
 from damper_estimator.errors import InputError
+
+if TYPE_CHECKING:
+    from damper_estimator.fleet.task import Options
 
 _LISTED = 20  # failures that are printed
 
-# The options of each verb that its tasks take over.
-_WINDOW = {
-    "--from": {"metavar": "S", "type": float, "help": "leave out what is before, s from the start"},
-    "--to": {"metavar": "S", "type": float, "help": "leave out what is after, s from the start"},
-}
+# The options of each verb beside the window.
 _OPTIONS = {
-    "compare": _WINDOW,
-    "diagnose": _WINDOW
-    | {
+    "compare": {},
+    "diagnose": {
         "--keep-parameters": {"action": "store_true", "help": "the model's parameters were right: what is new?"},
         "--refit": {"action": "store_true", "help": "judge every effect refitted with the model"},
     },
-    "fit": _WINDOW
-    | {
+    "fit": {
         "--method": {"default": "least_squares", "help": "as of fit (default: %(default)s)"},
         "--free": {"metavar": "NAME", "action": "append", "default": [], "help": "identify although it is fixed"},
         "--fix": {"metavar": "NAME", "action": "append", "default": [], "help": "leave as it is; may be repeated"},
@@ -38,8 +37,7 @@ _OPTIONS = {
         "--generations": {"metavar": "N", "type": int, "help": "how many (evolutionary methods)"},
         "--pick": {"metavar": "POINT", "help": "of the front (--method nsga2): knee, or a group"},
     },
-    "replay": _WINDOW
-    | {"--max-gap": {"metavar": "S", "type": float, "help": "a longer gap between stamps resets the state"}},
+    "replay": {"--max-gap": {"metavar": "S", "type": float, "help": "a longer gap between stamps resets the state"}},
 }
 
 
@@ -57,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         add_models(command)
         command.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder of the results")
         add_signals(command)
+        add_window(command)
         for flag, settings in options.items():
             command.add_argument(flag, **settings)
         if verb == "fit":
@@ -99,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(
             f"fleet needs {error.name}, which is not installed: pip install 'damper_estimator[fleet]'"
         ) from error
-    done = run_fleet(arguments, _words(arguments))
+    done = run_fleet(arguments, _options(arguments))
     record = done.record()
     if arguments.json != STANDARD_OUTPUT:
         for fit in done.fits:
@@ -114,13 +113,28 @@ def run(arguments: argparse.Namespace) -> int:
     return 1 if record["tasks"] and record["failed"] == record["tasks"] else 0
 
 
-def _words(arguments: argparse.Namespace) -> tuple[str, ...]:
-    """The verb's own options as words."""
-    words: list[str] = []
-    for flag, settings in _OPTIONS[arguments.work].items():
-        value = getattr(arguments, flag.strip("-").replace("-", "_"))
-        if settings.get("action") == "store_true":
-            words += [flag] if value else []
-        else:
-            words += [f"{flag}={own}" for own in (value if isinstance(value, list) else [value]) if own is not None]
-    return tuple(words)
+def _options(arguments: argparse.Namespace) -> "Options":
+    """What is done with every recording."""
+    from damper_estimator.fleet.verbs import Compare, Diagnose, Fit, Replay
+    from damper_estimator.workflows import FitOptions
+
+    window = (arguments.start, arguments.stop)
+    if arguments.work == "diagnose":
+        kept, refit = arguments.keep_parameters, arguments.refit
+        return Diagnose(*window, "both" if kept == refit else "kept" if kept else "refit")
+    if arguments.work == "replay":
+        return Replay(*window, arguments.max_gap)
+    if arguments.work == "compare":
+        return Compare(*window)
+    check_objectives(arguments.method, ["--pick"] if arguments.pick else [])
+    how = FitOptions(
+        free=tuple(arguments.free),
+        fix=tuple(arguments.fix),
+        limits=limits_of(arguments.limit),
+        method=arguments.method,
+        seed=arguments.seed,
+        pick=arguments.pick or FitOptions.pick,
+        population=arguments.population,
+        generations=arguments.generations,
+    )
+    return Fit(*window, how)

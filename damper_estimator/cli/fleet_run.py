@@ -6,19 +6,21 @@ from pathlib import Path
 from time import monotonic
 
 from damper_estimator.cli.common import progress
-from damper_estimator.cli.fleet_joint import joint_models, with_models
-from damper_estimator.cli.fleet_work import PLOTLY, work
+from damper_estimator.cli.fit_report import table
 from damper_estimator.cli.work_line import WorkLine
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.fleet.cluster import connected, dashboard_of, threads_of
+from damper_estimator.fleet.joint_models import JointFits, JointModel
 from damper_estimator.fleet.manifest import find_recordings
 from damper_estimator.fleet.rows import failures_of, read_rows, write_rows
 from damper_estimator.fleet.run import Asked, Fleet, Tally
+from damper_estimator.fleet.task import Options
 from damper_estimator.fleet.trend import RULE, drifting
+from damper_estimator.fleet.verbs import PLOTLY, Compare, work
 from damper_estimator.model import load_model
 from damper_estimator.report.fleet_page import fleet_page
-from damper_estimator.report.page import save_plotly
+from damper_estimator.report import save_plotly
 
 _EVERY = 10.0  # s between two lines of progress where they cannot be written over
 
@@ -109,7 +111,7 @@ def _duration(seconds: float) -> str:
     return f"{seconds / 3600.0:.1f} h"
 
 
-def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
+def run_fleet(arguments: argparse.Namespace, options: Options) -> Done:
     """Does what is missing; table and page are made at the end, also where the work was interrupted.
 
     Raises:
@@ -118,7 +120,7 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
     began = monotonic()
     recordings = find_recordings(arguments.sources, arguments.dampers, arguments.signals)
     output = _folder(arguments.output, pages=not arguments.no_pages)
-    asked = Asked(arguments.work, words, _model(arguments.model), output, not arguments.no_pages, arguments.retry)
+    asked = Asked(options, _model(arguments.model), output, not arguments.no_pages, arguments.retry)
     fits: tuple[str, ...] = ()
     with connected(arguments.scheduler, arguments.workers, arguments.memory) as client:
         _tell_cluster(dashboard_of(client), threads_of(client))
@@ -126,18 +128,26 @@ def run_fleet(arguments: argparse.Namespace, words: tuple[str, ...]) -> Done:
             with WorkLine("fleet looks") as line:
                 found = Fleet(asked, recordings, None, FleetProgress(line))
                 found.run(client)
-            fits = tuple(joint_models(client, found.tasks, arguments, words))
+            joint = JointFits(options, arguments.output, arguments.joint == "vehicle", arguments.sources[0], progress)
+            fits = tuple(_in_words(own) for own in joint.models(client, found.tasks))
             # What is left is to hold every recording against the model that was found for it.
-            window = tuple(word for word in words if word.startswith(("--from=", "--to=")))
-            asked, recordings = replace(asked, verb="compare", words=window), with_models(recordings, arguments)
-        with WorkLine(f"fleet {asked.verb}") as line:
+            asked = replace(asked, options=Compare(options.start, options.stop))
+            recordings = joint.with_models(recordings)
+        verb = asked.options.verb
+        with WorkLine(f"fleet {verb}") as line:
             fleet = Fleet(asked, recordings, work, FleetProgress(line))
             try:
                 fleet.run(client)
             finally:
-                rows = write_rows(output, asked.verb, fleet.tasks)
+                rows = write_rows(output, verb, fleet.tasks)
                 page = write_page(output)
-    return Done(asked.verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows), fits)
+    return Done(verb, rows, page, monotonic() - began, fleet.tally, failures_of(rows), fits)
+
+
+def _in_words(own: JointModel) -> str:
+    if own.fit is None:
+        return f"{own.name}: nothing changed; {own.target} stays"
+    return "\n".join([table(own.name, own.fit, own.target), *(f"  left out: {reason}" for _, reason in own.left_out)])
 
 
 def _folder(output: Path, pages: bool) -> Path:

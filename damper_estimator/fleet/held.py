@@ -19,8 +19,8 @@ from damper_estimator.identification.rows import moments
 from damper_estimator.identification.sources import Totals
 from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot, parse_model
-from damper_estimator.recordings import open_bag
-from damper_estimator.signals import Measurement, load_signal_map, measure
+from damper_estimator.signals import Measurement
+from damper_estimator.workflows import read
 
 _KEPT = 0.4  # of the worker's memory for recordings made ready
 _COPIES = 4.0  # bytes that a recording takes beside those of its kinematics, over these
@@ -91,9 +91,11 @@ class Held:
 
     def __init__(self, source: Source, model: DamperModel) -> None:
         self._source = source
-        with open_bag(source.recording) as bag:
-            signal_map = load_signal_map(source.signals or None)
-            self.measurement = measure(bag, signal_map, source.damper, source.start, source.stop)
+        recording = read(
+            source.recording, signals=source.signals or None, dampers=source.damper,
+            start=source.start, stop=source.stop,
+        )  # fmt: skip
+        (self.measurement,) = recording.with_force("fit").measurements[source.damper]
         self.rows = LocalRows(judged_rows(model, [self.measurement], [1.0]))
         self._views: OrderedDict[str, LocalRows | LocalSums] = OrderedDict()
 

@@ -1,105 +1,116 @@
 """``fleet fit --joint``: one model per damper, or per vehicle and damper, identified on all its recordings together."""
 
-import argparse
 import json
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from distributed import Client
 
 from damper_estimator import __version__
-from damper_estimator.cli.common import progress
-from damper_estimator.cli.fit_report import table
-from damper_estimator.cli.limits import limits_of
 from damper_estimator.errors import InputError
-from damper_estimator.files import plain, write_text
+from damper_estimator.files import json_text, write_text
 from damper_estimator.fleet.held import Source
 from damper_estimator.fleet.joint import fit_spread
 from damper_estimator.fleet.manifest import Recording
 from damper_estimator.fleet.task import Task, digest
-from damper_estimator.identification import Wishes
+from damper_estimator.fleet.verbs import Fit
+from damper_estimator.identification import Fit as Fitted
 from damper_estimator.model import load_model
 from damper_estimator.workflows import fit_record, save_fit
 
 MODELS = "models"
 
 
-def joint_models(
-    client: Client, tasks: Sequence[Task], arguments: argparse.Namespace, words: Sequence[str]
-) -> list[str]:
-    """Identifies every model that is missing or for which something changed, into ``DIR/models``.
+@dataclass(frozen=True)
+class JointModel:
+    """What came of one model.
 
-    Args:
-        tasks: one for each recording and damper that there is.
-        words: the options of the fit.
-
-    Returns:
-        what is to be printed of each fit.
-
-    Raises:
-        InputError: where a model cannot be identified on any of its recordings.
+    Attributes:
+        name: of the damper, after its vehicle where each has models of its own.
+        target: the model's file.
+        fit: None where nothing had changed since it was identified.
+        left_out: recordings that could not be used, with the reason.
     """
-    groups: dict[Path, list[Task]] = {}
-    for task in tasks:
-        if task.damper:
-            folder = model_folder(arguments, task.facts["vehicle"])
-            groups.setdefault(folder / f"{task.damper}.yaml", []).append(task)
-    if not groups:
-        raise InputError(f"{arguments.sources[0]}: no recording can be used; fleet compare tells why")
-    return [_identified(client, target, own, arguments, words) for target, own in sorted(groups.items())]
+
+    name: str
+    target: Path
+    fit: Fitted | None
+    left_out: tuple[tuple[str, str], ...] = ()
 
 
-def with_models(recordings: Sequence[Recording], arguments: argparse.Namespace) -> list[Recording]:
-    """The recordings, each with the models that were identified for it."""
-    return [replace(own, model=str(model_folder(arguments, own.vehicle))) for own in recordings]
+@dataclass(frozen=True)
+class JointFits:
+    """Joint fits into the folder ``output``/models.
+
+    Attributes:
+        how: to identify.
+        by_vehicle: whether each vehicle has models of its own.
+        source: what named the recordings, for errors.
+        tell: receives a line from time to time.
+    """
+
+    how: Fit
+    output: Path
+    by_vehicle: bool
+    source: str
+    tell: Callable[[str], None]
+
+    def models(self, client: Client, tasks: Sequence[Task]) -> list[JointModel]:
+        """Identifies every model that is missing or for which something changed.
+
+        Args:
+            tasks: one for each recording and damper that there is.
+
+        Raises:
+            InputError: where a model cannot be identified on any of its recordings.
+        """
+        groups: dict[Path, list[Task]] = {}
+        for task in tasks:
+            if task.damper:
+                groups.setdefault(self._folder(task.facts["vehicle"]) / f"{task.damper}.yaml", []).append(task)
+        if not groups:
+            raise InputError(f"{self.source}: no recording can be used; fleet compare tells why")
+        return [self._identified(client, target, own) for target, own in sorted(groups.items())]
+
+    def with_models(self, recordings: Sequence[Recording]) -> list[Recording]:
+        """The recordings, each with the models that were identified for it."""
+        return [replace(own, model=str(self._folder(own.vehicle))) for own in recordings]
+
+    def _folder(self, vehicle: object) -> Path:
+        folder = self.output.absolute() / MODELS
+        return folder / str(vehicle).replace("/", "_") if self.by_vehicle else folder
+
+    def _identified(self, client: Client, target: Path, tasks: Sequence[Task]) -> JointModel:
+        name = f"{target.parent.name} {target.stem}" if self.by_vehicle else target.stem
+        kept = target.with_suffix(".fit.json")
+        checksums = sorted((t.facts["recording_checksum"], t.facts["signals_checksum"]) for t in tasks)
+        given = sorted({t.facts["model_checksum"] for t in tasks})
+        fingerprint = digest([list(self.how.words), checksums, given, __version__])
+        if target.is_file() and _fingerprint_of(kept) == fingerprint:
+            return JointModel(name, target, None)
+        if len(given) > 1:
+            raise InputError(f"{name}: its recordings have different models; a joint fit begins from one")
+        self.tell(f"{name}: fitting to {len(tasks)} recordings")
+        how, model = self.how.how, load_model(tasks[0].model, tasks[0].damper)
+        fit, refused = fit_spread(
+            client, model, [self._source(task) for task in tasks], how.free, how.fix, how.method,
+            how.wishes(self.tell), how.limits,
+        )  # fmt: skip
+        save_fit(fit, target)
+        left_out = tuple((own.recording, reason) for own, reason in refused.items())
+        listed = [{"recording": recording, "reason": reason} for recording, reason in left_out]
+        write_text(kept, json_text({"fingerprint": fingerprint, "left_out": listed, **fit_record(fit, target)}))
+        return JointModel(name, target, fit, left_out)
+
+    def _source(self, task: Task) -> Source:
+        start = self.how.start or 0.0
+        stop = float("inf") if self.how.stop is None else self.how.stop
+        return Source(task.recording, task.damper, task.signals, start, stop, str(task.facts["recording_checksum"]))
 
 
-def model_folder(arguments: argparse.Namespace, vehicle: object) -> Path:
-    """Where the models of a vehicle lie."""
-    folder = arguments.output.absolute() / MODELS
-    return folder / str(vehicle).replace("/", "_") if arguments.joint == "vehicle" else folder
-
-
-def _identified(
-    client: Client, target: Path, tasks: Sequence[Task], arguments: argparse.Namespace, words: Sequence[str]
-) -> str:
-    told, named = target.with_suffix(".fit.json"), _named(target, arguments)
-    checksums = sorted((t.facts["recording_checksum"], t.facts["signals_checksum"]) for t in tasks)
-    given = sorted({t.facts["model_checksum"] for t in tasks})
-    fingerprint = digest([list(words), checksums, given, __version__])
-    if target.is_file() and _kept(told) == fingerprint:
-        return f"{named}: nothing changed; {target} stays"
-    if len(given) > 1:
-        raise InputError(f"{named}: its recordings have different models; a joint fit begins from one")
-    progress(f"{named}: fitting to {len(tasks)} recordings")
-    model = load_model(tasks[0].model, tasks[0].damper)
-    wishes = Wishes(seed=arguments.seed, progress=progress, population=arguments.population,
-                    generations=arguments.generations, pick=arguments.pick or "knee")  # fmt: skip
-    fit, refused = fit_spread(
-        client, model, [_source(task, arguments) for task in tasks], arguments.free, arguments.fix,
-        arguments.method, wishes, limits_of(arguments.limit),
-    )  # fmt: skip
-    save_fit(fit, target)
-    left_out = [{"recording": own.recording, "reason": reason} for own, reason in refused.items()]
-    record = {"fingerprint": fingerprint, "left_out": left_out, **fit_record(fit, target)}
-    write_text(told, json.dumps(plain(record), indent=2, allow_nan=False) + "\n")
-    notes = [f"  left out: {own['reason']}" for own in left_out]
-    return "\n".join([table(named, fit, target), *notes])
-
-
-def _named(target: Path, arguments: argparse.Namespace) -> str:
-    return f"{target.parent.name} {target.stem}" if arguments.joint == "vehicle" else target.stem
-
-
-def _kept(told: Path) -> object:
+def _fingerprint_of(kept: Path) -> object:
     try:
-        return json.loads(told.read_text(encoding="utf-8")).get("fingerprint")
+        return json.loads(kept.read_text(encoding="utf-8")).get("fingerprint")
     except (OSError, ValueError):
         return None
-
-
-def _source(task: Task, arguments: argparse.Namespace) -> Source:
-    start = getattr(arguments, "from") or 0.0
-    stop = float("inf") if arguments.to is None else arguments.to
-    return Source(task.recording, task.damper, task.signals, start, stop, str(task.facts["recording_checksum"]))

@@ -52,7 +52,7 @@ def write_row(task: Task, status: str, reason: str, values: Mapping[str, object]
         "reason": reason,
         "model_file": task.model,
         "signals": task.signals,
-        "settings": " ".join(task.words),
+        "settings": " ".join(task.options.words),
         "fingerprint": task.fingerprint,
     }
     kept = {name: values[name] for name in COLUMNS if name in values}

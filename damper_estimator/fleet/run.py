@@ -23,7 +23,7 @@ from damper_estimator.fleet.cluster import answering, threads_of
 from damper_estimator.fleet.look import Look, kept_look, map_checksum, state_of, take_look
 from damper_estimator.fleet.manifest import Recording
 from damper_estimator.fleet.rows import FAILED, kept_row, write_row
-from damper_estimator.fleet.task import Task, digest, task_folder
+from damper_estimator.fleet.task import Options, Task, digest, task_folder
 from damper_estimator.model import load_model
 from damper_estimator.model.files import model_yaml
 
@@ -37,14 +37,13 @@ class Asked:
     """What is asked of every recording.
 
     Attributes:
-        verb, words, pages: as in ``Task``.
+        options, pages: as in ``Task``.
         model: name, file or folder.
         output: folder of the results.
         retry: whether what failed before is tried again although nothing changed.
     """
 
-    verb: str
-    words: tuple[str, ...]
+    options: Options
     model: str
     output: Path
     pages: bool = True
@@ -196,7 +195,7 @@ class Fleet:
             "version": __version__,
         }
         folder, asked = str(task_folder(self.asked.output, own.path)), self.asked
-        task = Task(asked.verb, asked.words, own.path, damper, own.signals, model, folder, asked.pages, facts)
+        task = Task(asked.options, own.path, damper, own.signals, model, folder, asked.pages, facts)
         return task, reason
 
     def _model_checksum(self, model: str, damper: str) -> str:

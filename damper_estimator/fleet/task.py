@@ -3,9 +3,11 @@
 import hashlib
 import json
 import os
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 from urllib.parse import quote
 
 from damper_estimator import __version__
@@ -14,12 +16,44 @@ TASKS = "tasks"
 
 
 @dataclass(frozen=True)
+class Options:
+    """What is done with every recording, and how; the verbs of a fleet are in ``fleet.verbs``. Abstract.
+
+    Attributes:
+        verb: its name.
+        start, stop: s from the start of the recording, None where all is used.
+    """
+
+    verb: ClassVar[str]
+    start: float | None = None
+    stop: float | None = None
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The options as on the command line, for the record."""
+        return words(("from", self.start), ("to", self.stop))
+
+    @abstractmethod
+    def run(self, task: "Task") -> Mapping[str, object]:
+        """Does the work on one recording and damper, writes its results under ``Task.place``, and gives the values of
+        the row's columns.
+
+        Raises:
+            InputError: where the recording cannot be used.
+        """
+
+
+def words(*options: tuple[str, object]) -> tuple[str, ...]:
+    """``--name=value`` of each option that is given."""
+    return tuple(f"--{name}={value}" for name, value in options if value is not None)
+
+
+@dataclass(frozen=True)
 class Task:
     """One recording and damper; all that its results depend on.
 
     Attributes:
-        verb: what is done.
-        words: the verb's further options, as on the command line.
+        options: what is done.
         recording, signals, model: as the verb takes them; ``signals`` may be "".
         damper: its name; "" where the recording could not even be opened.
         folder: where this recording's results lie.
@@ -27,8 +61,7 @@ class Task:
         facts: columns of the row that are known before the work: vehicle, checksums, begin, temperature.
     """
 
-    verb: str
-    words: tuple[str, ...]
+    options: Options
     recording: str
     damper: str
     signals: str
@@ -38,10 +71,15 @@ class Task:
     facts: Mapping[str, object]
 
     @property
+    def verb(self) -> str:
+        """Name of what is done."""
+        return self.options.verb
+
+    @property
     def fingerprint(self) -> str:
         """Equal where the results are equal: checksums of what goes in, the options, the package's version."""
         sums = [self.facts[name] for name in ("recording_checksum", "model_checksum", "signals_checksum")]
-        return digest([self.verb, self.words, self.damper, self.pages, *sums, __version__])
+        return digest([self.verb, self.options.words, self.damper, self.pages, *sums, __version__])
 
     def place(self, ending: str) -> Path:
         """Path of one of the results."""

@@ -8,6 +8,7 @@ from damper_estimator.report.diagnosis_wording import mend_rows, plain_name, ste
 from damper_estimator.report.forces import estimates_figure, forces_figure, plotly_figure
 from damper_estimator.report.front_page import front_page
 from damper_estimator.report.improvement_page import improvement_page, improvement_section
+from damper_estimator.report.page import plotly_from, save_plotly
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
 
 __all__ = [
@@ -28,7 +29,9 @@ __all__ = [
     "min_max_rows",
     "plain_name",
     "plotly_figure",
+    "plotly_from",
     "ranking_figure",
+    "save_plotly",
     "step_name",
     "waterfall_figure",
 ]

@@ -19,7 +19,7 @@ from damper_estimator.studio.history import History, Version
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.shown import Shown, shown
 from damper_estimator.studio.stage import Choice, Stage, opened
-from damper_estimator.studio.work import Case, Deed, diagnosed, identified_alone, improved, judged, refitted
+from damper_estimator.studio.work import Case, Deed, diagnose_case, identified_alone, improve_case, judged, refitted
 from damper_estimator.validation import Comparison
 
 _KEPT = 6  # models whose forces are kept
@@ -107,7 +107,7 @@ class Session:
             tell(f"running {first.name}", 0.9)
             for measurement in (*stage.fit, *stage.unseen):
                 usable(first, measurement)
-            step = judged(Case(first, stage.fit, stage.unseen), Deed("start"))
+            step = judged(stage.case(first), Deed("start"))
             views = [shown(model, stage) for model in (first, *others)]
             with self._lock:
                 self.stage, self.others, self.diagnosis = stage, tuple(others), None
@@ -128,7 +128,7 @@ class Session:
         case = self._case()
 
         def work(tell: Tell) -> None:
-            found = run_apart(diagnosed, (case, mode, os.cpu_count() or 1), tell)
+            found = run_apart(diagnose_case, (case, mode, os.cpu_count() or 1), tell)
             with self._lock:
                 self.diagnosis = found
                 self._changed()
@@ -140,7 +140,7 @@ class Session:
         case = self._case()
 
         def work(tell: Tell) -> None:
-            found = run_apart(improved, (case, mode, os.cpu_count() or 1), tell)
+            found = run_apart(improve_case, (case, mode, os.cpu_count() or 1), tell)
             with self._lock:
                 for step in found.steps[1:]:
                     own = found.signals if step.action == "mend" else self._now().signals
@@ -225,13 +225,13 @@ class Session:
         self._shown, self._compared, self._saved = [], [], []
 
     def _case(self) -> Case:
-        return Case(self.model, self.here.fit, self.here.unseen)
+        return self.here.case(self.model)
 
     def _refit(self, model: DamperModel, deed: Deed) -> None:
         now, stage = self._now(), self.here
 
         def work(tell: Tell) -> None:
-            step = run_apart(refitted, (Case(model, stage.fit, stage.unseen), deed), tell)
+            step = run_apart(refitted, (stage.case(model), deed), tell)
             self._then(Version(step, now.signals))
 
         self._start("identifying", work)
@@ -243,13 +243,13 @@ class Session:
             own = run_apart(identified_alone, (case, element), tell)
             signals = mended_signals(now.signals, own)
             stage = self.stage.mended(signals)
-            self._then(Version(judged(Case(case.model, stage.fit, stage.unseen), deed), signals))
+            self._then(Version(judged(stage.case(case.model), deed), signals))
 
         self._start("identifying", work)
 
     def _then_judged(self, model: DamperModel, deed: Deed, rebuilt: bool = True) -> None:
         stage = self.here
-        self._then(Version(judged(Case(model, stage.fit, stage.unseen), deed), self._now().signals), rebuilt)
+        self._then(Version(judged(stage.case(model), deed), self._now().signals), rebuilt)
 
     def _then(self, version: Version, rebuilt: bool = True) -> None:
         with self._lock:

@@ -9,12 +9,13 @@ import numpy as np
 from damper_estimator.diagnosis.mend import mended
 from damper_estimator.diagnosis.scene import early, late
 from damper_estimator.errors import InputError
-from damper_estimator.recordings import open_bag
-from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map, measure
-from damper_estimator.signals.channels import signals_for
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map
 from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.overheard import overheard
+from damper_estimator.workflows import opened as opened_recordings
+from damper_estimator.workflows import Case, read
 
 MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for in
 _PASSAGES = 20  # that a longer recording is judged on
@@ -91,6 +92,10 @@ class Stage:
             f"identification use {len(self.judged)} passages spread evenly over them, {seconds:.0f} s in all."
         )
 
+    def case(self, model: DamperModel) -> Case:
+        """A model to be judged on what is open."""
+        return Case(self.damper, model, self.fit, self.unseen)
+
     def mended(self, signals: DamperSignals) -> "Stage":
         """The stage as it would have been read with another entry of the signal map."""
         if signals == self.signals:
@@ -111,11 +116,10 @@ def dampers_in(folder: Folder, recordings: Sequence[str], signals: str) -> list[
     Raises:
         InputError: for a recording or a map that cannot be read.
     """
-    names: dict[str, None] = {}
-    for name in recordings:
-        with open_bag(folder.existing(name)) as bag:
-            names |= dict.fromkeys(signals_for(bag, _signal_map(folder, signals)).dampers)
-    return list(names)
+    if not recordings:
+        return []
+    with opened_recordings([folder.existing(name) for name in recordings], _signal_map(folder, signals)) as reader:
+        return list(reader.dampers)
 
 
 def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
@@ -126,18 +130,18 @@ def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
     """
     if not choice.fit:
         raise InputError("choose at least one recording")
-    given, damper = _signal_map(folder, choice.signals), choice.damper
-    full, whole, warnings = given, [], []
+    given = _signal_map(folder, choice.signals)
+    damper = choice.damper or dampers_in(folder, choice.fit[:1], choice.signals)[0]
+    recordings, warnings = [], []
     names = (*choice.fit, *choice.unseen)
-    window = (0.0 if choice.start is None else choice.start, np.inf if choice.stop is None else choice.stop)
     for number, name in enumerate(names):
         tell(f"reading {name}", number / len(names))
-        with overheard() as told, open_bag(folder.existing(name)) as bag:
-            own = signals_for(bag, given)
-            damper = damper or next(iter(own.dampers))
-            full = full if damper in full.dampers else own
-            whole.append(measure(bag, own, damper, *window))
+        with overheard() as told:
+            path = folder.existing(name)
+            own = read(path, signals=given, dampers=damper, start=choice.start, stop=choice.stop)
+            recordings.append(own.with_force("the studio"))
         warnings += told
+    whole = [own.measurements[damper][0] for own in recordings]
     count = len(choice.fit)
     passages = [_passages(m, i, MOST_JUDGED // len(whole)) for i, m in enumerate(whole)]
     fit = [p.measurement for own in passages[:count] for p in own]
@@ -145,7 +149,9 @@ def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
     if not unseen:
         fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
     judged = tuple(p for own in passages for p in own)
-    return Stage(choice, damper, full, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings))
+    return Stage(
+        choice, damper, recordings[0].signal_map, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings)
+    )
 
 
 def _signal_map(folder: Folder, name: str) -> SignalMap:

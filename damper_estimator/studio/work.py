@@ -1,24 +1,16 @@
 """The long works of a page: functions that run in a process of their own, on what the page has opened."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from damper_estimator.diagnosis import Diagnosis, Improvement, Step, diagnose, improve
+from damper_estimator.diagnosis import Step
 from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification import pooled_error
-from damper_estimator.model import DamperModel, Element
+from damper_estimator.model import Element
 from damper_estimator.model.element import labels
-from damper_estimator.signals import Measurement
 from damper_estimator.studio.apart import Tell
+from damper_estimator.workflows import Case, diagnose_case, improve_case
 
-
-@dataclass(frozen=True)
-class Case:
-    """A model, the measurements that parameters are found on, and those that are judged on."""
-
-    model: DamperModel
-    fit: Sequence[Measurement]
-    unseen: Sequence[Measurement]
+__all__ = ["Case", "Deed", "diagnose_case", "identified_alone", "improve_case", "judged", "refitted"]
 
 
 @dataclass(frozen=True)
@@ -30,22 +22,12 @@ class Deed:
     phenomenon: str | None = None
 
 
-def diagnosed(case: Case, mode: str, workers: int, tell: Tell) -> Diagnosis:
-    """What the model lacks."""
-    return diagnose(case.model, case.fit, case.unseen, mode=mode, workers=workers, progress=tell)
-
-
-def improved(case: Case, mode: str, workers: int, tell: Tell) -> Improvement:
-    """The model with all that is justified."""
-    return improve(case.model, case.fit, case.unseen, mode=mode, workers=workers, progress=tell)
-
-
 def refitted(case: Case, deed: Deed, tell: Tell) -> Step:
     """The model with its free parameters identified from their values."""
     tell(f"identifying {case.model.name}", 0.1)
     found = settled(case.model, case.fit)
     tell("judging", 0.9)
-    return judged(Case(found, case.fit, case.unseen), deed)
+    return judged(replace(case, model=found), deed)
 
 
 def identified_alone(case: Case, element: Element, tell: Tell) -> Element:

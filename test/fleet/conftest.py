@@ -6,6 +6,7 @@ from fleet_bags import quick, write_drive
 from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.manifest import find_recordings
 from damper_estimator.fleet.run import Asked, Fleet
+from damper_estimator.fleet.verbs import Compare
 
 MODEL = """\
 name: viscous_and_friction
@@ -44,8 +45,8 @@ def drives(tmp_path):
 def run(client, model, tmp_path):
     """Runs a fleet over patterns and returns it; by default of a work that does next to nothing."""
 
-    def go(*patterns, work=quick, tell=lambda tally: None, verb="compare", words=(), output="out", **more):
-        asked = Asked(verb, tuple(words), str(model), tmp_path / output, **more)
+    def go(*patterns, work=quick, tell=lambda tally: None, options=Compare(), output="out", **more):
+        asked = Asked(options, str(model), tmp_path / output, **more)
         fleet = Fleet(asked, find_recordings([str(own) for own in patterns]), work, tell)
         fleet.run(client)
         return fleet

@@ -15,11 +15,11 @@ import pytest
 from fleet_bags import write_drive
 
 from damper_estimator import __version__
-from damper_estimator.cli.fleet_work import work
 from damper_estimator.cli.main import main
 from damper_estimator.fleet import cluster
 from damper_estimator.fleet.carry import carry_out
 from damper_estimator.fleet.rows import write_rows
+from damper_estimator.fleet.verbs import Compare, Replay, work
 from damper_estimator.model import load_model
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -55,18 +55,18 @@ def results(folder):
     }
 
 
-@pytest.mark.parametrize("verb", ["compare", "replay"])
-def test_two_workers_give_the_bits_that_this_process_gives_in_another_order(run, drives, tmp_path, verb):
-    spread = run(drives / "*" / "*.mcap", work=work, verb=verb)
+@pytest.mark.parametrize("options", [Compare(), Replay()])
+def test_two_workers_give_the_bits_that_this_process_gives_in_another_order(run, drives, tmp_path, options):
+    spread = run(drives / "*" / "*.mcap", work=work, options=options)
     there, here = tmp_path / "out", tmp_path / "here"
     alone = [replace(task, folder=task.folder.replace(str(there), str(here))) for task in spread.tasks[::-1]]
     for task in alone:
         Path(task.folder).mkdir(parents=True, exist_ok=True)
         assert carry_out(task, work, __version__).reason == ""
     for output, tasks in ((there, spread.tasks), (here, alone)):
-        write_rows(output, verb, tasks)
+        write_rows(output, options.verb, tasks)
     expected = results(here)
-    assert f"rows/{verb}.parquet" in expected and len(expected) == 1 + 4 * 3
+    assert f"rows/{options.verb}.parquet" in expected and len(expected) == 1 + 4 * 3
     found = results(there)
     assert {name: found[name] for name in expected} == expected
 

@@ -11,6 +11,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.fleet.carry import carry_out
 from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.rows import read_rows, write_rows
+from damper_estimator.fleet.verbs import Compare
 
 
 def rows_of(fleet):
@@ -57,7 +58,7 @@ def test_only_what_changed_is_done_again(run, drives, model):
     assert [name for name, count in counted(again).items() if count == 2] == [("car_a/monday.mcap", "front_left")]
     model.write_text(model.read_text().replace("1400.0", "1300.0"))
     assert run(drives / "*" / "*.mcap").tally.done == 4
-    assert run(drives / "*" / "*.mcap", words=("--from=1",)).tally.done == 4
+    assert run(drives / "*" / "*.mcap", options=Compare(start=1.0)).tally.done == 4
 
 
 def test_a_new_label_changes_the_table_and_needs_no_work(run, drives, tmp_path):

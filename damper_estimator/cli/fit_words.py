@@ -1,4 +1,4 @@
-"""Limits of parameters as words: ``NAME=LOW:HIGH``."""
+"""What the words of ``fit`` and ``fleet fit`` mean: limits, and which methods have several objectives."""
 
 from collections.abc import Sequence
 
@@ -18,3 +18,17 @@ def limits_of(words: Sequence[str]) -> dict[str, tuple[float, float]]:
         if not name or not colon:
             raise InputError(f"--limit {word}: is not NAME=LOW:HIGH, such as bouc_wen.n=1.5:8")
     return found
+
+
+def check_objectives(method: str, options: Sequence[str]) -> None:
+    """Refuses options of several objectives where the method has one.
+
+    Raises:
+        InputError: one line.
+    """
+    from damper_estimator.identification import all_methods
+
+    chosen = all_methods().get(method)
+    if chosen is not None and options and not chosen.several:
+        several = ", ".join(name for name, own in all_methods().items() if own.several)
+        raise InputError(f"{', '.join(options)}: {method} has a single objective; use --method {several}")

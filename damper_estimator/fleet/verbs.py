@@ -1,0 +1,162 @@
+"""What a worker of the fleet does with one recording and damper: the use cases, and the columns of the row."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+from damper_estimator.files import json_text, plain, write_text
+from damper_estimator.fleet.task import Options, Task, words
+from damper_estimator.report import plotly_from
+from damper_estimator.signals import DEFAULT_MAX_GAP
+from damper_estimator.workflows import (
+    ComparisonResults,
+    DiagnosisResults,
+    FitOptions,
+    Recording,
+    ReplayOptions,
+    compare,
+    diagnose,
+    fit_record,
+    fit_with,
+    read,
+    replay_to,
+    save_fit,
+    signal_map_of,
+)
+
+PLOTLY = "plotly.min.js"
+
+
+@dataclass(frozen=True)
+class Compare(Options):
+    """The model against the measured force."""
+
+    verb: ClassVar[str] = "compare"
+
+    def run(self, task: Task) -> Mapping[str, object]:
+        """As ``Options.run``."""
+        results = compare(_recording(task), task.model)
+        record = _written(task, results.to_dict())
+        return {**record["data_quality"], **record} | _page(task, results)
+
+
+@dataclass(frozen=True)
+class Diagnose(Options):
+    """What the model lacks; ``mode`` as in ``workflows.diagnose``."""
+
+    verb: ClassVar[str] = "diagnose"
+    mode: str = "both"
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """As ``Options.words``."""
+        way = {"kept": ("--keep-parameters",), "refit": ("--refit",)}
+        return super().words + way.get(self.mode, ())
+
+    def run(self, task: Task) -> Mapping[str, object]:
+        """As ``Options.run``."""
+        results = diagnose(_recording(task), task.model, mode=self.mode)
+        record = _written(task, results.to_dict())
+        found = record["findings"]
+        columns = {
+            "missing": [own["phenomenon"] for own in found],
+            "confidence": [own["confidence"] for own in found],
+            "rmse_after_n": found[-1]["rmse_after_n"] if found else None,
+        }
+        return {**record, **columns} | _page(task, results)
+
+
+@dataclass(frozen=True)
+class Fit(Options):
+    """The model's parameters; ``how`` to identify them."""
+
+    verb: ClassVar[str] = "fit"
+    how: FitOptions = field(default_factory=FitOptions)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """As ``Options.words``."""
+        how = self.how
+        return super().words + words(
+            ("method", how.method),
+            *(("free", name) for name in how.free),
+            *(("fix", name) for name in how.fix),
+            *(("limit", f"{name}={low}:{high}") for name, (low, high) in (how.limits or {}).items()),
+            ("seed", how.seed),
+            ("population", how.population),
+            ("generations", how.generations),
+            ("pick", how.pick if how.pick != FitOptions.pick else None),
+        )
+
+    def run(self, task: Task) -> Mapping[str, object]:
+        """As ``Options.run``."""
+        results = fit_with(_recording(task), task.model, self.how, _silent)
+        target = task.place("yaml")
+        save_fit(results.fit, target)
+        dampers = {task.damper: fit_record(results.fit, target)}
+        record = _written(task, {**results.asked, "dampers": dampers})
+        columns = {
+            "parameters": {own["name"]: own["value"] for own in record["parameters"]},
+            "standard_errors": {own["name"]: own["standard_error"] for own in record["parameters"]},
+        }
+        return {**record, **columns} | _report(task, target)
+
+
+@dataclass(frozen=True)
+class Replay(Options):
+    """Estimates as the node gives them; ``max_gap`` in s."""
+
+    verb: ClassVar[str] = "replay"
+    max_gap: float | None = None
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """As ``Options.words``."""
+        return super().words + words(("max-gap", self.max_gap))
+
+    def run(self, task: Task) -> Mapping[str, object]:
+        """As ``Options.run``."""
+        output = task.place("mcap")
+        max_gap = DEFAULT_MAX_GAP if self.max_gap is None else self.max_gap
+        options = ReplayOptions((task.damper,), self.start, self.stop, max_gap)
+        signal_map = signal_map_of(task.signals or None)
+        tallies = replay_to(Path(task.recording), task.model, output, signal_map, options, _silent)
+        dampers = {name: own.record() for name, own in tallies.items()}
+        return _written(task, {"output": output, "dampers": dampers}) | _report(task, output)
+
+
+def work(task: Task) -> Mapping[str, object]:
+    """Does a task, as ``Options.run``."""
+    return task.options.run(task)
+
+
+def _recording(task: Task) -> Recording:
+    options = task.options
+    return read(
+        task.recording, signals=task.signals or None, dampers=task.damper, start=options.start, stop=options.stop
+    )
+
+
+def _written(task: Task, record: Mapping[str, object]) -> dict:
+    """Writes a record as the verb does with ``--json``; that of the damper."""
+    write_text(task.place("json"), json_text(record))
+    return plain(record)["dampers"][task.damper]
+
+
+def _page(task: Task, results: ComparisonResults | DiagnosisResults) -> dict[str, object]:
+    if not task.pages:
+        return _report(task, task.place("json"))
+    target = task.place("html")
+    with plotly_from(f"../../{PLOTLY}"):  # it lies once beside all pages
+        results.save(target)
+    return _report(task, target)
+
+
+def _report(task: Task, path: Path) -> dict[str, object]:
+    """Where the row's report is; without pages that is the record."""
+    return {"report": "/".join((path if task.pages else task.place("json")).parts[-3:])}
+
+
+def _silent(text: str) -> None:
+    """What is told on the way is in the record as well."""
