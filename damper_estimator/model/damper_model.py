@@ -83,6 +83,10 @@ class DamperModel:
                 places[slot.address] = f"at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
         return places
 
+    def __repr__(self) -> str:
+        """Its name and the labels of its effects; ``model_yaml`` gives it whole."""
+        return f"DamperModel({self.name}: {', '.join(label for label, _ in labels(self.effects))})"
+
     def __getstate__(self) -> dict[str, object]:
         """What goes to another process: what was declared; the compiled program is made there anew."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}

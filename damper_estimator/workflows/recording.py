@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 Source = Path | Part
 """A recording on the disk, or a test that lies in memory."""
 
+_FIRST = 1_000_000_000  # ns since 1970, where a recording may begin
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Recording:
@@ -165,6 +167,8 @@ class Recording:
     def save(self, path: str | Path) -> Path:
         """Writes what lies in memory as a recording (``.mcap``) with the default topics.
 
+        Times that begin before the first second of 1970 are moved there: a recording cannot hold them.
+
         Raises:
             InputError: for several recordings, or one that is a file already.
         """
@@ -173,7 +177,7 @@ class Recording:
             raise InputError(
                 f"{path}: only a recording from arrays or a bench file can be saved; copy the file instead"
             )
-        write_part(source, Path(path))
+        write_part(storable(source), Path(path))
         return Path(path)
 
     def to_dataframe(self, damper: str | None = None) -> pandas.DataFrame:
@@ -198,6 +202,12 @@ class Recording:
     def _repr_html_(self) -> str:
         rows = [[damper, _in_words(own)] for damper, own in self.measurements.items()]
         return html_table(", ".join(self.names), ("damper", "samples"), rows)
+
+
+def storable(part: Part) -> Part:
+    """The part with times that a recording can hold: slow channels are logged a little before the first sample."""
+    early = _FIRST - int(part.stamps[0])
+    return part if early <= 0 else replace(part, stamps=part.stamps + early)
 
 
 def source_name(source: Source) -> str:

@@ -16,7 +16,7 @@ from damper_estimator.recordings import Part, open_bag, write_part
 from damper_estimator.signals import DEFAULT_MAX_GAP
 from damper_estimator.workflows.arrivals import part_chunk
 from damper_estimator.workflows.models import ModelLike, models_for
-from damper_estimator.workflows.recording import Recording
+from damper_estimator.workflows.recording import Recording, storable
 from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, only_dampers, replay_to, run
 from damper_estimator.workflows.replay_line import Answer, ReplayLine, Tally
 from damper_estimator.workflows.results import Results
@@ -202,7 +202,7 @@ def _save_bag(results: ReplayResults, path: Path) -> None:
         return
     with TemporaryDirectory(prefix="damper_estimator_") as folder:
         written = Path(folder) / "recording.mcap"
-        write_part(source, written)
+        write_part(storable(source), written)
         replay_to(written, results.models, path, signal_map, options, lambda text: None)
 
 

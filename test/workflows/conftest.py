@@ -1,0 +1,14 @@
+"""Small drives in the test's own folder."""
+
+import pytest
+from drives import write_drive
+
+
+@pytest.fixture
+def drive(tmp_path):
+    """Writes a bag of viscous dampers with friction; arguments as ``drives.write_drive``."""
+
+    def make(name="drive.mcap", **more):
+        return write_drive(tmp_path / name, **more)
+
+    return make
