@@ -63,7 +63,7 @@ def _refuse(reason: str) -> int:
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     """The parser for these words: every verb with its help line, arguments only for the verb that is called."""
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=PURPOSE, allow_abbrev=False)
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=PURPOSE.partition("\n")[0], allow_abbrev=False)
     parser.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     group = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     wanted = next((word for word in words if not word.startswith("-")), None)

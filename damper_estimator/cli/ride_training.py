@@ -11,10 +11,10 @@ from damper_estimator.control import CurrentTable, table_from_samples
 from damper_estimator.identification import fit
 from damper_estimator.model import DamperModel
 from damper_estimator.plant import Sensors, Setup, current_steps, record
-from damper_estimator.recordings import open_bag
-from damper_estimator.signals import Measurement, SignalMap, measure
+from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, T, V
 from damper_estimator.vehicle import LIMITS, Corner, drive
+from damper_estimator.workflows import read
 
 EXCITATIONS = ("random10", "road_c", "road_d")
 SETTLED = 0.1
@@ -44,8 +44,8 @@ def _recorded(name: str, corner: Corner, kind: str, folder: Path, seconds: float
     motion = drive(kind, corner.damper, seconds, seed, current_steps(seconds, seed, highest=LIMITS[1]), corner.car)
     path = folder / f"{name}_{kind}.mcap"
     write_record(path, {name: record(Setup(corner.damper, Sensors()), motion, seed)}, with_current=True)
-    with open_bag(path) as bag:
-        return measure(bag, SignalMap(), name)
+    (measured,) = read(path, dampers=name).with_force("ride").measurements[name]
+    return measured
 
 
 def _table(measured: list[Measurement]) -> CurrentTable:

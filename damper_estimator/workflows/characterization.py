@@ -17,7 +17,7 @@ from damper_estimator.characterization import (
 )
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.workflows.recording import Recording
+from damper_estimator.workflows.recording import Recording, checked
 from damper_estimator.workflows.results import Results
 
 
@@ -88,7 +88,7 @@ def characterize(
         InputError: one line; without a measured force, and without a whole cycle.
     """
     found = {}
-    for damper, measurements in recording.with_force("characterize").measurements.items():
+    for damper, measurements in checked(recording).with_force("characterize").measurements.items():
         others = [] if subtract is None else _of(subtract, damper)
         still = None if slow is None else quasi_static(_of(slow, damper)[0])
         found[damper] = DamperCharacterized(characterized(measurements, others, still), still)

@@ -16,7 +16,7 @@ from damper_estimator.validation import (
     velocity_agreement,
 )
 from damper_estimator.workflows.models import ModelLike, model_for, model_name
-from damper_estimator.workflows.recording import Recording, in_words
+from damper_estimator.workflows.recording import Recording, checked, in_words
 from damper_estimator.workflows.results import Results
 
 
@@ -139,7 +139,7 @@ def compare(
         InputError: one line; without a measured force, for a model that cannot be used, and where nothing can be judged.
     """
     models = tuple(model) if isinstance(model, Sequence) and not isinstance(model, str) else (model,)
-    measured = recording.with_force("compare")
+    measured = checked(recording).with_force("compare")
     named = tuple(model_name(own) for own in models)
     found = {damper: _compared(one, damper, models, named, groups or {}, steps) for damper, one in measured.each()}
     return ComparisonResults(asked(recording.names, named), found, in_words(recording.names))

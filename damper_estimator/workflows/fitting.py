@@ -11,8 +11,8 @@ from damper_estimator.files import write_text
 from damper_estimator.identification import Fit, FittedParameter, Front, Wishes, fit as identified
 from damper_estimator.model import DamperModel, save_model
 from damper_estimator.signals import Measurement
-from damper_estimator.workflows.models import ModelLike, model_name, models_for
-from damper_estimator.workflows.recording import Recording
+from damper_estimator.workflows.models import HoldsModels, ModelLike, model_name, models_for
+from damper_estimator.workflows.recording import Recording, checked
 from damper_estimator.workflows.results import Results
 
 Limits = Mapping[str, tuple[float, float]]
@@ -63,7 +63,7 @@ class ModelFitted:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FitResults(Results[ModelFitted]):
+class FitResults(Results[ModelFitted], HoldsModels):
     """Identified models and how far they can be trusted, by damper.
 
     For one damper (``result["front_left"]`` where there are several) its model and numbers are at hand.
@@ -76,7 +76,7 @@ class FitResults(Results[ModelFitted]):
 
     @property
     def models(self) -> dict[str, DamperModel]:
-        """The models of all dampers by name; ``compare`` and the others take that."""
+        """The models of all dampers by name."""
         return {damper: own.fit.model for damper, own in self.by_damper.items()}
 
     @property
@@ -136,8 +136,8 @@ def fit(
     recording: Recording,
     model: ModelLike,
     *,
-    free: Iterable[str] = (),
-    fix: Iterable[str] = (),
+    free: str | Iterable[str] = (),
+    fix: str | Iterable[str] = (),
     limits: Limits | None = None,
     method: str = "least_squares",
     seed: int = 0,
@@ -159,13 +159,14 @@ def fit(
     Raises:
         InputError: one line; without a measured force, for a model that cannot be used, and for too few samples.
     """
-    options = FitOptions(tuple(free), tuple(fix), limits, method, seed)
+    names = [(own,) if isinstance(own, str) else tuple(own) for own in (free, fix)]
+    options = FitOptions(*names, limits, method, seed)
     return fit_with(recording, model, options, progress or _silent)
 
 
 def fit_with(recording: Recording, model: ModelLike, options: FitOptions, tell: Callable[[str], None]) -> FitResults:
     """``fit`` with all options; ``tell`` receives a line from time to time."""
-    measured = recording.with_force("fit")
+    measured = checked(recording).with_force("fit")
     models = models_for(model, measured.dampers)
     found = {}
     for damper, measurements in measured.measurements.items():

@@ -12,13 +12,13 @@ from damper_estimator.model import DamperModel, save_model
 from damper_estimator.signals import DamperSignals, SignalMap
 from damper_estimator.workflows.fitting import output_paths
 from damper_estimator.workflows.judging import Case, Tell, check_mode, judging_of, silent
-from damper_estimator.workflows.models import ModelLike
+from damper_estimator.workflows.models import HoldsModels, ModelLike
 from damper_estimator.workflows.recording import Recording, in_words
 from damper_estimator.workflows.results import Results
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ImprovementResults(Results[Improvement]):
+class ImprovementResults(Results[Improvement], HoldsModels):
     """Improved models and the steps to them, by damper.
 
     For one damper (``result["front_left"]`` where there are several) its model and steps are at hand.
@@ -41,7 +41,7 @@ class ImprovementResults(Results[Improvement]):
 
     @property
     def models(self) -> dict[str, DamperModel]:
-        """The improved models of all dampers by name; ``compare`` and the others take that."""
+        """The improved models of all dampers by name."""
         return {damper: own.model for damper, own in self.by_damper.items()}
 
     @property

@@ -9,7 +9,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement, SignalMap
 from damper_estimator.workflows.models import ModelLike, model_name, models_for
-from damper_estimator.workflows.recording import Recording
+from damper_estimator.workflows.recording import Recording, checked
 
 Tell = Callable[[str, float], None]
 """Receives what goes on and its share of the work, 0 to 1."""
@@ -54,9 +54,9 @@ def judging_of(recording: Recording, model: ModelLike, validate: Recording | Non
     Raises:
         InputError: where a model or a measured force is missing.
     """
-    found = recording.with_force(use)
+    found = checked(recording).with_force(use)
     models = models_for(model, found.dampers)
-    later = None if validate is None else validate.with_force(use)
+    later = None if validate is None else checked(validate).with_force(use)
     unseen = {} if later is None else later.measurements
     notes = [*found.notes, *(() if later is None else later.notes)]
     notes += [

@@ -1,5 +1,6 @@
 """Which model is meant: a name of the library, a file, a folder, a model, or one of these for each damper."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
@@ -7,9 +8,21 @@ from pathlib import Path
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model
 
+
+class HoldsModels(ABC):
+    """A result that holds a model for each damper. Abstract."""
+
+    @property
+    @abstractmethod
+    def models(self) -> Mapping[str, DamperModel]:
+        """The models by damper; ``compare`` and the others take that, or the result itself."""
+
+
 ModelSource = str | PathLike[str] | DamperModel
-ModelLike = ModelSource | Mapping[str, ModelSource]
-"""A model, the name of one in the library, a model file, a folder with one DAMPER.yaml each, or these by damper."""
+ModelLike = ModelSource | Mapping[str, ModelSource] | HoldsModels
+"""A model, the name of one in the library, a model file, a folder with one DAMPER.yaml each, these by damper, or a
+result that holds models.
+"""
 
 
 def model_for(model: ModelLike, damper: str) -> DamperModel:
@@ -20,6 +33,8 @@ def model_for(model: ModelLike, damper: str) -> DamperModel:
     """
     if isinstance(model, DamperModel):
         return model
+    if isinstance(model, HoldsModels):
+        return model_for(model.models, damper)
     if not isinstance(model, Mapping):
         return load_model(Path(model) if isinstance(model, PathLike) else model, damper)
     if damper not in model:
@@ -38,6 +53,8 @@ def models_for(model: ModelLike, dampers: Iterable[str]) -> dict[str, DamperMode
 
 def model_name(model: ModelLike) -> object:
     """What a record says of a model that was given: its name or path as given, or that of each damper."""
+    if isinstance(model, HoldsModels):
+        return model_name(model.models)
     if isinstance(model, Mapping):
         return {damper: model_name(own) for damper, own in model.items()}
     return model.name if isinstance(model, DamperModel) else str(model)

@@ -26,18 +26,27 @@ PathLikes = str | PathLike[str] | Sequence[str | PathLike[str]]
 
 
 @dataclass(frozen=True)
+class OpenedSource:
+    """An opened recording, its signal map with an entry for each of its dampers, and what reads one of them."""
+
+    source: Source
+    signal_map: SignalMap
+    measure: Callable[[SignalMap, str], Measurement]
+
+
+@dataclass(frozen=True)
 class Reader:
     """Opened recordings, of which one damper after the other is read; ``opened`` makes it.
 
     Attributes:
-        sources: by their order, each with the damper's name to what reads it.
+        sources: the recordings, in order.
         signal_map: with an entry for every damper of the recordings; where several have one, that of the first.
         dampers: that are to be read, in order of appearance.
         chosen: those that were asked for by name.
         window: (from, to) in s since the start.
     """
 
-    sources: tuple[tuple[Source, SignalMap, Callable[[SignalMap, str], Measurement]], ...]
+    sources: tuple[OpenedSource, ...]
     signal_map: SignalMap
     dampers: tuple[str, ...]
     chosen: tuple[str, ...]
@@ -49,12 +58,12 @@ class Reader:
         Raises:
             InputError: for channels that a map names and a recording lacks, and where nothing is left in the window.
         """
-        found = [(source, read(own, name)) for source, own, read in self.sources if name in own.dampers]
-        lacking = [source_name(source) for source, own, _ in self.sources if name not in own.dampers]
+        having = [own for own in self.sources if name in own.signal_map.dampers]
+        lacking = [source_name(own.source) for own in self.sources if name not in own.signal_map.dampers]
         return Recording(
-            sources=tuple(source for source, _ in found),
+            sources=tuple(own.source for own in having),
             signal_map=self.signal_map,
-            measurements={name: tuple(own for _, own in found)},
+            measurements={name: tuple(own.measure(own.signal_map, name) for own in having)},
             chosen=self.chosen,
             window=self.window,
             notes=tuple(f"{own}: has no damper {name}; left out" for own in lacking if name in self.chosen),
@@ -64,7 +73,7 @@ class Reader:
         """Reads all dampers; errors as ``damper``."""
         read = [self.damper(name) for name in self.dampers]
         return Recording(
-            sources=tuple(source for source, own, _ in self.sources if set(own.dampers) & set(self.dampers)),
+            sources=tuple(own.source for own in self.sources if set(own.signal_map.dampers) & set(self.dampers)),
             signal_map=self.signal_map,
             measurements={name: own.measurements[name] for name, own in zip(self.dampers, read, strict=True)},
             chosen=self.chosen,
@@ -97,9 +106,8 @@ def opened(
     with ExitStack() as stack:
         if columns is None:
             bags = [stack.enter_context(open_bag(path)) for path in paths]
-            yield _reader(
-                [(bag.path, signals_for(bag, signal_map), _of_bag(bag, window)) for bag in bags], dampers, window
-            )
+            sources = [OpenedSource(own.path, signals_for(own, signal_map), _of_bag(own, window)) for own in bags]
+            yield _reader(sources, dampers, window)
         else:
             yield _reader([_in_memory(part, signal_map, window) for part in _parts(paths, columns)], dampers, window)
 
@@ -155,24 +163,24 @@ def signal_map_of(signals: str | PathLike[str] | SignalMap | None) -> SignalMap:
     return signals if isinstance(signals, SignalMap) else load_signal_map(None if signals is None else Path(signals))
 
 
-def _reader(sources: list, wanted: Sequence[str], window: tuple[float, float]) -> Reader:
+def _reader(sources: Sequence[OpenedSource], wanted: Sequence[str], window: tuple[float, float]) -> Reader:
     entries: dict[str, DamperSignals] = {}
-    for _, own, _ in sources:
-        entries |= {name: signals for name, signals in own.dampers.items() if name not in entries}
+    for own in sources:
+        entries |= {name: signals for name, signals in own.signal_map.dampers.items() if name not in entries}
     missing = [name for name in wanted if name not in entries]
     if missing:
-        source, own, _ = sources[0]
-        where = own.where if own.where != SignalMap().where else source_name(source)
+        given = sources[0].signal_map.where
+        where = given if given != SignalMap().where else source_name(sources[0].source)
         raise InputError(f"{where}: has no damper {missing[0]!r}; it has {', '.join(entries)}")
     dampers = tuple(name for name in entries if not wanted or name in wanted)
-    return Reader(tuple(sources), replace(sources[0][1], dampers=entries), dampers, tuple(wanted), window)
+    return Reader(tuple(sources), replace(sources[0].signal_map, dampers=entries), dampers, tuple(wanted), window)
 
 
 def _of_bag(bag: Bag, window: tuple[float, float]) -> Callable[[SignalMap, str], Measurement]:
     return lambda signal_map, damper: measure(bag, signal_map, damper, *window, force_wanted=False)
 
 
-def _in_memory(part: Part, given: SignalMap, window: tuple[float, float]) -> tuple:
+def _in_memory(part: Part, given: SignalMap, window: tuple[float, float]) -> OpenedSource:
     signal_map, name = given.with_dampers(list(part.dampers)), source_name(part)
     there = replace(signal_map, dampers={k: own for k, own in signal_map.dampers.items() if k in part.dampers})
     if not there.dampers:
@@ -180,11 +188,11 @@ def _in_memory(part: Part, given: SignalMap, window: tuple[float, float]) -> tup
             f"{given.where}: names dampers {', '.join(given.dampers)}, but {name} has {', '.join(part.dampers)}"
         )
 
-    def read(own: SignalMap, damper: str) -> Measurement:
+    def measure_part(own: SignalMap, damper: str) -> Measurement:
         channels = part_channels(part, damper, own.dampers[damper].channels())
         return measured(name, damper, channels, own, *window)
 
-    return part, there, read
+    return OpenedSource(part, there, measure_part)
 
 
 def _parts(paths: Sequence[Path], columns: str | Path) -> list[Part]:

@@ -210,6 +210,17 @@ def storable(part: Part) -> Part:
     return part if early <= 0 else replace(part, stamps=part.stamps + early)
 
 
+def checked(given: object) -> Recording:
+    """What was given in place of a recording, if it is one.
+
+    Raises:
+        InputError: for a path, or anything else.
+    """
+    if not isinstance(given, Recording):
+        raise InputError(f"{given!r:.80}: is not a recording; read it first: read(path), or Recording.from_arrays(...)")
+    return given
+
+
 def source_name(source: Source) -> str:
     """Path of a recording, or the name of what lies in memory."""
     if isinstance(source, Path):

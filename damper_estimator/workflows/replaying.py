@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,10 +17,14 @@ from damper_estimator.recordings import Part, open_bag, write_part
 from damper_estimator.signals import DEFAULT_MAX_GAP
 from damper_estimator.workflows.arrivals import part_chunk
 from damper_estimator.workflows.models import ModelLike, models_for
-from damper_estimator.workflows.recording import Recording, storable
+from damper_estimator.workflows.recording import Recording, checked, storable
 from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, only_dampers, replay_to, run
 from damper_estimator.workflows.replay_line import Answer, ReplayLine, Tally
 from damper_estimator.workflows.results import Results
+from damper_estimator.workflows.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -114,14 +119,12 @@ class ReplayResults(Results[DamperReplayed]):
     def _rows(self, own: DamperReplayed) -> list[dict[str, object]]:
         return [own.tally.record()]
 
-    def to_dataframe(self):
+    def to_dataframe(self) -> pandas.DataFrame:
         """A row per estimate: damper, stamp in ns, and the fields of damper_msgs/DamperForces.
 
         Raises:
             InputError: where pandas is not installed.
         """
-        from damper_estimator.workflows.tables import data_frame
-
         parts = [
             {"damper": np.full(own.stamp.size, damper), "stamp_ns": own.stamp, **own.fields}
             for damper, own in self.by_damper.items()
@@ -148,9 +151,10 @@ def replay(recording: Recording, model: ModelLike, *, max_gap: float = DEFAULT_M
     Raises:
         InputError: one line; for several recordings, and for a model that cannot be used or deployed.
     """
-    (source,) = recording.sources if len(recording.sources) == 1 else (None,)
-    if source is None:
+    sources = checked(recording).sources
+    if len(sources) != 1:
         raise InputError(f"replay takes one recording, but there are {', '.join(recording.names)}; read one of them")
+    (source,) = sources
     models, chosen = models_for(model, recording.dampers), only_dampers(recording.signal_map, recording.dampers)
     kept = _Kept(recording.dampers)
     if isinstance(source, Part):

@@ -113,6 +113,19 @@ def test_a_recording_without_displacement(verb, good, write_bag, capsys):
     assert "suspension/displacement" in line and "/chassis/roll/displacement" in line
 
 
+@pytest.mark.parametrize("verb", ["compare", "fit", "diagnose", "improve", "characterize"])
+def test_a_recording_without_force_is_refused_by_the_verb_in_use(verb, good, write_bag, capsys):
+    stamp, x, _ = motion()
+    write_bag("moved.mcap", ["left"], stamp, x)
+    line = [verb, str(good / "moved.mcap")]
+    line += [] if verb == "characterize" else ["-m", str(good / "model.yaml")]
+    line += ["-o", str(good / "out.yaml")] if verb in ("fit", "improve") else []
+    told = refused(line, good, capsys)
+    assert told.endswith(
+        f"moved.mcap: no damper has a measured force; {verb} needs one (name its topic in a signal map)"
+    )
+
+
 @pytest.mark.parametrize(("verb", "place"), [("fit", "model.yaml/out.yaml"), ("replay", "model.yaml/out.mcap"),
                                               ("tare", "model.yaml/out.yaml"), ("replay", "folder"), ("tare", "folder"),
                                               ("replay", "/dev/full/out.mcap")])  # fmt: skip
