@@ -230,8 +230,8 @@ def hour(folder: Path) -> None:
         assert fleet.tally.failed == 0
         written = sum(path.stat().st_size for path in fleet.asked.output.rglob(f"*.{options.verb}.*")) / 1e6
         told(
-            f"{options.verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.tally.seconds:.0f} s, peak {peak:.0f} "
-            f"MB, {written:.1f} MB written"
+            f"{options.verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.tally.seconds:.0f} s, "
+            f"peak {peak:.0f} MB, {written:.1f} MB written"
         )
 
 

@@ -19,8 +19,8 @@ from damper_estimator.fleet.task import Options
 from damper_estimator.fleet.trend import RULE, drifting
 from damper_estimator.fleet.verbs import PLOTLY, Compare, work
 from damper_estimator.model import load_model
-from damper_estimator.report.fleet_page import fleet_page
 from damper_estimator.report import save_plotly
+from damper_estimator.report.fleet_page import fleet_page
 
 _EVERY = 10.0  # s between two lines of progress where they cannot be written over
 

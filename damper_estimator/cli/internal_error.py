@@ -6,7 +6,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Iterator, Sequence
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 from damper_estimator import __version__
@@ -32,7 +32,7 @@ def internal_error(error: BaseException, words: Sequence[str]) -> str:
 
 def _written(text: str) -> Path | None:
     """The file that holds the text; None where none of the folders can be written to."""
-    name = f"error_{datetime.now():%Y-%m-%d_%H-%M-%S}_{os.getpid()}.txt"
+    name = f"error_{datetime.now(UTC):%Y-%m-%d_%H-%M-%S}_{os.getpid()}.txt"
     for folder in _folders():
         try:
             folder.mkdir(parents=True, exist_ok=True)

@@ -30,8 +30,8 @@ def main(words: Sequence[str] | None = None) -> int:
         words: the command line after the program's name; None takes the process's own.
 
     Returns:
-        The exit status: 0 done, 1 the input is unusable or we have a bug, 2 wrong usage, 130 interrupted, 141 the reader of our
-        output left.
+        The exit status: 0 done, 1 the input is unusable or we have a bug, 2 wrong usage, 130 interrupted, 141 the
+        reader of our output left.
     """
     words = list(sys.argv[1:] if words is None else words)
     try:

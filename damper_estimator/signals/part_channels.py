@@ -1,4 +1,4 @@
-"""The channels of a test that lies in memory, as they would be read from the recording that `write_part` makes of it."""
+"""The channels of a test that lies in memory, as they would be read from the recording that `write_part` makes."""
 
 from __future__ import annotations
 

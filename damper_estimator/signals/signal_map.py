@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -83,6 +84,11 @@ class DamperSignals:
     def channels(self) -> dict[str, Channel]:
         """Channel by role."""
         return {role: getattr(self, role) for role in ROLES}
+
+    def with_channel(self, role: str, channel: Channel) -> "DamperSignals":
+        """The same with another channel in a role."""
+        given: dict[str, Any] = {role: channel}
+        return replace(self, **given)
 
 
 @dataclass(frozen=True)

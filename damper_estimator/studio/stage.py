@@ -14,8 +14,8 @@ from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load
 from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.overheard import overheard
-from damper_estimator.workflows import opened as opened_recordings
 from damper_estimator.workflows import Case, read
+from damper_estimator.workflows import opened as opened_recordings
 
 MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for in
 _PASSAGES = 20  # that a longer recording is judged on

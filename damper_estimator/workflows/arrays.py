@@ -104,7 +104,7 @@ def _by_damper(channels: Mapping[str, Arrays], damper: str, name: str) -> dict[s
             raise InputError(
                 f"{name}: {', '.join(mixed)} given by damper, but displacement is one array; give both alike"
             )
-        return {damper: dict(channels)}
+        return {damper: {role: own for role, own in channels.items() if not isinstance(own, Mapping)}}
     if not displacement:
         raise InputError(f"{name}: displacement names no damper; give one array for each")
     found: dict[str, dict[str, Values]] = {own: {} for own in displacement}

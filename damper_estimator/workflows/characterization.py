@@ -9,14 +9,17 @@ from damper_estimator.characterization import (
     Characterization,
     Diagram,
     QuasiStatic,
-    characterize as characterized,
     peaks,
     quasi_static,
     record,
     structure_model,
 )
+from damper_estimator.characterization import (
+    characterize as characterized,
+)
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
 from damper_estimator.workflows.recording import Recording, checked
 from damper_estimator.workflows.results import Results
 
@@ -66,7 +69,7 @@ class CharacterizationResults(Results[DamperCharacterized]):
         return f"{len(own.found.diagrams)} operating points, {', '.join(types) or 'no type'}"
 
     def _rows(self, own: DamperCharacterized) -> list[dict[str, object]]:
-        return [peaks(diagram.loop) for diagram in own.found.diagrams]
+        return [dict(peaks(diagram.loop)) for diagram in own.found.diagrams]
 
     def _figure(self, own: DamperCharacterized) -> Mapping[str, object]:
         from damper_estimator.report import loops_over_velocity
@@ -109,5 +112,5 @@ def structure_of(found: Characterization) -> DamperModel:
     return structure_model(found.structure)
 
 
-def _of(recording: Recording, damper: str) -> list:
+def _of(recording: Recording, damper: str) -> list[Measurement]:
     return list(recording.of(damper).with_force("characterize").measurements[damper])

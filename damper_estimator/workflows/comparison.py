@@ -4,20 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from damper_estimator.validation import (
     Comparison,
     Region,
     Step,
-    compare as compared,
     partial_coherence,
     per_recording,
     step_check,
     velocity_agreement,
 )
+from damper_estimator.validation import (
+    compare as compared,
+)
 from damper_estimator.workflows.models import ModelLike, model_for, model_name
 from damper_estimator.workflows.recording import Recording, checked, in_words
 from damper_estimator.workflows.results import Results
+
+if TYPE_CHECKING:
+    from damper_estimator.report import Section
+
+Groups = Mapping[str, Sequence[str]]
+"""Recordings by the name of their group."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,7 @@ def compare(
     recording: Recording,
     model: ModelLike | Sequence[ModelLike],
     *,
-    groups: Mapping[str, Sequence[str]] | None = None,
+    groups: Groups | None = None,
     steps: bool = False,
 ) -> ComparisonResults:
     """Judges models against the measured force; both pass the same filters (docs/python.md names the measures).
@@ -136,7 +145,7 @@ def compare(
         steps: judge every step of 10 mm and more by itself.
 
     Raises:
-        InputError: one line; without a measured force, for a model that cannot be used, and where nothing can be judged.
+        InputError: one line; without a measured force, for a model that cannot be used, where nothing can be judged.
     """
     models = tuple(model) if isinstance(model, Sequence) and not isinstance(model, str) else (model,)
     measured = checked(recording).with_force("compare")
@@ -150,13 +159,14 @@ def asked(bags: Sequence[str], models: Sequence[object]) -> dict[str, object]:
     return {"bags": list(bags), "models": list(models)}
 
 
-def page_title(sections: Sequence, bags: str) -> str:
+def page_title(sections: Sequence[Section], bags: str) -> str:
     """Title of the page of sections of ``damper_section``."""
-    return f"{' and '.join(sections[0].figures['models'])} against {bags}"
+    models: list[str] = sections[0].figures["models"]  # type: ignore[assignment]  # what a figure holds is JSON
+    return f"{' and '.join(models)} against {bags}"
 
 
 def _compared(
-    one: Recording, damper: str, models: Sequence[ModelLike], named: tuple, groups: Mapping, steps: bool
+    one: Recording, damper: str, models: Sequence[ModelLike], named: tuple[object, ...], groups: Groups, steps: bool
 ) -> ModelsCompared:
     measurements = one.measurements[damper]
     judged = [compared(model_for(model, damper), *measurements) for model in models]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from damper_estimator.diagnosis import Diagnosis, Finding, diagnose as diagnosed
+from damper_estimator.diagnosis import Diagnosis, Finding
+from damper_estimator.diagnosis import diagnose as diagnosed
 from damper_estimator.model import DamperModel
 from damper_estimator.workflows.judging import Case, Tell, check_mode, judging_of, silent
 from damper_estimator.workflows.models import ModelLike

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
-from damper_estimator.identification import Fit, FittedParameter, Front, Wishes, fit as identified
+from damper_estimator.identification import Fit, FittedParameter, Front, Wishes
+from damper_estimator.identification import fit as identified
 from damper_estimator.model import DamperModel, save_model
 from damper_estimator.signals import Measurement
 from damper_estimator.workflows.models import HoldsModels, ModelLike, model_name, models_for
@@ -100,7 +101,7 @@ class FitResults(Results[ModelFitted], HoldsModels):
         return self.fit.warnings
 
     def save(self, path: str | Path) -> Path:
-        """Writes the model (``.yaml``; several dampers: a folder with one ``DAMPER.yaml`` each), or the record (``.json``).
+        """Writes the model (``.yaml``; several dampers: a folder of ``DAMPER.yaml``), or the record (``.json``).
 
         Raises:
             InputError: for another ending, and where it cannot be written.
@@ -159,8 +160,7 @@ def fit(
     Raises:
         InputError: one line; without a measured force, for a model that cannot be used, and for too few samples.
     """
-    names = [(own,) if isinstance(own, str) else tuple(own) for own in (free, fix)]
-    options = FitOptions(*names, limits, method, seed)
+    options = FitOptions(_names(free), _names(fix), limits, method, seed)
     return fit_with(recording, model, options, progress or _silent)
 
 
@@ -178,6 +178,10 @@ def fit_with(recording: Recording, model: ModelLike, options: FitOptions, tell: 
         )  # fmt: skip
         found[damper] = ModelFitted(start, fitted, measurements)
     return FitResults({"bags": list(recording.names), "model": model_name(model)}, found)
+
+
+def _names(given: str | Iterable[str]) -> tuple[str, ...]:
+    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def fit_record(fit: Fit, target: Path | None) -> dict[str, object]:

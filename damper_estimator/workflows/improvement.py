@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from damper_estimator.diagnosis import Improvement, Step, improve as improved
+from damper_estimator.diagnosis import Improvement, Step
+from damper_estimator.diagnosis import improve as improved
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, save_model
 from damper_estimator.signals import DamperSignals, SignalMap
@@ -147,7 +149,7 @@ def improvement_record(found: Improvement, target: Path | None, steps: tuple[Pat
     """An improvement for JSON, with the files that it was written to, where it was."""
     from damper_estimator.report import mend_rows
 
-    record = {"model": found.model.name, "file": target, **found.record(), "mends": mend_rows(found)}
+    record: dict[str, Any] = {"model": found.model.name, "file": target, **found.record(), "mends": mend_rows(found)}
     if steps:
-        record["steps"] = [{**step, "file": path} for step, path in zip(found.record()["steps"], steps, strict=True)]
+        record["steps"] = [{**step, "file": path} for step, path in zip(record["steps"], steps, strict=True)]
     return record

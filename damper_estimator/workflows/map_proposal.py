@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ WORDS = {
         r"disp|travel|stroke|position|pot\b|length|height|lvdt|range|deflection|(?:^|[/_.])x(?:$|[/_.\[])", re.I
     ),
 }
+_ROLE_OF_TYPE = {"sensor_msgs/msg/Temperature": "temperature", "sensor_msgs/msg/FluidPressure": "pressure"}
 _OURS = re.compile(r"^/damper_estimator/")
 _LOOK = 200  # messages of each topic
 
@@ -60,10 +62,8 @@ def propose(bag: Bag) -> Proposal:
         for role in ("force", "command", "temperature", "pressure"):
             match = _partner(c, [o for o in candidates if o.role == role], len(moved))
             if match is not None:
-                signals = replace(
-                    signals,
-                    **{role: Channel(match.topic, match.field, unit="A" if role == "command" else "", given=True)},
-                )
+                channel = Channel(match.topic, match.field, unit="A" if role == "command" else "", given=True)
+                signals = signals.with_channel(role, channel)
         dampers[name] = _scaled(bag, name, signals, guesses)
     return Proposal(SignalMap(dampers=dampers, where="proposed map"), tuple(guesses))
 
@@ -83,7 +83,7 @@ def _candidates(bag: Bag) -> Iterator[Candidate]:
         yield from seen
 
 
-def _of_message(topic: str, type_name: str, message: object) -> Iterator[Candidate]:
+def _of_message(topic: str, type_name: str, message: Any) -> Iterator[Candidate]:
     if type_name == "sensor_msgs/msg/JointState":
         for field, role in (("position", "displacement"), ("effort", "force")):
             for name in list(message.name)[: len(getattr(message, field))]:
@@ -91,14 +91,12 @@ def _of_message(topic: str, type_name: str, message: object) -> Iterator[Candida
         return
     for field in _numbers(message, 3):
         text = f"{topic}.{field}"
-        role = {"sensor_msgs/msg/Temperature": "temperature", "sensor_msgs/msg/FluidPressure": "pressure"}.get(
-            type_name
-        )
-        if role is not None and field == "variance":
+        typed = _ROLE_OF_TYPE.get(type_name)
+        if typed is not None and field == "variance":
             continue
-        role = role or next((r for r, words in WORDS.items() if words.search(text)), None)
-        if role is not None:
-            yield Candidate(role, topic, field, "")
+        guessed = typed or next((role for role, words in WORDS.items() if words.search(text)), None)
+        if guessed is not None:
+            yield Candidate(guessed, topic, field, "")
 
 
 def _numbers(message: object, depth: int) -> Iterator[str]:

@@ -140,7 +140,8 @@ class Recording:
         Raises:
             InputError: where a damper that was chosen by name has none.
         """
-        kept, notes = {}, list(self.notes)
+        kept: dict[str, tuple[Measurement, ...]] = {}
+        notes = list(self.notes)
         for damper, measurements in self.measurements.items():
             for own in measurements if damper in self.chosen else ():
                 check_force(own)
@@ -150,7 +151,8 @@ class Recording:
                 if own.force is None
             ]
             with_force = tuple(own for own in measurements if own.force is not None)
-            kept |= {damper: with_force} if with_force else {}
+            if with_force:
+                kept[damper] = with_force
         return replace(self, measurements=kept, notes=tuple(notes))
 
     def with_force(self, use: str) -> Recording:

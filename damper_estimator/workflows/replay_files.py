@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -121,7 +122,7 @@ def _refuse_input_as_output(path: Path, output: Path) -> None:
 
 def _tell_cutoffs(models: Mapping[str, DamperModel], cutoff: float, tell: Callable[[str], None]) -> None:
     for name, model in models.items():
-        fitted = model.fit.get("cutoff")
+        fitted: Any = model.fit.get("cutoff")
         if fitted is not None and float(fitted or 0.0) != cutoff:
             tell(
                 f"{name}: model {model.name} was fitted with the filter at {fitted or 'none'} Hz, here it is "

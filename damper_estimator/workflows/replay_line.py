@@ -136,9 +136,9 @@ def _sorted_logs(chunk: Chunk) -> tuple[np.ndarray, np.ndarray]:
     return ranks, logs[first]
 
 
-def _reaches(dampers: Mapping[str, Deployed]) -> dict[str, Callable]:
+def _reaches(dampers: Mapping[str, Deployed]) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
     """What commands can reach, for those dampers whose model has an inverse; as the node with its default settings."""
-    found = {}
+    found: dict[str, Callable[[np.ndarray], np.ndarray]] = {}
     for name, own in dampers.items():
         with suppress(InputError):
             checked_limits(own.model, own.signals.command.value_limits)

@@ -67,7 +67,8 @@ class ReplayResults(Results[DamperReplayed]):
     @property
     def time(self) -> np.ndarray:
         """(n,) s since the first estimate."""
-        return (self.stamp - self.stamp[:1]) * 1e-9
+        seconds: np.ndarray = (self.stamp - self.stamp[:1]) * 1e-9
+        return seconds
 
     @property
     def force(self) -> np.ndarray:

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 from damper_estimator.errors import InputError
 from damper_estimator.files import json_text, write_text
@@ -30,7 +30,7 @@ class Results(Mapping[str, "Results[One]"], Generic[One]):
         by_damper: what was found for each damper.
     """
 
-    asked: Mapping[str, object]
+    asked: Mapping[str, Any]
     by_damper: Mapping[str, One]
 
     def __getitem__(self, damper: str) -> Self:

@@ -8,8 +8,8 @@ from shapes import measurement_of, sine, sine_test
 
 from damper_estimator.characterization import characterize, mean_loops, quasi_static
 from damper_estimator.characterization.record import PEAK_COLUMNS, peaks, peaks_csv, record
-from damper_estimator.files import plain
 from damper_estimator.errors import InputError
+from damper_estimator.files import plain
 
 
 def viscous(x, v, a):

@@ -8,6 +8,7 @@ from damper_estimator.fleet.manifest import find_recordings
 from damper_estimator.fleet.run import Asked, Fleet
 from damper_estimator.fleet.verbs import Compare
 
+COMPARE = Compare()
 MODEL = """\
 name: viscous_and_friction
 source: made for a test
@@ -45,7 +46,7 @@ def drives(tmp_path):
 def run(client, model, tmp_path):
     """Runs a fleet over patterns and returns it; by default of a work that does next to nothing."""
 
-    def go(*patterns, work=quick, tell=lambda tally: None, options=Compare(), output="out", **more):
+    def go(*patterns, work=quick, tell=lambda tally: None, options=COMPARE, output="out", **more):
         asked = Asked(options, str(model), tmp_path / output, **more)
         fleet = Fleet(asked, find_recordings([str(own) for own in patterns]), work, tell)
         fleet.run(client)

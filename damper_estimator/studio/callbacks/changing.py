@@ -7,12 +7,12 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.report.diagnosis_wording import step_name
+from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.report.plots import Figure
 from damper_estimator.report.verdict_figures import error_bars, waterfall_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.history import History
-from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.studio.parameters import parameter_list
 from damper_estimator.studio.scale import from_place, to_place
 from damper_estimator.studio.session import Session

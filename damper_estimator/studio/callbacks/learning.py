@@ -9,12 +9,12 @@ from damper_estimator.effects.discovery import all_effects
 from damper_estimator.errors import InputError
 from damper_estimator.report.diagnosis_page import tied_notes
 from damper_estimator.report.diagnosis_wording import plain_name
+from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.report.verdict_figures import ranking_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.explained import explained_figure
 from damper_estimator.studio.page import EMPTY
-from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.studio.sessions import Sessions
 
 

@@ -5,12 +5,12 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.report.figures import error_map
+from damper_estimator.report.paint import painted
 from damper_estimator.report.plots import Figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import opened
 from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.page import names_of
-from damper_estimator.report.paint import painted
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 from damper_estimator.studio.tried import tried_force
