@@ -18,9 +18,9 @@ from browser import BROWSER
 from hand import Hand, hand, served
 from hour_bag import write_hour
 
+from damper_estimator.report.paint import painted
 from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.paint import painted
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.stage import Choice
 from damper_estimator.studio.view import MOTIONS, View
