@@ -68,7 +68,8 @@ class Session:
         Raises:
             InputError: while nothing is open.
         """
-        return self.stage.mended(self._now().signals)
+        now = self._now()
+        return self.stage.mended(now.signals)
 
     def models(self) -> list[DamperModel]:
         """The models on view: the one that is worked on, the same as given where it was changed, the others."""
