@@ -2,15 +2,16 @@
 
 RELATED = 60.0  # s by which two clocks that mean the same time may differ
 _WINDOW = 60.0  # s over which the fastest message is remembered, twice
+_OUT_OF_ORDER = 0.1  # s by which a message may come after a newer one; a larger step back is a clock that was set
 
 
 class StampAge:
     """Whether the messages of one topic waited too long on their way; final.
 
     The age of a sample is the time between its stamp and its arrival. A stamp ahead of this machine's clock shows that
-    the clocks differ: then the age counts from the youngest sample of the last minutes. Where even the youngest is more
-    than ``RELATED`` old or ahead, the stamps belong to another clock (a recording that is being played), and nothing
-    can be said.
+    the clocks differ: then the age counts from the youngest sample of the last minutes, or since the sender's clock was
+    set back. Where even the youngest is more than ``RELATED`` old or ahead, the stamps belong to another clock (a
+    recording that is being played), and nothing can be said.
 
     Attributes:
         age: s, of the last sample, as the clocks have it.
@@ -33,8 +34,9 @@ class StampAge:
     def is_late(self, stamp: int, now: int, max_age: float) -> bool:
         """Takes a sample in; both times in ns, ``max_age`` in s, 0 to judge nothing."""
         self.age = (now - stamp) / 1e9
-        if stamp < self._stamp - _WINDOW * 1e9 or not self._began <= now / 1e9 < self._began + _WINDOW:
-            self._turn(now / 1e9, stamp < self._stamp)
+        is_set_back = stamp < self._stamp - _OUT_OF_ORDER * 1e9
+        if is_set_back or not self._began <= now / 1e9 < self._began + _WINDOW:
+            self._turn(now / 1e9, is_set_back)
         self._stamp = stamp
         self._youngest[0] = min(self._youngest[0], self.age)
         is_late = max_age > 0.0 and self.is_related and self.age - min(0.0, *self._youngest) > max_age

@@ -36,6 +36,22 @@ def test_stamps_ahead_of_this_clock_are_judged_against_the_youngest():
     assert not late[:600].any() and late[600:].all()
 
 
+def test_a_clock_that_was_ahead_for_a_while_makes_no_later_sample_late():
+    times = NOW + np.arange(3000) * SECOND // 100
+    stamps = times.copy()
+    stamps[500:600] += 2 * SECOND
+    late, _ = judged(stamps, times + SECOND // 1000)
+    assert not late.any()
+
+
+def test_one_of_two_senders_that_lags_is_late_all_along():
+    times = NOW + np.arange(2000) * SECOND // 100
+    stamps = times.copy()
+    stamps[1::2] -= 3 * SECOND
+    late, _ = judged(stamps, times)
+    assert late[1::2].all() and not late[::2].any()
+
+
 def test_stamps_of_another_time_cannot_be_judged_whatever_their_pace():
     stamps = np.arange(1000) * SECOND // 1000
     late, age = judged(stamps, NOW + np.arange(1000) * SECOND)
