@@ -15,7 +15,9 @@ the command's present value says of the region, because that value is about to b
 
 Noise is told from motion by the third difference of the raw displacement (for white noise its variance is 20 sigma^2),
 where the sampling is at least eight times the filter's cutoff, and carried through the filter: the standard deviation
-of the velocity that white noise of sigma leaves behind the filter is 2 pi sigma (pi/3 dt cutoff^3)^(1/2).
+of the velocity that white noise of sigma leaves behind the filter is 2 pi sigma (pi/3 dt cutoff^3)^(1/2). A third
+difference far beyond that noise, and beyond what a wheel does, is an outlier and counts as a jump: a single sample that
+is off by some millimetres is no faster than a damper, but the filter makes some 0.1 m/s of it.
 """
 
 from math import pi, sqrt
@@ -44,6 +46,8 @@ from damper_estimator.signals.layout import COMMAND, DT, ROWS
 SETTLED = round(WARM_UP * 1e9)  # ns
 JUMP_SPEED = 5.0  # m/s, faster than a damper moves
 JUMP = 0.001  # m, smaller ones are noise or resolution
+JUMP_JERK = 2.5e5  # m/s^3, twice that of a wheel in a pothole; a single outlier of the displacement looks worse
+_OUTLIER = 6.0  # standard deviations of the noise, which is no outlier
 LATE_STEP = 3.0  # typical steps that make a gap
 NOISE = 0.05  # m/s, standard deviation of the velocity
 _VELOCITY_NOISE = 2.0 * pi * sqrt(pi / 3.0)
@@ -111,26 +115,31 @@ def _follow(own, stamp, value, step):
         own["raw"], own["first"], own["second"], own["known"] = value, 0.0, 0.0, 0.0
         own["step"] = own["variance"] = 0.0
         return
-    first = value - own["raw"]
+    moved = value - own["raw"]
+    # As if the steps were even: motion at a constant speed has no second difference.
+    first = moved * own["step"] / step if own["step"] > 0.0 else moved
     second = first - own["first"]
     third = second - own["second"]
-    faulty = False
-    if abs(first) > JUMP and abs(first) > JUMP_SPEED * step:
-        own["counts"][JUMPS] += 1
-        faulty = True
+    noise = _OUTLIER * sqrt(_THIRD_DIFFERENCE * max(own["variance"], 0.0))
+    usual = max(JUMP, JUMP_JERK * own["step"] ** 3, noise)
+    has_jumped, is_late, is_outlier = abs(moved) > max(JUMP, JUMP_SPEED * step), False, False
     if own["step"] <= 0.0:
         own["step"] = step
     elif step > LATE_STEP * own["step"]:
         own["counts"][LATE] += 1
-        faulty = True
+        is_late = True
     own["step"] += _FOLLOW * (min(step, 2.0 * own["step"]) - own["step"])
-    if faulty:
+    if own["known"] < 2.0:  # a third difference needs three good steps
+        own["known"] += 1.0
+    elif not has_jumped and not is_late:
+        is_outlier = abs(third) > usual
+        third = min(abs(third), usual)
+        own["variance"] += _FORGET * (third * third / _THIRD_DIFFERENCE - own["variance"])
+    if has_jumped or is_outlier:
+        own["counts"][JUMPS] += 1
+    if has_jumped or is_outlier or is_late:
         _fault(own, stamp, SETTLED)
         own["known"] = 0.0
-    elif own["known"] < 2.0:  # a third difference needs three good steps
-        own["known"] += 1.0
-    else:
-        own["variance"] += _FORGET * (third * third / _THIRD_DIFFERENCE - own["variance"])
     own["raw"], own["first"], own["second"] = value, first, second
 
 

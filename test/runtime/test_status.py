@@ -87,3 +87,26 @@ def test_noise_is_told_from_motion():
     assert line.velocity_noise(0) == pytest.approx(0.0094, rel=0.5)
     loud, line = driven(stamp, motion(stamp) + 2e-3 * noise)
     assert (loud[1000:] == DEGRADED).all() and line.velocity_noise(0) > NOISE
+
+
+@pytest.mark.parametrize("step", [1.0, 2.0])
+@pytest.mark.parametrize("size", [0.0025, 0.004, 0.009])
+def test_an_outlier_that_is_no_faster_than_a_damper_degrades_at_once(size, step):
+    """It moves the filtered velocity by up to ``size * step * cutoff^2``; 4 m/s are too slow for a jump."""
+    stamp = np.round(np.arange(0, 1000, step) * MS).astype(np.int64)
+    displacement = motion(stamp)
+    displacement[400] += min(size, 4.5e-3 * step)
+    status, line = driven(stamp, displacement)
+    assert (status[400 : 400 + round(200 / step)] == DEGRADED).all() and status[399] == GOOD
+    assert (status[stamp > stamp[400] + 230 * MS] == GOOD).all()
+    assert line.records["counts"][0, JUMPS] in (1, 2)
+
+
+def test_a_pothole_and_noise_are_no_outliers():
+    stamp = np.arange(3000) * MS
+    seconds = stamp * 1e-9
+    bump = 0.5 * 600.0 * 0.01**2 * np.exp(-(((seconds - 1.5) / 0.01) ** 2))  # 60 g within some 10 ms
+    noise = 1e-4 * np.random.default_rng(4).standard_normal(stamp.size)
+    for displacement in (motion(stamp) + bump, motion(stamp) + noise):
+        status, _ = driven(stamp, displacement)
+        assert (status[1000:] == GOOD).all()
