@@ -100,6 +100,23 @@ class RunningCar:
         )  # fmt: skip
         self.index = end - 1
 
+    def go_on(self, road: np.ndarray) -> None:
+        """Begins the next stretch of road, from the last height of the one before; the record restarts."""
+        last = self.record[self.index]
+        self._road, self._slope = road, np.gradient(road, self._step)
+        self.record = np.zeros((road.size, 4))
+        self.record[0], self.index = last, 0
+
+    @property
+    def temperature(self) -> float:
+        """Of the oil, deg C."""
+        return float(self._memory[plant_kernel.TEMPERATURE])
+
+    @property
+    def gas_pressure(self) -> float:
+        """Absolute, Pa."""
+        return float(self._seen[plant_kernel.GAS_PRESSURE])
+
     def column(self, which: int) -> np.ndarray:
         """One quantity over the whole road, (n,)."""
         return np.ascontiguousarray(self.record[:, which])

@@ -5,6 +5,7 @@ import pytest
 
 from damper_estimator.plant import DAMPERS, simulate
 from damper_estimator.vehicle import CORNERS, EXCITATIONS, drive, suspension_travel
+from damper_estimator.vehicle.quarter_car import TRAVEL, RunningCar
 
 STEP = 2e-4
 EVERY_DAMPER = pytest.mark.parametrize("name", DAMPERS)
@@ -99,3 +100,19 @@ def test_every_excitation_can_drive_every_damper() -> None:
 def test_an_unknown_excitation_is_an_error() -> None:
     with pytest.raises(KeyError):
         drive("moon", DAMPERS["light_car"], 10.0, 1)
+
+
+def test_a_road_in_stretches_is_the_road_as_a_whole() -> None:
+    """The slope at a seam is that of one side, so that the agreement is that of the step."""
+    rng = np.random.default_rng(3)
+    road = 0.01 * np.cumsum(np.convolve(rng.standard_normal(4000), np.ones(100) / 100, "same")) * STEP * 50
+    current = np.full(road.size, 0.5)
+    whole = suspension_travel(CORNERS["semi_active"], DAMPERS["semi_active"], road, current, STEP)
+    running = RunningCar(CORNERS["semi_active"], DAMPERS["semi_active"], road[:2001], STEP, 0.5)
+    running.advance(2001, current)
+    first = running.column(TRAVEL)
+    running.go_on(road[2000:])
+    running.advance(road[2000:].size, current)
+    joined = np.concatenate([first, running.column(TRAVEL)[1:]])
+    assert joined.size == whole.size
+    assert np.abs(joined - whole).max() < 1e-3 * np.abs(whole).max()
