@@ -49,7 +49,7 @@ bench-node: env ## the node against a relay as the bars want it: 60 s, five roun
 bench-diagnosis: env ## hide effects in simulated dampers and see whether they are found (FULL=1: all there is)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_diagnosis.py -o docs/diagnosis_bench.md
 
-soak: env ## half an hour of the node at 1 kHz with random faults: memory and counters (SOAK="SECONDS RATE")
+soak: env ## half an hour of the closed loop under random faults, judged against the truth (SOAK="SECONDS RATE")
 	@$(BIN)/python benchmarks/soak.py $(SOAK)
 
 FUZZ_TARGETS ?= bags bench models maps wire parameters

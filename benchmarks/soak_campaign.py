@@ -1,0 +1,309 @@
+"""The campaign: plant, drivers, node and judge sample by sample, and the rounds of faults."""
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from soak_counters import Counters
+from soak_faults import WAITED, Fault, Kind
+from soak_judge import MEMORY, Judge
+from soak_node import DISPLACEMENT, FORCE, WISH, SoakedNode
+from soak_plant import AMBIENT, NAMES, SAFE, STEP, WARMING, Corner, Driver, Sample, Sensors, damper
+from soak_rounds import Rounds
+from soak_truth import Filter, Undisturbed
+from soak_wire import SECOND, States, commands_in, forces_in, joint_state, number, number_in, stamped
+
+CUTOFF = 60.0  # Hz
+WINDOW = 40  # displacement messages that may be unanswered
+BEHIND = 0.15  # s that we may be late before the stamps leap
+QUIET = 1.4  # s without fault after every round
+CHECK_EVERY = 15  # rounds between two looks at the counters
+RESTARTS = 0.3  # share of the time in which the process may end, so that memory is seen to grow in the rest
+TELL_EVERY = 15.0  # s
+STUCK = 60.0  # s without any answer
+PATIENCE = 2.0  # s for single answers
+
+
+class Campaign:
+    """Everything of one run; final.
+
+    Attributes:
+        time: s, of the plant.
+        shift: ns by which the sender's clock is off.
+        is_held: whether the node stands still on purpose.
+        memory: bytes of the node's process, by its life.
+        behind: how often we were too slow, and the stamps leapt.
+    """
+
+    def __init__(self, folder: Path, models: Path, rate: float, seed: int, kinds: Sequence[Kind], first: int) -> None:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        self.seed, self.rounds, self._models = seed, Rounds(kinds, seed, first), models
+        self._rate, self._steps, self.step_ns = rate, round(1.0 / rate / STEP), round(SECOND / rate)
+        self.node = SoakedNode({
+            "model": str(models / "models"), "signals": str(models / "plain.yaml"), "safe_current": SAFE,
+            "dampers": f"[{', '.join(NAMES)}]", "qos_reliability": "reliable", "qos_depth": 4000, "record": str(folder),
+            "record_size": 20, "record_files": 2,
+        })  # fmt: skip
+        self.corners = [
+            Corner(seed % 10_000 + k, damper(WARMING[k], AMBIENT[k], AMBIENT[k])) for k in range(len(NAMES))
+        ]
+        self.drivers = [Driver() for _ in NAMES]
+        self.sensors, self._noise = Sensors(), np.random.default_rng([seed, 1])
+        self._undisturbed = Undisturbed(models / "models", models / "plain.yaml")
+        self.judge = Judge(self.step_ns, self._undisturbed.heeds_temperature, self._undisturbed.stddev)
+        self.time, self.shift, self.stamp, self.is_held = 0.0, 0, 0, False
+        self.active: list[Fault] = []
+        self._recent: list[tuple[str, float]] = []
+        self._next, self.sent, self.behind = 1.5, 0, 0
+        self._answered, self._heard_at = 0.0, time.monotonic()
+        self.memory: list[list[int]] = []
+        self.counters = Counters()
+        self._filter: Filter | None = None
+        self._index = 0
+
+    def run(self, seconds: float) -> None:
+        """Drives for so many seconds of wall time."""
+        print(f"seed {self.seed}", flush=True)
+        self.restart()
+        begin, said = time.monotonic(), 0.0
+        while (passed := time.monotonic() - begin) < seconds or self.active:
+            self.tick()
+            if not self.active and self.time >= self._next and passed < seconds:
+                self._begin_round(may_restart=passed < RESTARTS * seconds)
+            if passed > said:
+                said = passed + TELL_EVERY
+                print(
+                    f"{passed:6.0f} s, {self.time:.0f} s driven, round {self.rounds.number}, "
+                    f"{self.node.memory / 1e6:.0f} MB, {len(self.judge.violations)} sorts of violations",
+                    flush=True,
+                )
+        self.check_counts()
+
+    def restart(self) -> None:
+        """A new process."""
+        self.node.start()
+        self.judge.start()
+        self._anchor()
+        self.judge.pause(False, self.time)
+        self.counters.forget()
+        self.memory.append([])
+
+    def _anchor(self) -> None:
+        """Plant time and wall time agree from now on."""
+        self._wall, self._epoch = time.monotonic() - self.time, time.time_ns() - round(self.time * SECOND)
+        self._heard_at = time.monotonic()
+
+    def tick(self) -> None:
+        """One sample of everything."""
+        self._pace()
+        self._index += 1
+        self.time = self._index / self._rate
+        self.stamp = self._epoch + round(self.time * SECOND) + self.shift
+        samples = [self._drive(k) for k in range(len(NAMES))]
+        random, sensors = self._noise, self.sensors
+        displacement = [sensors.displacement_of(sample.travel, random) for sample in samples]
+        current = [sample.current + sensors.current * random.standard_normal() for sample in samples]
+        felt = [s.acceleration + sensors.offset + sensors.acceleration * random.standard_normal() for s in samples]
+        force = np.array([sample.force for sample in samples])
+        self._filter = self._filter or Filter(CUTOFF, 1.0 / self._rate, force)
+        filtered = self._filter.take(force)
+        undisturbed, _ = self._undisturbed.take(round(self.time * SECOND), displacement, current, samples, felt)
+        self.truth = force if self._undisturbed.is_fused else filtered
+        self._advance_faults()
+        self._send_slow(current, samples, felt, force)
+        messages = [States(list(NAMES), displacement, self.stamp, truth=self.truth, undisturbed=undisturbed)]
+        for fault in self.active:
+            if fault.kind.role == "displacement":
+                messages = [changed for m in messages for changed in fault.kind.act(fault, m)]
+                fault.k += 1
+        for m in messages:
+            self.send_states(m)
+        self._take()
+        if self._index % 10 == 0:
+            backed_up = self.is_held or (bool(self.judge.pending) and self.time - self._oldest() > 0.1)
+            self.judge.watch_loop(self.time, [d.commanded for d in self.drivers], self._kinds(), backed_up)
+
+    def _oldest(self) -> float:
+        return next(iter(self.judge.pending.values())).time
+
+    def _drive(self, k: int) -> Sample:
+        return self.corners[k].drive(self._steps, self.drivers[k].step(self.time, 1.0 / self._rate))
+
+    def _pace(self) -> None:
+        """Waits for the time of the next sample, and for answers; where we are too slow the stamps leap."""
+        self._paced = time.monotonic()
+        due = self._wall + self.time + 1.0 / self._rate
+        while time.monotonic() < due or (
+            len(self.judge.pending) > WINDOW and not (self.is_held or self.judge.is_paused)
+        ):
+            if not self._take():
+                time.sleep(0.0005)
+            self._give_up_lost()
+        if time.monotonic() - due > BEHIND and not self.is_held:
+            self.behind += 1
+            self._anchor()
+
+    def _give_up_lost(self) -> None:
+        """Answers that do not come: the node keeps 100 for us, and after a burst we may be too slow."""
+        if time.monotonic() - self._heard_at > STUCK:
+            raise RuntimeError(f"no answer for {STUCK:g} s during {' + '.join(self._kinds())}")
+        if len(self.judge.pending) > WINDOW and time.monotonic() - max(self._heard_at, self._paced) > PATIENCE:
+            self.judge.unheard += len(self.judge.pending)
+            self.judge.pending.clear()
+
+    def send_states(self, m: States, publish: Callable[[bytes], None] | None = None) -> None:
+        """Sends a displacement message, and tells the judge."""
+        data = m.data()
+        age = (time.time_ns() - m.stamp) / SECOND
+        self.judge.hear(m, self.time, age, self._kinds(), time.monotonic())
+        self.sent += 1
+        if publish is None:
+            self.node.publish(DISPLACEMENT, data)
+        else:
+            publish(data)
+
+    def _send_slow(self, current: list[float], samples: list[Sample], felt: list[float], force: np.ndarray) -> None:
+        """All that is no displacement, before it."""
+        stamp, now, noise = self.stamp, self.time, self._noise
+        is_tenth, is_fifth = self._index % 25 == 0, self._index % 5 == 0
+        for k, name in enumerate(NAMES):
+            topic = f"/suspension/{name}"
+            for value in self._altered("current", k, current[k]) if self.drivers[k].is_on else ():
+                self.node.publish(f"{topic}/current", number(value))
+            if self._undisturbed.is_fused:
+                for value in self._altered("acceleration", k, felt[k]):
+                    self.node.publish(f"{topic}/acceleration", stamped(stamp, 0.0, 0.0, value, 0.0, 0.0, 0.0))
+            if is_tenth:
+                warm = samples[k].temperature + self.sensors.temperature * noise.standard_normal()
+                for value in self._altered("temperature", k, warm):
+                    self.node.publish(f"{topic}/temperature", stamped(stamp, value, 0.0))
+                for value in self._altered("pressure", k, samples[k].pressure):
+                    self.node.publish(f"{topic}/pressure", stamped(stamp, value, 0.0))
+        if is_fifth:
+            gauge = force + self.sensors.gauge * noise.standard_normal(len(NAMES))
+            self._send_efforts(FORCE, "gauge", gauge)
+            wish = -330.0 + 450.0 * np.sin(4.0 * now + np.arange(4.0)) + 250.0 * np.sin(19.0 * now + np.arange(4.0))
+            for k in self._send_efforts(WISH, "wish", wish):
+                self.judge.wished[k] = now
+
+    def _altered(self, role: str, k: int, value: float) -> list[float]:
+        values = [value]
+        for fault in self.active:
+            if fault.kind.role == role and k in fault.dampers:
+                values = [changed for v in values for changed in fault.kind.act(fault, v, k)]
+        for changed in values:
+            self.judge.hear_slow(role, k, changed, self.time)
+        return values
+
+    def _send_efforts(self, topic: str, role: str, values: np.ndarray) -> list[int]:
+        """The dampers whose last value is finite."""
+        altered = [self._altered(role, k, float(value)) for k, value in enumerate(values)]
+        for i in range(max(map(len, altered))):
+            there = [k for k, own in enumerate(altered) if i < len(own)]
+            self.node.publish(
+                topic, joint_state([NAMES[k] for k in there], self.stamp, (), [altered[k][i] for k in there])
+            )
+        return [k for k, own in enumerate(altered) if own and np.isfinite(own[-1])]
+
+    def _take(self) -> bool:
+        """Takes and judges what has come; whether there was anything."""
+        if not self.node.poll():
+            return False
+        while self.node.forces:
+            sent = self.judge.answer(forces_in(self.node.forces.popleft()))
+            if sent is not None:
+                self._answered, self._heard_at = sent.time, time.monotonic()
+        self.take_commands()
+        return True
+
+    def take_commands(self) -> None:
+        """Gives the commands that came to the drivers and the judge."""
+        while self.node.commands:
+            name, data = self.node.commands.popleft()
+            k, value = NAMES.index(name), number_in(data)
+            self.judge.command(k, value, max(self._answered, self.time - 0.05))
+            self.drivers[k].take(value, self.time)
+        while self.node.stamped_commands:
+            self.judge.stamped_command(commands_in(self.node.stamped_commands.popleft()), self.time)
+
+    def settle(self) -> None:
+        """Waits until everything is answered."""
+        end = time.monotonic() + PATIENCE
+        while self.judge.pending and time.monotonic() < end:
+            if not self._take():
+                time.sleep(0.002)
+        self.judge.unheard += len(self.judge.pending)
+        self.judge.pending.clear()
+
+    def rest(self, is_resting: bool) -> None:
+        """While the node is not active."""
+        self.judge.pause(is_resting, self.time)
+        self.judge.pending.clear()
+
+    def expect_safe(self, what: str) -> None:
+        """The last command must have been the safe current."""
+        for _ in range(20):
+            self._take()
+            time.sleep(0.005)
+        for k, own in enumerate(self.drivers):
+            if own.commanded != SAFE:
+                self.judge.violate(f"{NAMES[k]} was left at {own.commanded:.2f} A", self._kinds(), self.time,
+                                   what, "left at another than the safe current")  # fmt: skip
+
+    def take_turns(self) -> None:
+        """The accelerometers are taken in, or no longer; for the next configuration."""
+        signals = self._models / ("plain.yaml" if self._undisturbed.is_fused else "fused.yaml")
+        self.node.parameters["signals"] = str(signals)
+        self._undisturbed = Undisturbed(self._models / "models", signals)
+        self.judge.is_fused = self._undisturbed.is_fused
+
+    def _kinds(self) -> tuple[str, ...]:
+        return tuple(
+            dict.fromkeys([f.kind.name for f in self.active] + [n for n, until in self._recent if self.time < until])
+        )
+
+    def _advance_faults(self) -> None:
+        for fault in list(self.active):
+            fault.is_last = self.time >= fault.until
+            if fault.kind.excuse and self.time - fault.began <= fault.kind.excused_for:
+                for k in range(len(NAMES)) if fault.kind.excuse == WAITED else fault.dampers:
+                    self.judge.excuse(k, fault.kind.excuse, self.time + MEMORY)
+            if fault.kind.is_unsure:
+                self.judge.expect_nothing(fault.dampers, self.time)
+            is_over = fault.is_last and fault.store.get("told", False)
+            if fault.run is not None:
+                is_over = next(fault.run, self) is self
+            elif fault.is_last:
+                fault.store["told"] = True  # it sees one more sample
+            if is_over:
+                self.active.remove(fault)
+                self._recent = [(n, u) for n, u in self._recent if self.time < u] + [(fault.kind.name, self.time + 1.0)]
+                self._next = self.time + QUIET
+
+    def _begin_round(self, may_restart: bool) -> None:
+        if self.rounds.number % CHECK_EVERY == CHECK_EVERY - 1:
+            self.check_counts()
+        self.judge.round = self.rounds.number
+        for fault in self.rounds.next(self.time, self._undisturbed.is_fused, may_restart):
+            fault.run = fault.kind.act(fault, self) if not fault.kind.role else None
+            self.active.append(fault)
+            self.judge.tallies[fault.kind.name].rounds += 1
+
+    def check_counts(self) -> None:
+        """Holds the counters of /diagnostics against what was sent since the last look; waits for two reports."""
+        self.settle()
+        self.node.health.clear()
+        self.node.wait(lambda: (self._take() and False) or len(self.node.health) > 1, "a report")
+        self.counters.check(self.node.values(), self.judge, self.time)
+        self.memory[-1].append(self.node.memory)
+        self._anchor()
+        self.judge.pause(False, self.time)
+        self._next = self.time + QUIET
+
+    def close(self) -> None:
+        """Ends the node and leaves ROS."""
+        self.node.close()
+        rclpy.shutdown()

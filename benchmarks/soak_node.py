@@ -1,0 +1,221 @@
+"""The node that is soaked: its process, its services, what is published to it, and what it says; polled."""
+
+import os
+import resource
+import signal
+import subprocess
+import sysconfig
+import time
+from collections import deque
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import rclpy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from soak_plant import NAMES
+
+EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
+NODE = "/damper_estimator"
+DISPLACEMENT, FORCE, WISH = "/suspension/displacement", "/suspension/force", f"{NODE}/desired_force"
+STATES = "sensor_msgs/msg/JointState"
+TYPES = {
+    "current": "std_msgs/msg/Float64", "temperature": "sensor_msgs/msg/Temperature",
+    "pressure": "sensor_msgs/msg/FluidPressure", "acceleration": "geometry_msgs/msg/AccelStamped",
+}  # fmt: skip
+TOPICS = {f"/suspension/{name}/{role}": kind for role, kind in TYPES.items() for name in NAMES} | {
+    FORCE: STATES, WISH: STATES, DISPLACEMENT: STATES,
+}  # fmt: skip
+PATIENCE = 120.0  # s, for a busy machine
+DEPTH = 4000
+
+
+def message_type(name: str) -> type:
+    """The Python class of ``package/msg/Name``."""
+    package, folder, last = name.split("/")
+    return getattr(import_module(f"{package}.{folder}"), last)
+
+
+class SoakedNode:
+    """Its process and all topics; final. rclpy must be initialised, in a domain of our own.
+
+    Attributes:
+        forces, commands, stamped_commands, health: what came and was not taken yet: bytes; (name, bytes); bytes;
+            messages.
+    """
+
+    def __init__(self, parameters: dict[str, object]) -> None:
+        self.parameters = parameters
+        self.forces: deque[bytes] = deque()
+        self.commands: deque[tuple[str, bytes]] = deque()
+        self.stamped_commands: deque[bytes] = deque()
+        self.health: deque[object] = deque(maxlen=10)
+        self._node = rclpy.create_node("soak", start_parameter_services=False)
+        self._asking = rclpy.create_node("soak_client", start_parameter_services=False)
+        self._executor = rclpy.executors.SingleThreadedExecutor()
+        self._executor.add_node(self._asking)
+        self._quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        self._publishers = {topic: self._publisher(topic) for topic in TOPICS}
+        self._clients: dict[str, object] = {}
+        self._polled = []
+        self._hear("damper_msgs/msg/DamperForces", f"{NODE}/force", self.forces.append)
+        for name in NAMES:
+            topic = f"/suspension/{name}/current_command"
+            self._hear("std_msgs/msg/Float64", topic, lambda data, name=name: self.commands.append((name, data)))
+        self._hear("damper_msgs/msg/DamperCommand", f"{NODE}/command", self.stamped_commands.append)
+        self._hear("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", self.health.append, raw=False)
+        self.process: subprocess.Popen | None = None
+
+    def _publisher(self, topic: str):
+        return self._node.create_publisher(message_type(TOPICS[topic]), topic, self._quality)
+
+    def _hear(self, kind: str, topic: str, take: Callable, raw: bool = True) -> None:
+        heard = self._node.create_subscription(message_type(kind), topic, lambda _: None, self._quality, raw=raw)
+        self._polled.append((heard, raw, take))
+
+    def start(self) -> None:
+        """Starts the process and waits until both sides know of each other."""
+        words = [word for name, value in self.parameters.items() for word in ("-p", f"{name}:={value}")]
+        self.process = subprocess.Popen(
+            [EXECUTABLE, "--ros-args", "--log-level", "fatal", "--disable-rosout-logs", *words], start_new_session=True
+        )
+        self.find()
+
+    def find(self) -> None:
+        """Waits until the node hears all topics of ours and says that it is heard."""
+        self.wait(lambda: all(self._publishers[t].get_subscription_count() for t in self._needed()), "subscriptions")
+        self.health.clear()
+        self.wait(lambda: len(self.health) > 1 and self._is_connected(), "the node to hear and be heard")
+
+    def _needed(self) -> list[str]:
+        fused = "fused" in str(self.parameters["signals"])
+        return [topic for topic in TOPICS if fused or "acceleration" not in topic]
+
+    def _is_connected(self) -> bool:
+        values = self.values()
+        publishers = values.get(f"input {DISPLACEMENT}", {}).get("publishers", "0")
+        return publishers != "0" and values.get("output", {}).get("subscribers", "0") != "0"
+
+    def values(self) -> dict[str, dict[str, str]]:
+        """The newest report, by the last part of the status' names."""
+        found = {}
+        for status in self.health[-1].status if self.health else ():
+            found[status.name.split(": ", 1)[-1]] = {pair.key: pair.value for pair in status.values}
+        return found
+
+    def publish(self, topic: str, data: bytes) -> None:
+        """One serialised message."""
+        self._publishers[topic].publish(data)
+
+    def second_publisher(self, topic: str) -> Callable[[bytes], None]:
+        """Publishes to a topic beside the first one; ``restart_publisher`` takes it away."""
+        publisher = self._publishers[f"{topic} (second)"] = self._publisher(topic)
+        self.wait(publisher.get_subscription_count, f"a subscriber of {topic}")
+        return publisher.publish
+
+    def end_second_publisher(self, topic: str) -> None:
+        """The second one of a topic leaves."""
+        self._node.destroy_publisher(self._publishers.pop(f"{topic} (second)"))
+
+    def restart_publisher(self, topic: str) -> None:
+        """As a sender that ends and begins again; returns when it is matched."""
+        self._node.destroy_publisher(self._publishers[topic])
+        publisher = self._publishers[topic] = self._publisher(topic)
+        self.wait(publisher.get_subscription_count, f"a subscriber of {topic}")
+
+    def poll(self) -> bool:
+        """Takes what has come; whether there was anything."""
+        found = False
+        for heard, raw, take in self._polled:
+            while True:
+                with heard.handle:
+                    taken = heard.handle.take_message(heard.msg_type, raw)
+                if taken is None:
+                    break
+                take(taken[0])
+                found = True
+        return found
+
+    def wait(self, condition: Callable[[], object], what: str) -> None:
+        """Listens until a condition holds.
+
+        Raises:
+            RuntimeError: where it does not in time, or the node has ended.
+        """
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            if self.process is not None and self.process.poll() is not None:
+                raise RuntimeError(f"the node ended with status {self.process.returncode} while {what} was waited for")
+            if time.monotonic() > end:
+                raise RuntimeError(f"waited {PATIENCE:g} s for {what}")
+            if not self.poll():
+                time.sleep(0.002)
+
+    def ask(self, kind: type, service: str, request: object):
+        """Calls a service; its future, for `is_answered`."""
+        if service not in self._clients:
+            self._clients[service] = self._asking.create_client(kind, f"{NODE}/{service}")
+        client = self._clients[service]
+        self.wait(client.service_is_ready, f"the service {service}")
+        return client.call_async(request)
+
+    def is_answered(self, future) -> bool:
+        """Whether the answer has come."""
+        if not future.done():
+            self._executor.spin_once(timeout_sec=0.0)
+        return future.done()
+
+    def set(self, **values: object):
+        """Sets parameters together; the future of the answer."""
+        from rcl_interfaces.srv import SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        request = SetParametersAtomically.Request()
+        request.parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+        return self.ask(SetParametersAtomically, "set_parameters_atomically", request)
+
+    def change(self, transition: int):
+        """Asks for a transition of the managed node; the future of the answer."""
+        from lifecycle_msgs.srv import ChangeState
+
+        request = ChangeState.Request()
+        request.transition.id = transition
+        return self.ask(ChangeState, "change_state", request)
+
+    def limit_files(self, size: int) -> None:
+        """No file of the node may grow beyond so many bytes, as if the disk were full."""
+        resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+    @property
+    def memory(self) -> int:
+        """Resident bytes."""
+        statm = Path(f"/proc/{self.process.pid}/statm").read_text()
+        return int(statm.split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    def signal(self, number: int) -> None:
+        """Sends the process a signal."""
+        os.kill(self.process.pid, number)
+
+    def ended(self) -> int:
+        """Waits for the end of the process; its status."""
+        end = time.monotonic() + 30.0
+        while self.process.poll() is None and time.monotonic() < end:
+            if not self.poll():
+                time.sleep(0.002)
+        if self.process.poll() is None:
+            self.process.kill()
+        status = self.process.wait()
+        for _ in range(50):  # what was sent last may still be on its way
+            self.poll()
+            time.sleep(0.002)
+        return status
+
+    def close(self) -> None:
+        """Ends the process and leaves the ROS graph."""
+        if self.process is not None and self.process.poll() is None:
+            self.signal(signal.SIGCONT)
+            self.signal(signal.SIGTERM)
+            self.ended()
+        self._executor.shutdown()
+        self._asking.destroy_node()
+        self._node.destroy_node()
