@@ -8,7 +8,8 @@ from rclpy.publisher import Publisher
 
 from damper_estimator.node.command_message import COMMAND_TYPE, CommandMessages
 from damper_estimator.node.commands import Command
-from damper_estimator.node.outputs import CommandOutputs, offered, settle
+from damper_estimator.node.outputs import CommandOutputs, settle
+from damper_estimator.node.quality import OVERRIDABLE, offered
 from damper_estimator.node.wire import float_message
 
 DEPTH = 100
@@ -26,7 +27,9 @@ class Commanding:
 
     def open(self) -> None:
         """Has ``~/command``."""
-        self._statement = self._node.create_publisher(DamperCommand, "~/command", offered(DEPTH))
+        self._statement = self._node.create_publisher(
+            DamperCommand, "~/command", offered(DEPTH), qos_overriding_options=OVERRIDABLE
+        )
 
     def offer(self, names: Iterable[str]) -> None:
         """See `CommandOutputs.offer`."""

@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Float64
 
-from damper_estimator.node.outputs import DEADLINE, LEASE
+from damper_estimator.node.quality import DEADLINE, LEASE
 
 PERIOD = 0.01  # s between two reports of the current that flows
 PARAMETERS = {

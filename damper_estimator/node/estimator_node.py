@@ -22,6 +22,7 @@ from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.inputs import Inputs
 from damper_estimator.node.meanwhile import meanwhile
 from damper_estimator.node.process import collect_garbage, tame_garbage_collector
+from damper_estimator.node.quality import OVERRIDABLE
 from damper_estimator.node.rclpy_private import RefusingLifecycleNode
 from damper_estimator.node.recorder import Recorder
 from damper_estimator.node.report import Reporter
@@ -137,8 +138,12 @@ class EstimatorNode(RefusingLifecycleNode):
         recorder = Recorder(settings.record, settings.record_size, settings.record_files) if settings.record else None
         quality = QoSProfile(depth=settings.qos_depth, reliability=ReliabilityPolicy[settings.qos_reliability.upper()])
         events = PublisherEventCallbacks(incompatible_qos=self._reporter.note_incompatible_output)
-        self.forces = self.create_publisher(DamperForces, "~/force", OUTPUT_DEPTH, event_callbacks=events)
-        self.residuals = self.create_publisher(JointState, "~/residual", OUTPUT_DEPTH)
+        self.forces = self.create_publisher(
+            DamperForces, "~/force", OUTPUT_DEPTH, event_callbacks=events, qos_overriding_options=OVERRIDABLE
+        )
+        self.residuals = self.create_publisher(
+            JointState, "~/residual", OUTPUT_DEPTH, qos_overriding_options=OVERRIDABLE
+        )
         self.commanding.open()
         self._configured = [
             self.create_timer(COMPARE_PERIOD, self._guarded(self._compare), clock=self._steady),

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from socket import gethostname
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
@@ -25,6 +26,7 @@ from damper_estimator.runtime import (
 )
 from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
 
+HARDWARE = gethostname()
 SUBSCRIBERS, PUBLISHERS = "subscribers", "publishers"
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
@@ -286,4 +288,4 @@ def output_status(prefix: str, values: Mapping[str, object], incompatible: int) 
 def status(name: str, level: bytes, message: str, values: Mapping[str, object]) -> DiagnosticStatus:
     """One status with its values as text."""
     pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
-    return DiagnosticStatus(level=level, name=name, message=message, hardware_id="", values=pairs)
+    return DiagnosticStatus(level=level, name=name, message=message, hardware_id=HARDWARE, values=pairs)

@@ -2,6 +2,7 @@
 
 import time
 import traceback
+from copy import copy
 from dataclasses import replace
 from importlib import import_module
 
@@ -14,6 +15,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.health import InputTally
 from damper_estimator.node.message_info import with_number
+from damper_estimator.node.quality import OVERRIDABLE
 from damper_estimator.node.rclpy_private import RCLError, take
 from damper_estimator.node.senders import DoubleSenders, Losses
 from damper_estimator.node.wire import MalformedMessage
@@ -174,7 +176,13 @@ class Inputs:
 
         events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, matched=on_matched, message_lost=on_lost)
         return node.create_subscription(
-            message_type(type_name), topic, with_number(receive), self._quality, event_callbacks=events, raw=True
+            message_type(type_name),
+            topic,
+            with_number(receive),
+            copy(self._quality),  # overrides are written into it
+            event_callbacks=events,
+            qos_overriding_options=OVERRIDABLE,
+            raw=True,
         )
 
     def _is_suspect(self, topic: str, senders: DoubleSenders, data: bytes, number: int, now: float) -> bool:

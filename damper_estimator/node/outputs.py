@@ -7,27 +7,15 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Float64
 
+from damper_estimator.node.quality import OVERRIDABLE, offered
 from damper_estimator.node.rclpy_private import RCLError
 
-DEADLINE = 0.2  # s, longest pause between two commands while there is something to command
-LEASE = 1.0  # s after which a process that was killed, or its machine, counts as gone
 DEPTH = 10
 ACKNOWLEDGED = 0.5  # s, longest wait for the last commands to be acknowledged
 ON_THE_WAY = 0.05  # s for subscriptions that acknowledge nothing
 DISCOVERED = 2.0  # s, longest wait for the drivers to be found by another context
-
-
-def offered(depth: int = DEPTH) -> QoSProfile:
-    """What is offered to drivers; a subscription with the defaults asks for none of it and matches all the same."""
-    return QoSProfile(
-        depth=depth,
-        deadline=Duration(seconds=DEADLINE),
-        liveliness=LivelinessPolicy.AUTOMATIC,
-        liveliness_lease_duration=Duration(seconds=LEASE),
-    )
 
 
 class CommandOutputs:
@@ -44,7 +32,9 @@ class CommandOutputs:
                 continue
             topic = f"suspension/{name}/current_command"
             try:
-                self._publishers[name] = self._node.create_publisher(Float64, topic, offered())
+                self._publishers[name] = self._node.create_publisher(
+                    Float64, topic, offered(DEPTH), qos_overriding_options=OVERRIDABLE
+                )
             except (ValueError, RCLError) as error:
                 reason = str(error).partition(", at ")[0]
                 self._node.get_logger().warning(f"{name}: no currents can be commanded on {topic}: {reason}")
@@ -98,7 +88,7 @@ def _send_from_another_context(last: Sequence[tuple[Publisher, bytes]]) -> None:
     node = Node("last_commands", context=context, use_global_arguments=False, enable_rosout=False,
                 start_parameter_services=False)  # fmt: skip
     try:
-        publishers = {own: node.create_publisher(own.msg_type, own.topic_name, offered()) for own, _ in last}
+        publishers = {own: node.create_publisher(own.msg_type, own.topic_name, offered(DEPTH)) for own, _ in last}
         end = time.monotonic() + DISCOVERED
         while time.monotonic() < end and not all(own.get_subscription_count() for own in publishers.values()):
             time.sleep(0.01)

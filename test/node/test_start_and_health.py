@@ -193,3 +193,19 @@ def test_the_shipped_parameter_file_starts_it_once_a_model_is_named(start, playe
     start(*words, "-p", "model:=coulomb")
     player.wait(lambda: level(player, "input /suspension/displacement") == WARN, "diagnostics")
     assert load_signal_map(None).cutoff == 60.0  # the comment in the file says so
+
+
+def test_the_quality_of_service_of_every_topic_can_be_overridden(start, rig):
+    start(
+        *("-p", "qos_overrides./suspension/displacement.subscription.depth:=7"),
+        *("-p", "qos_overrides./damper_estimator/force.publisher.reliability:=best_effort"),
+        model="coulomb",
+        dampers="[left]",
+    )
+    rig.wait(lambda: rig.node.get_publishers_info_by_topic("/damper_estimator/force"), "the forces")
+    (info,) = rig.node.get_publishers_info_by_topic("/damper_estimator/force")
+    assert info.qos_profile.reliability.name == "BEST_EFFORT"
+    assert rig.get("qos_overrides./suspension/displacement.subscription.depth") == 7
+    assert rig.get("qos_overrides./suspension/force.subscription.depth") == 2000
+    rig.wait(lambda: rig.status(": node") or rig.status(": left"), "diagnostics")
+    assert all(status.hardware_id for status in rig.health[-1].status)
