@@ -113,6 +113,8 @@ class Judge:
         """A message of a slow channel is sent."""
         if role in self.slow:
             self.slow[role][k].take(value, now)
+            if self.slow[role][k].is_wrong and self._is_heeded(role, k):
+                self.expect_nothing([k], now)
 
     def hear(self, m: States, now: float, age: float, kinds: tuple[str, ...], handed: float) -> None:
         """A displacement message is sent at the steady time ``handed``, s; ``age`` in s of its stamp."""
@@ -143,9 +145,12 @@ class Judge:
             if len(self._recent) > RECENT:
                 del self._recent[next(iter(self._recent))]
 
+    def _is_heeded(self, role: str, k: int) -> bool:
+        """Whether the estimate of a damper depends on a channel."""
+        return {"current": True, "temperature": self.heeds_temperature[k], "acceleration": self.is_fused}[role]
+
     def _slow_verdict(self, k: int, now: float) -> str:
-        heeded = {"current": True, "temperature": self.heeds_temperature[k], "acceleration": self.is_fused}
-        for role in (role for role, is_heeded in heeded.items() if is_heeded):
+        for role in (role for role in ROLES if self._is_heeded(role, k)):
             verdict = self.slow[role][k].verdict(now)
             if verdict:
                 return f"{role}: {verdict}"
@@ -158,6 +163,7 @@ class Judge:
         for role in ("current", "acceleration") if self.is_fused else ("current",):
             heard = self.slow[role][k].heard
             if heard is not None and now - heard > 3.5e-9 * self.step:
+                self.expect_nothing([k], now)
                 self.excuse(k, f"the {role} is silent, but not yet beyond its age", now + MEMORY)
                 return self._excused[k][0]
         return ""
