@@ -9,7 +9,8 @@ from flask import request
 from werkzeug.serving import BaseWSGIServer, make_server
 
 from damper_estimator import __version__
-from damper_estimator.studio import apart, paint
+from damper_estimator.report.paint import styles
+from damper_estimator.studio import apart
 from damper_estimator.studio.callbacks import connect
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.guard import Door, guard
@@ -42,7 +43,7 @@ def application(folder: Folder, door: Door) -> tuple[Dash, Sessions]:
         update_title=None,
         serve_locally=True,
         suppress_callback_exceptions=True,
-        index_string=_INDEX.replace("__STYLES__", paint.styles()),
+        index_string=_INDEX.replace("__STYLES__", styles()),
         on_error=_told,
     )
     app.layout = lambda: layout(sessions.new(), folder)
