@@ -125,16 +125,6 @@ class Inputs:
         tally = self.tallies[topic] = InputTally(node.resolve_topic_name(topic))
         losses, senders = Losses(), DoubleSenders()
 
-        def on_incompatible(event: object) -> None:
-            tally.incompatible = event.total_count
-
-        def on_matched(event: object) -> None:
-            tally.publishers = event.current_count
-            losses.matched(event.total_count)
-
-        def on_lost(event: object) -> None:
-            tally.reported_lost = event.total_count
-
         def receive(data: bytes, number: int | None) -> None:
             begin = time.monotonic()
             tally.messages += 1
@@ -174,13 +164,12 @@ class Inputs:
             if took > self._longest:
                 self._longest = took
 
-        events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, matched=on_matched, message_lost=on_lost)
         return node.create_subscription(
             message_type(type_name),
             topic,
             with_number(receive),
             copy(self._quality),  # overrides are written into it
-            event_callbacks=events,
+            event_callbacks=_events(tally, losses),
             qos_overriding_options=OVERRIDABLE,
             raw=True,
         )
@@ -194,6 +183,22 @@ class Inputs:
         suspect = senders.take(number, displacement.source.held(data), now, estimation.settings.max_gap)
         tally.doubled = senders.confirmed
         return suspect
+
+
+def _events(tally: InputTally, losses: Losses) -> SubscriptionEventCallbacks:
+    """What the middleware says of the publishers of one topic."""
+
+    def on_incompatible(event: object) -> None:
+        tally.incompatible = event.total_count
+
+    def on_matched(event: object) -> None:
+        tally.publishers = event.current_count
+        losses.matched(event.total_count)
+
+    def on_lost(event: object) -> None:
+        tally.reported_lost = event.total_count
+
+    return SubscriptionEventCallbacks(incompatible_qos=on_incompatible, matched=on_matched, message_lost=on_lost)
 
 
 def message_type(type_name: str) -> type:
