@@ -28,6 +28,7 @@ ALLOWED = {
     "diagnosis": {"model", "signals", "effects", "numerics", "identification", "validation"},
     "runtime": {"model", "signals"},
     "control": {"model", "runtime", "signals.layout"},
+    "codegen": {"model", "effects", "runtime", "signals", "control"},
     "plant": set(),
     "vehicle": {"model", "runtime", "signals.layout", "plant", "control"},
     "report": {"validation", "diagnosis", "characterization", "vehicle"},

@@ -2,7 +2,8 @@
 
 The state holds the clock, the count, the newest position, and pairs (time, value). A sample that follows its
 predecessor by less than ``SPACING`` gives way to the next one, so that the ring always covers the longest
-delay, however high the rate.
+delay, however high the rate. The clock is set back to zero every second, and the stored times with it, so that times
+stay exact however long it runs, in single precision (``codegen``) as well.
 """
 
 from damper_estimator.compiled import compiled
@@ -10,6 +11,7 @@ from damper_estimator.compiled import compiled
 CAPACITY = 256
 SPACING = 0.0008  # s: 256 samples then hold at least MAX_DELAY
 MAX_DELAY = 0.2  # s
+_LAP = 1.0  # s
 _CLOCK, _COUNT, _NEWEST, _PAIRS = range(4)
 STATES = _PAIRS + 2 * CAPACITY
 
@@ -23,6 +25,8 @@ def delayed(state, dt, value, delay):
     if dt <= 0.0:
         state[_CLOCK] = state[_COUNT] = state[_NEWEST] = 0.0
     else:
+        if state[_CLOCK] > _LAP:
+            _set_back(state)
         state[_CLOCK] += dt
     _put(state, value)
     wanted = state[_CLOCK] - delay
@@ -36,6 +40,14 @@ def delayed(state, dt, value, delay):
             return past + share * (late_value - past)
         late_time, late_value = time, past
     return late_value
+
+
+@compiled
+def _set_back(state):
+    """The same times, counted from now."""
+    for k in range(CAPACITY):
+        state[_PAIRS + 2 * k] -= state[_CLOCK]
+    state[_CLOCK] = 0.0
 
 
 @compiled

@@ -41,7 +41,7 @@ def kernel(parameters, settings, kinematics, state, force):
         elif v >= settings[count - 1]:
             force[i] += parameters[count - 1] + settings[2 * count - 1] * (v - settings[count - 1])
         else:
-            k = np.searchsorted(settings[:count], v, side="right") - 1
+            k = min(np.searchsorted(settings[:count], v, side="right") - 1, count - 2)  # NaN counts as above all
             h = settings[k + 1] - settings[k]
             s = (v - settings[k]) / h
             r = 1.0 - s

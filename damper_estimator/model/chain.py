@@ -29,6 +29,7 @@ TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
 SOLVER_COLUMNS = 6
 _TOLERANCE = 1e-9  # of the force, and times 100 N
 _ITERATIONS = 80
+_CLOSED = 1e-15  # m, width of a bracket in which nothing is left to find
 _START_SLOPE = 1e6  # N/m, before the first step taught a better one
 
 
@@ -256,7 +257,7 @@ def _balanced(solver, g, tolerance, slope):
     else:
         solver[LOW] = here
     width = solver[HIGH] - solver[LOW]
-    if width < 1e-15:
+    if width < _CLOSED:
         return True
     step = -g / _secant_slope(solver, here, g, slope)
     bracketed = width < np.inf

@@ -147,8 +147,8 @@ def _run(
         motion_alone, doubt = np.zeros(good, np.uint8), np.zeros(good, np.int64)
         for j in range(good):
             raw[j] = displacement[place[j], d]
-        _kinematics(own, d, place, stamp, dt[:good], raw, felt, felt_at, block, motion_alone)
-        _hold_slow(own, d, place, stamp, slow, heard, block, doubt)
+        take_motion(own, d, place, stamp, dt[:good], raw, felt, felt_at, block, motion_alone)
+        take_slow(own, d, place, stamp, slow, heard, block, doubt)
         if own["lead"] > 0.0:
             predict(own["lead"], block)
         force, numbers_given = np.empty(good), np.empty(good)
@@ -174,7 +174,7 @@ def _run(
 
 
 @compiled
-def _kinematics(own, d, place, stamp, dt, raw, felt, felt_at, block, alone):
+def take_motion(own, d, place, stamp, dt, raw, felt, felt_at, block, alone):
     """Time and motion of the good samples of one damper."""
     good = raw.size
     if good > 0 and own["begun"] == 0:
@@ -192,7 +192,7 @@ def _kinematics(own, d, place, stamp, dt, raw, felt, felt_at, block, alone):
 
 
 @compiled
-def _hold_slow(own, d, place, stamp, slow, heard, block, doubt):
+def take_slow(own, d, place, stamp, slow, heard, block, doubt):
     """What the model sees of the slow channels, and for how long (ns) each sample leaves them in doubt."""
     for j in range(doubt.size):
         i = place[j]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from damper_estimator.codegen import kernel_source
 from damper_estimator.compiled import COMPILED, plain
 from damper_estimator.effects.contract import KINDS
 from damper_estimator.effects.discovery import all_effects, find_effect
@@ -127,6 +128,11 @@ def test_compiled_equals_plain_python(name):
         motions.append(block)
     assert np.allclose(forces[0], forces[1], rtol=1e-12, atol=1e-9)
     assert np.allclose(motions[0], motions[1], rtol=1e-12, atol=1e-12)
+
+
+@every_live_effect
+def test_kernel_can_be_written_in_c(name):
+    assert "_kernel(" in kernel_source(EFFECTS[name].kernel)
 
 
 @every_effect

@@ -1,0 +1,7 @@
+"""Models as C99 and as FMUs, generated from the same kernels that run in Python: one source of truth."""
+
+from damper_estimator.codegen.c_source import kernel_source
+from damper_estimator.codegen.export import Choices, WrittenC, c_name, damper_of, write_c
+from damper_estimator.codegen.values import Untranslatable
+
+__all__ = ["Choices", "Untranslatable", "WrittenC", "c_name", "damper_of", "kernel_source", "write_c"]

@@ -1,0 +1,148 @@
+"""A model's C on disk: what is decided before it is written, and what is said of it afterwards."""
+
+import re
+import tempfile
+from dataclasses import dataclass, replace
+from datetime import date
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+from damper_estimator.codegen.build import find_compiler
+from damper_estimator.codegen.c_source import Damper, Sources, sources
+from damper_estimator.codegen.running import CompiledDamper, inputs
+from damper_estimator.codegen.values import Untranslatable
+from damper_estimator.control import checked_limits, usable_limits
+from damper_estimator.errors import InputError
+from damper_estimator.files import write_text
+from damper_estimator.model import DamperModel
+from damper_estimator.model.files import model_yaml
+from damper_estimator.runtime import deployed
+from damper_estimator.runtime.memory import swept_sine
+from damper_estimator.signals import DamperSignals
+from damper_estimator.signals.fusion import Fusion
+from damper_estimator.signals.layout import COMMAND, T, X
+
+CUTOFF, MAX_GAP, STALE_AFTER = 60.0, 0.1, 0.1  # Hz, s, s
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What an export needs to know beyond the model.
+
+    Attributes:
+        name: prefix of functions and files; "" takes the model's name.
+        cutoff: Hz of the filter, 0 for none; None takes that of the fit, else 60.
+        max_gap, lead: s, as in ``runtime.Deployed``.
+        fusion, signals: the same.
+        limits: lowest and highest command; None takes those of the signals or of the fit.
+        stale_after: s without a sample after which the status is STALE.
+        single: single precision.
+        checksum: of the model's file; "" takes that of the YAML as it would be written.
+    """
+
+    name: str = ""
+    cutoff: float | None = None
+    max_gap: float = MAX_GAP
+    lead: float = 0.0
+    fusion: Fusion | None = None
+    signals: DamperSignals | None = None
+    limits: tuple[float, float] | None = None
+    stale_after: float = STALE_AFTER
+    single: bool = False
+    checksum: str = ""
+
+
+@dataclass(frozen=True)
+class WrittenC:
+    """What `write_c` did.
+
+    Attributes:
+        header, source: files.
+        ram: bytes of the state.
+        without_inverse: why there is no inverse; "" where there is one.
+        error: of single precision, largest difference of force over the largest force; NaN in double precision and
+            where there is no compiler to find out.
+    """
+
+    header: Path
+    source: Path
+    ram: int
+    without_inverse: str
+    error: float
+
+
+def c_name(text: str) -> str:
+    """A name as C takes it, from any text; "" where nothing is left."""
+    name = re.sub(r"\W+", "_", text.encode("ascii", "ignore").decode()).strip("_").lower()
+    return f"damper_{name}" if name[:1].isdigit() else name
+
+
+def damper_of(model: DamperModel, choices: Choices) -> tuple[Damper, str]:
+    """The damper that is exported, and why it has no inverse ("" where it has one).
+
+    Raises:
+        InputError: where the name is none in C, or the model cannot be deployed.
+    """
+    name = choices.name or c_name(model.name)
+    if not _NAME.fullmatch(name):
+        raise InputError(f"name {name!r} is no name in C; give one of letters, digits and underscores")
+    cutoff = float(model.fit.get("cutoff") or CUTOFF) if choices.cutoff is None else choices.cutoff
+    own = deployed(model, cutoff, choices.max_gap, choices.lead, choices.fusion, choices.signals)
+    reason, limits = "", None
+    try:
+        limits = checked_limits(model, choices.limits or usable_limits(name, own)[0])
+    except InputError as error:
+        if choices.limits is not None:
+            raise
+        reason = str(error)
+    checksum = choices.checksum or sha256(model_yaml(model).encode()).hexdigest()
+    return Damper(name, own, limits, choices.single, choices.stale_after, checksum), reason
+
+
+def sources_of(damper: Damper) -> Sources:
+    """Both files' texts.
+
+    Raises:
+        InputError: names the effect that cannot be written in C.
+    """
+    try:
+        return sources(damper, date.today())
+    except Untranslatable as error:
+        raise InputError(f"model {damper.own.model.name}: cannot be written in C: {error}") from error
+
+
+def write_c(model: DamperModel, folder: Path, choices: Choices | None = None) -> WrittenC:
+    """Writes ``NAME.h`` and ``NAME.c``.
+
+    Raises:
+        InputError: where the model cannot be deployed or written in C, or the folder cannot be written.
+    """
+    damper, reason = damper_of(model, choices or Choices())
+    made = sources_of(damper)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
+    header, source = folder / f"{damper.name}.h", folder / f"{damper.name}.c"
+    write_text(header, made.header)
+    write_text(source, made.source)
+    error = single_error(damper) if damper.single and find_compiler() else float("nan")
+    return WrittenC(header, source, made.ram, reason, error)
+
+
+def single_error(damper: Damper, seconds: float = 10.0) -> float:
+    """Largest difference of force between single and double precision, over the largest force, on a swept sine."""
+    block = swept_sine(seconds)
+    stamp = np.round(1e9 * block[T]).astype(np.int64)
+    low, high = damper.limits or (0.0, 1.0)
+    command = low + (high - low) * (0.5 + 0.5 * np.sin(block[T])) if damper.limits else block[COMMAND]
+    given = inputs(stamp, block[X], command=command)
+    with tempfile.TemporaryDirectory() as folder:
+        one, other = (
+            CompiledDamper(replace(damper, single=single), Path(folder) / str(single)).run(given)[0]["force"]
+            for single in (True, False)
+        )
+    return float(np.max(np.abs(one - other)) / max(np.max(np.abs(other)), 1e-9))
