@@ -31,7 +31,13 @@ EXTRAS = {
     "evolutionary": ["pymoo>=0.6.1,<0.7"],
     "studio": ["dash>=4.1,<5", "tsdownsample>=0.1.4,<0.2"],
     "fleet": ["distributed>=2024.8,<2027", "pyarrow>=15.0,<27"],
-    "test": ["pytest>=8.0,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7", "playwright>=1.45,<2"],
+    "test": [
+        "pytest>=8.0,<10",
+        "pytest-xdist>=3.5,<4",
+        "hypothesis>=6.100,<7",
+        "playwright>=1.45,<2",
+        "fmpy>=0.3.20,<1",
+    ],
 }
 
 
@@ -47,7 +53,7 @@ setup(
     description="Damper force estimation in real time on ROS 2, and the reasons why an estimate is wrong",
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={"": ["*.html", "*.css", "*.js", "*.yaml", "assets/*"]},
+    package_data={"": ["*.html", "*.css", "*.js", "*.yaml", "assets/*", "fmi/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),

@@ -1,9 +1,11 @@
-"""Export a model as force-velocity tables, per current and temperature, for other programs.
+"""Export a model: as C for controllers, as an FMU for simulation, as force-velocity tables for other programs.
 
-Forces are those of a steady passage through one displacement: hysteresis is replaced by the middle of its loops, and
-what depends on position is taken at --displacement. Writes force_velocity.csv and, for multibody programs, a damper
-property file (.dpr, [CURVE] in mm/s and N) for each current and temperature. At velocities outside the region of the
-fit the tables go on straight from its edge; all points outside the region are marked in the files.
+--c writes NAME.h and NAME.c (C99, no allocation): the whole line from raw displacement to force, standard deviation and
+status, the inverse where the model has a command. --fmu writes a functional mock-up unit for co-simulation around the same
+code. --tables writes force_velocity.csv and, for multibody programs, a damper property file (.dpr, [CURVE] in mm/s and N)
+for each current and temperature: forces of a steady passage through one displacement, hysteresis replaced by the middle
+of its loops, and what depends on position taken at --displacement. At velocities outside the region of the fit the tables
+go on straight from its edge; all points outside the region are marked in the files. docs/export.md has examples.
 """
 
 import argparse
@@ -11,16 +13,27 @@ from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, write_json
+from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, add_signals, write_json
+from damper_estimator.cli.export_code import add_code_arguments, write_code
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
 from damper_estimator.model.export import force_table, write_tables
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """``MODEL --tables DIR`` and the grid."""
+    """``MODEL --c DIR --fmu FILE --tables DIR``, and what each of them takes."""
     parser.add_argument("model", metavar="MODEL", help="a model's name or a model file (YAML)")
-    parser.add_argument("--tables", metavar="DIR", type=Path, required=True, help="folder that receives the files")
+    parser.add_argument("--c", metavar="DIR", type=Path, help="folder that receives the C files")
+    parser.add_argument("--fmu", metavar="FILE.fmu", type=Path, help="the FMU to write")
+    parser.add_argument("--tables", metavar="DIR", type=Path, help="folder that receives the tables")
+    add_code_arguments(parser.add_argument_group("C and FMU"))
+    add_signals(parser)
+    add_table_arguments(parser.add_argument_group("tables"))
+    add_json(parser)
+
+
+def add_table_arguments(parser: argparse._ArgumentGroup) -> None:
+    """The grid of the tables."""
     parser.add_argument(
         "--velocity",
         metavar="M/S",
@@ -45,7 +58,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--displacement", metavar="M", type=float, default=0.0, help="where the motion passes (default: %(default)s)"
     )
-    add_json(parser)
 
 
 def numbers(text: str) -> tuple[float, ...]:
@@ -54,7 +66,20 @@ def numbers(text: str) -> tuple[float, ...]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the tables."""
+    """Writes what was asked for."""
+    if arguments.c is None and arguments.fmu is None and arguments.tables is None:
+        raise InputError(f"{arguments.model}: say what to write: --c DIR, --fmu FILE.fmu or --tables DIR")
+    written = {}
+    if arguments.c is not None or arguments.fmu is not None:
+        written = write_code(arguments)
+    if arguments.tables is not None:
+        written |= write_the_tables(arguments)
+    write_json(arguments.json, written)
+    return 0
+
+
+def write_the_tables(arguments: argparse.Namespace) -> dict[str, object]:
+    """Writes the tables; returns what goes to JSON."""
     model = load_model(arguments.model)
     if not np.isfinite([*arguments.velocity, *arguments.current, *arguments.temperature, arguments.displacement]).all():
         raise InputError(
@@ -81,5 +106,4 @@ def run(arguments: argparse.Namespace) -> int:
         "force_n": table.force,
         "in_region": table.inside,
     }
-    write_json(arguments.json, {"model": model.name, "displacement_m": table.displacement, "files": written, **grid})
-    return 0
+    return {"model": model.name, "displacement_m": table.displacement, "files": written, **grid}

@@ -2,6 +2,7 @@
 
 from damper_estimator.codegen.c_source import kernel_source
 from damper_estimator.codegen.export import Choices, WrittenC, c_name, damper_of, write_c
+from damper_estimator.codegen.fmu import WrittenFmu, write_fmu
 from damper_estimator.codegen.values import Untranslatable
 
-__all__ = ["Choices", "Untranslatable", "WrittenC", "c_name", "damper_of", "kernel_source", "write_c"]
+__all__ = ["Choices", "Untranslatable", "WrittenC", "WrittenFmu", "c_name", "damper_of", "kernel_source", "write_c", "write_fmu"]

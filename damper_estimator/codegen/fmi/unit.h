@@ -1,0 +1,194 @@
+/*
+ * One instance of the damper behind both versions of FMI: values by reference, and one step.
+ *
+ * A step from t takes the inputs as the sample at t; what comes out are the estimates at t. Everything is refused, with
+ * the instance unchanged, that a damper cannot follow: numbers that are not finite, parameters beyond their bounds, a step
+ * back in time.
+ */
+#ifndef UNIT_H
+#define UNIT_H
+
+#include "config.h"
+#include "damper.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT
+#endif
+
+/* Value references; the order of inputs and outputs is that of the description. */
+enum { FIRST_INPUT = 1, FIRST_OUTPUT = 100, FIRST_INTEGER = 200, REACHED = 300, FIRST_PARAMETER = 1000 };
+enum { DISPLACEMENT = 0, COMMAND, TEMPERATURE, PRESSURE, DESIRED_FORCE, INPUTS };
+enum { OUTPUTS = 11, INTEGERS = 3 };
+#define LATEST 2.0e9 /* s, what a stamp in ns can hold several times over */
+
+typedef struct {
+    damper_state state;
+    double parameters[PARAMETERS];
+    double inputs[INPUTS];
+    double outputs[OUTPUTS];
+    int32_t integers[INTEGERS];
+    bool reached;
+    bool begun;   /* a sample was taken */
+    bool stepped; /* and not by the initialization alone */
+    int64_t last;
+    double start;
+} unit;
+
+static void unit_reset(unit *own)
+{
+    for (size_t i = 0; i < PARAMETERS; ++i) {
+        own->parameters[i] = damper_parameters[i];
+    }
+    for (size_t i = 0; i < INPUTS; ++i) {
+        own->inputs[i] = INPUT_START[i];
+    }
+    for (size_t i = 0; i < OUTPUTS; ++i) {
+        own->outputs[i] = 0.0;
+    }
+    for (size_t i = 0; i < INTEGERS; ++i) {
+        own->integers[i] = 0;
+    }
+    own->reached = false;
+    own->begun = false;
+    own->stepped = false;
+    own->last = 0;
+    own->start = 0.0;
+    damper_init(&own->state);
+    own->state.parameters = own->parameters;
+}
+
+static unit *unit_new(const char *token)
+{
+    unit *own = ((token != NULL) && (strcmp(token, TOKEN) == 0)) ? malloc(sizeof(unit)) : NULL;
+    if (own != NULL) {
+        unit_reset(own);
+    }
+    return own;
+}
+
+/* A saved instance becomes this one; it keeps its own parameters' place. */
+static void unit_restore(unit *own, const unit *saved)
+{
+    *own = *saved;
+    own->state.parameters = own->parameters;
+}
+
+/* Values of reals by reference; false where there is none of that reference. */
+static bool unit_get(const unit *own, uint32_t reference, double *value)
+{
+    if ((reference >= FIRST_INPUT) && (reference < FIRST_INPUT + INPUTS)) {
+        *value = own->inputs[reference - FIRST_INPUT];
+    } else if ((reference >= FIRST_OUTPUT) && (reference < FIRST_OUTPUT + OUTPUTS)) {
+        *value = own->outputs[reference - FIRST_OUTPUT];
+    } else if ((reference >= FIRST_PARAMETER) && (reference - FIRST_PARAMETER < PARAMETERS)) {
+        *value = own->parameters[reference - FIRST_PARAMETER];
+    } else if (reference == 0U) {
+        *value = own->begun ? (double)own->last / 1e9 : own->start;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static bool unit_set(unit *own, uint32_t reference, double value)
+{
+    const size_t parameter = (size_t)reference - FIRST_PARAMETER;
+    if ((reference >= FIRST_INPUT) && (reference < FIRST_INPUT + INPUTS)) {
+        own->inputs[reference - FIRST_INPUT] = value; /* judged by the step that uses it */
+        return true;
+    }
+    if ((reference < FIRST_PARAMETER) || (parameter >= PARAMETERS) || !TUNABLE[parameter]) {
+        return false;
+    }
+    if (!((value >= LOWEST[parameter]) && (value <= HIGHEST[parameter]))) {
+        return false;
+    }
+    own->parameters[parameter] = value;
+    return true;
+}
+
+static bool unit_get_integer(const unit *own, uint32_t reference, int32_t *value)
+{
+    if ((reference < FIRST_INTEGER) || (reference >= FIRST_INTEGER + INTEGERS)) {
+        return false;
+    }
+    *value = own->integers[reference - FIRST_INTEGER];
+    return true;
+}
+
+/* Takes the inputs as the sample at a time in s; false where they cannot be one. */
+static bool unit_sample(unit *own, double time)
+{
+    damper_input in = { 0 };
+    damper_output out = { 0 };
+    if (!(fabs(time) < LATEST)) {
+        return false;
+    }
+    in.stamp = (int64_t)llround(time * 1e9);
+    if (own->begun && (in.stamp < own->last)) {
+        return false;
+    }
+    for (size_t i = 0; i < INPUTS; ++i) {
+        if (IS_INPUT[i] && !isfinite(own->inputs[i])) {
+            return false;
+        }
+    }
+    if (!(fabs(own->inputs[DISPLACEMENT]) < 1e6)) {
+        return false;
+    }
+    in.displacement = own->inputs[DISPLACEMENT];
+    in.command = own->inputs[COMMAND];
+    in.command_arrived = IS_INPUT[COMMAND] ? 1 : 0;
+    in.temperature = own->inputs[TEMPERATURE];
+    in.temperature_arrived = IS_INPUT[TEMPERATURE] ? 1 : 0;
+    in.pressure = own->inputs[PRESSURE];
+    in.pressure_arrived = IS_INPUT[PRESSURE] ? 1 : 0;
+    in.reach = INVERTS;
+    if (damper_step(&own->state, &in, &out) < DAMPER_DUPLICATE) {
+        const double numbers[OUTPUTS - 2] = { out.displacement, out.velocity, out.acceleration, out.force,
+            out.force_stddev, out.force_min, out.force_max, out.dforce_dvelocity, out.dforce_dcurrent };
+        for (size_t i = 0; i < OUTPUTS - 2; ++i) {
+            own->outputs[i] = isfinite(numbers[i]) ? numbers[i] : 0.0; /* simulators stop at NaN */
+        }
+        own->integers[0] = out.status;
+        own->integers[1] = out.trusted;
+    }
+    own->integers[2] = out.verdict;
+#if INVERTS
+    damper_answer answer;
+    damper_inverse(&own->state, own->inputs[DESIRED_FORCE], &answer);
+    own->outputs[OUTPUTS - 2] = isfinite(answer.current) ? answer.current : 0.0;
+    own->outputs[OUTPUTS - 1] = isfinite(answer.expected) ? answer.expected : 0.0;
+    own->reached = answer.reached != 0;
+#endif
+    own->begun = true;
+    own->last = in.stamp;
+    return true;
+}
+
+/* A communication step of so many s from a time. */
+static bool unit_step(unit *own, double time, double length)
+{
+    if (!((length >= 0.0) && (length < LATEST))) {
+        return false;
+    }
+    if (own->begun && !own->stepped) { /* the initialization's sample gives way to that of the first step */
+        damper_reset(&own->state);
+    }
+    if (!unit_sample(own, time)) {
+        return false;
+    }
+    own->stepped = true;
+    return true;
+}
+
+#endif

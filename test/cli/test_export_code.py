@@ -1,0 +1,83 @@
+"""The verb export: C and FMUs."""
+
+import json
+import subprocess
+
+import pytest
+
+from damper_estimator.cli.main import main
+from damper_estimator.codegen.build import find_compiler
+
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+
+
+def test_c_is_written_under_the_name_that_is_asked_for(tmp_path, capsys):
+    words = ["export", "carrera_akutain", "--c", str(tmp_path / "out"), "--name", "front_left", "--json", str(tmp_path / "j")]
+    assert main(words) == 0
+    header = (tmp_path / "out" / "front_left.h").read_text()
+    assert "int32_t front_left_step(" in header and "model carrera_akutain" in header and "SHA-256" in header
+    assert "no inverse" in capsys.readouterr().out
+    assert json.loads((tmp_path / "j").read_text())["state_bytes"] > 0
+
+
+def test_a_damper_of_a_map_brings_filter_and_limits_with_it(tmp_path):
+    path = tmp_path / "map.yaml"
+    path.write_text(
+        "filter: {cutoff: 33.0}\ndampers:\n  a:\n    displacement: {topic: /x, field: a}\n    command: {limits: [0.1, 1.7]}\n"
+        "  b:\n    displacement: {topic: /x, field: b}\n"
+    )
+    words = ["export", "semi_active_yield", "--c", str(tmp_path), "--name", "a", "-s", str(path)]
+    assert main([*words, "-d", "a"]) == 0
+    header = (tmp_path / "a.h").read_text()
+    assert "33 Hz" in header and "command from 0.1 to 1.7" in header
+    assert main(words) == 1  # which of both?
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        ([], "--c DIR"),
+        (["--c", "x", "--name", "2nd"], "no name in C"),
+        (["--c", "x", "--limits", "1,0"], "no range"),
+        (["--fmu", "missing/x.fmu", "--source-only"], "missing/x.fmu: cannot be written"),
+    ],
+)
+def test_one_line_says_what_is_wrong(words, part, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "semi_active_yield", *words]) == 1
+    error = capsys.readouterr().err
+    assert part in error and error.count("\n") == 1
+
+
+def test_effects_of_the_measurement_chain_are_refused_by_name(tmp_path, capsys):
+    path = tmp_path / "m.yaml"
+    path.write_text("name: m\nsource: test\neffects:\n  - linear_viscous\n  - force_offset: {offset: 5.0}\n")
+    assert main(["export", str(path), "--c", str(tmp_path)]) == 1
+    assert "force_offset" in capsys.readouterr().err
+
+
+@needs_compiler
+def test_single_precision_says_how_far_it_is_off(tmp_path, capsys):
+    assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--float", "--name", "a"]) == 0
+    assert "single precision: the force differs by up to" in capsys.readouterr().out
+    assert "double" not in (tmp_path / "a.c").read_text().split("#include", 1)[1]
+
+
+@needs_compiler
+def test_an_fmu_is_written_with_its_binary(tmp_path, capsys):
+    assert main(["export", "renault_modified_bouc_wen", "--fmu", str(tmp_path / "a.fmu"), "--fmi", "3.0"]) == 0
+    said = capsys.readouterr().out
+    assert "sources and binary" in said and "not tunable" in said and "renault_hysteresis.alpha" in said
+
+
+@needs_compiler
+def test_two_dampers_live_in_one_program(tmp_path):
+    for name in ("front_left", "rear_left"):
+        assert main(["export", "dahl", "--c", str(tmp_path), "--name", name]) == 0
+    (tmp_path / "main.c").write_text(
+        '#include "front_left.h"\n#include "rear_left.h"\n'
+        "int main(void) { front_left_state a; rear_left_state b; front_left_init(&a); rear_left_init(&b); return 0; }\n"
+    )
+    sources = [str(tmp_path / f"{name}.c") for name in ("front_left", "rear_left", "main")]
+    done = subprocess.run([find_compiler(), "-std=c99", *sources, "-lm", "-o", str(tmp_path / "two")], check=False)
+    assert done.returncode == 0 and subprocess.run([tmp_path / "two"], check=False).returncode == 0
