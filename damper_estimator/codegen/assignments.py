@@ -180,7 +180,8 @@ class Assignments:
             context.emit(f"{place.base}[{place.offset.code}] {sign} {context.cast(item, place.kind).code};")
             return
         turn = context.temporary("k")
-        context.emit(f"for (int32_t {turn} = 0; {turn} < {place.size}; ++{turn}) {{")
+        size = place.size if isinstance(place.size, int) or place.size.isidentifier() else f"({place.size})"
+        context.emit(f"for (int32_t {turn} = 0; {turn} < {size}; ++{turn}) {{")
         left = self._expressions._sum(place.offset, Number(INT, turn)).code
         if isinstance(value, Array):
             right = f"{value.base}[{self._expressions._sum(value.offset, Number(INT, turn)).code}]"

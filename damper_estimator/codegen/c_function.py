@@ -99,7 +99,13 @@ def comment_of(function: Callable) -> str:
     """What the Python says of a function; of a kernel what its file says: equation, units, source."""
     is_kernel = function.__name__ == "kernel"
     text = (inspect.getmodule(function).__doc__ if is_kernel else function.__doc__) or ""
-    text = inspect.cleandoc(text).replace("*/", "* /").encode("ascii", "replace").decode()
-    if not is_kernel:
-        text = text.split("\n\n")[0]
-    return "\n".join(["/*", *(f" * {line}".rstrip() for line in text.splitlines()), " */"]) if text else ""
+    text = inspect.cleandoc(text)
+    return comment(text if is_kernel else text.split("\n\n")[0]) if text else ""
+
+
+def comment(text: str) -> str:
+    """Text as a C comment, in ASCII."""
+    for sign, apart in (("*/", "* /"), ("/*", "/ *"), ("//", "/ /")):
+        text = text.replace(sign, apart)
+    lines = text.encode("ascii", "replace").decode().splitlines()
+    return "\n".join(["/*", *(f" * {line}".rstrip() for line in lines), " */"])

@@ -129,7 +129,12 @@ class Expressions:
         kind = joined(joined(left.kind, right.kind), INT)
         if both:
             return self._context.literal(function(left.constant, right.constant))
-        return Number(kind, f"{cast(left, kind).inside(level)} {sign} {cast(right, kind).inside(level + 1)}", level)
+        if sign == "+" and kind != REAL and 0 in (left.constant, right.constant):
+            return cast(left if right.constant == 0 else right, kind)
+        one, other = cast(left, kind), cast(right, kind)
+        first = UNARY if level == SUM and one.level == PRODUCT else level  # nobody has to know that * binds before +
+        last = UNARY if level == SUM else level + 1
+        return Number(kind, f"{one.inside(first)} {sign} {other.inside(last)}", level)
 
     def _unaryop(self, node: ast.UnaryOp) -> Number:
         if isinstance(node.op, ast.Not):
@@ -173,7 +178,7 @@ class Expressions:
         if left.constant is not None and right.constant is not None:
             return self._context.literal(_DECIDE[sign](left.constant, right.constant))
         kind = joined(left.kind, right.kind)
-        one, other = (self._context.cast(n, kind).inside(COMPARISON + 1) for n in (left, right))
+        one, other = (self._context.cast(n, kind).inside(UNARY) for n in (left, right))
         return Number(BOOL, f"{one} {sign} {other}", COMPARISON)
 
     def _ifexp(self, node: ast.IfExp) -> Value:
@@ -186,7 +191,7 @@ class Expressions:
         if isinstance(yes, Number) and isinstance(no, Number):
             kind = joined(yes.kind, no.kind)
             yes, no = self._context.cast(yes, kind), self._context.cast(no, kind)
-            return Number(kind, f"{test.inside(UNARY)} ? {yes.inside(OR)} : {no.inside(OR)}", TERNARY)
+            return Number(kind, f"{test.inside(UNARY)} ? {yes.inside(UNARY)} : {no.inside(UNARY)}", TERNARY)
         if isinstance(yes, Array) and isinstance(no, Array) and yes.is_static and type_key(yes) == type_key(no):
             code = f"({test.inside(UNARY)} ? {yes.pointer} : {no.pointer})"
             return Array(yes.kind, code, whole(0), yes.dims, yes.roots | no.roots)
@@ -254,7 +259,7 @@ class Expressions:
             return first, self._length(last)
         if last.constant is not None and first.constant is not None:
             return first, int(last.constant - first.constant)
-        code = f"{last.inside(SUM)} - {first.inside(SUM + 1)}"
+        code = f"{last.inside(UNARY)} - {first.inside(UNARY)}"
         return first, self._length(Number(joined(first.kind, last.kind), code, SUM))
 
     def _length(self, size: Number) -> int | str:
@@ -265,7 +270,8 @@ class Expressions:
             return whole(int(one.constant + other.constant))
         if one.constant == 0 or other.constant == 0:
             return other if one.constant == 0 else one
-        return Number(joined(one.kind, other.kind), f"{one.inside(SUM)} + {other.inside(SUM + 1)}", SUM)
+        first = one.code if one.level == SUM else one.inside(UNARY)
+        return Number(joined(one.kind, other.kind), f"{first} + {other.inside(UNARY)}", SUM)
 
     def _product(self, number: Number, factor: int) -> Number:
         if number.constant is not None:

@@ -131,7 +131,7 @@ class Statements:
         if last.constant is None and changed & {n.id for n in ast.walk(node.iter) if isinstance(n, ast.Name)}:
             raise context.error(node, "the loop's end is changed inside it")
         start = f"{context.c_type(kind) + ' ' if declared else ''}{code} = {context.cast(first, kind).code}"
-        context.emit(f"for ({start}; {code} < {context.cast(last, kind).inside(4)}; ++{code}) {{")
+        context.emit(f"for ({start}; {code} < {context.cast(last, kind).inside(6)}; ++{code}) {{")
         self._inner(node.body)
         context.emit("}")
 

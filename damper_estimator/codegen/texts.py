@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from damper_estimator.codegen.c_function import comment
 from damper_estimator.codegen.values import kind_of, literal
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
@@ -71,12 +72,6 @@ MEMBERS = {
     },
     "state": {},
 }  # fmt: skip
-
-
-def comment(text: str) -> str:
-    """Text as a C comment, in ASCII."""
-    plain = text.replace("*/", "* /").replace("/*", "/ *").encode("ascii", "replace").decode()
-    return "\n".join(["/*", *(f" * {line}".rstrip() for line in plain.splitlines()), " */"])
 
 
 def comment_line(text: str) -> str:
@@ -149,7 +144,7 @@ def header(damper: "Damper", head: str, structs: str) -> str:
             f"void {name}_inverse({name}_state *state, {real} desired, {name}_answer *answer);",
         ]
     wrapped = "\n".join(textwrap.fill(enum, 110, subsequent_indent="    ") for enum in enums)
-    sizes = f"extern const {real} {name}_parameters[];"
+    sizes = f"extern const {real} {name}_parameters[{max(len(damper.own.model.slots), 1)}];"
     return "\n\n".join(
         [head, f"#ifndef {guard}\n#define {guard}", "#include <stdbool.h>\n#include <stdint.h>",
          f"{comment('Status of an estimate, then verdicts on samples.')}\n{wrapped}", structs, sizes, "\n".join(declared),

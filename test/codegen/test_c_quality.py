@@ -77,8 +77,9 @@ def test_sanitizers_find_nothing_on_rough_and_random_inputs(name, tmp_path):
     checks = ["-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all", "-g", "-O1"]
     call = [find_compiler(), "-std=c99", *checks, "d.c", "main.c", "-lm", "-o", "main"]
     built = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
-    if built.returncode and "sanitize" in built.stderr + "libasan":
+    if built.returncode and "asan" in built.stderr:
         pytest.skip(f"the sanitizers are not installed: {built.stderr.strip().splitlines()[-1]}")
+    assert built.returncode == 0, built.stderr
     for seed in range(3):
         given = rough(seed, 3000)
         given["reach"] = np.arange(given.size) % 3 == 0
@@ -100,12 +101,11 @@ def _wild(seed: int, size: int) -> np.ndarray:
 
 
 # Rules of MISRA C:2012 from which the generated code deviates; docs/export.md says why.
-DEVIATIONS = {"2.5", "8.7", "8.9", "8.6", "10.4", "10.5", "10.6", "10.8", "12.1", "14.1", "14.3", "15.4", "15.5", "15.7",
-              "17.8", "18.4", "8.4", "2.3", "2.4", "5.9", "5.8", "10.1", "10.3", "10.7", "13.3", "14.4", "20.9", "21.1"}  # fmt: skip
+DEVIATIONS = {"2.4", "7.2", "8.7", "8.9", "10.4", "10.6", "10.8", "12.1", "14.1", "15.5", "15.7", "17.8"}
 
 
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
-@pytest.mark.parametrize("name", ["carrera_akutain", "semi_active_on_mount"])
+@pytest.mark.parametrize("name", ["carrera_akutain", "semi_active_on_mount", "renault_modified_bouc_wen"])
 def test_cppcheck_and_misra_have_only_the_listed_deviations(name, tmp_path):
     CompiledDamper(exported(name), tmp_path)
     call = ["cppcheck", "--enable=warning,performance,portability", "--std=c99", "--inline-suppr", "--quiet", "--addon=misra",
