@@ -19,10 +19,8 @@ from damper_estimator.files import write_text
 from damper_estimator.model import DamperModel
 from damper_estimator.model.files import model_yaml
 from damper_estimator.runtime import deployed
-from damper_estimator.runtime.memory import swept_sine
 from damper_estimator.signals import DamperSignals
 from damper_estimator.signals.fusion import Fusion
-from damper_estimator.signals.layout import COMMAND, T, X
 
 CUTOFF, MAX_GAP, STALE_AFTER = 60.0, 0.1, 0.1  # Hz, s, s
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -134,12 +132,13 @@ def write_c(model: DamperModel, folder: Path, choices: Choices | None = None) ->
 
 
 def single_error(damper: Damper, seconds: float = 10.0) -> float:
-    """Largest difference of force between single and double precision, over the largest force, on a swept sine."""
-    block = swept_sine(seconds)
-    stamp = np.round(1e9 * block[T]).astype(np.int64)
-    low, high = damper.limits or (0.0, 1.0)
-    command = low + (high - low) * (0.5 + 0.5 * np.sin(block[T])) if damper.limits else block[COMMAND]
-    given = inputs(stamp, block[X], command=command)
+    """Largest difference of force between single and double precision, over the largest force: on a sine of 20 mm that is
+    swept from 0.5 to 6.5 Hz, at 1 kHz."""
+    time = np.arange(0.0, seconds, 1e-3)
+    x = 0.02 * np.sin(2.0 * np.pi * (0.5 + 3.0 * time / seconds) * time)
+    low, high = damper.limits or (np.nan, np.nan)
+    command = low + (high - low) * (0.5 + 0.5 * np.sin(time))
+    given = inputs(np.round(1e9 * time).astype(np.int64), x, command=command)
     with tempfile.TemporaryDirectory() as folder:
         one, other = (
             CompiledDamper(replace(damper, single=single), Path(folder) / str(single)).run(given)[0]["force"]

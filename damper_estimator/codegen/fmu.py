@@ -46,7 +46,7 @@ class WrittenFmu:
 def write_fmu(
     model: DamperModel, path: Path, choices: Choices | None = None, version: str = "2.0", binary: bool = True
 ) -> WrittenFmu:
-    """Writes an FMU with sources and, where asked for, a binary for this platform.
+    """Writes an FMU with sources and, where asked for, a binary for this platform; in double precision, without fusion.
 
     Raises:
         InputError: where the model cannot be deployed or written in C, a binary is wanted and there is no compiler, or the
@@ -59,7 +59,7 @@ def write_fmu(
             f"{path}: its binary needs a C compiler (CC, cc, gcc or clang), and there is none; install one, or write the "
             "sources alone (--source-only)"
         )
-    damper, _ = damper_of(model, replace(choices or Choices(), single=False))
+    damper, _ = damper_of(model, replace(choices or Choices(), single=False, fusion=None))
     tunable = tunable_parameters(model)
     texts = sources_of(replace(damper, name=_NAME))
     token = f"{{{sha256((texts.source + version).encode()).hexdigest()[:32]}}}"

@@ -63,6 +63,12 @@ def test_single_precision_says_how_far_it_is_off(tmp_path, capsys):
     assert "double" not in (tmp_path / "a.c").read_text().split("#include", 1)[1]
 
 
+def test_without_a_compiler_c_is_written_all_the_same(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("damper_estimator.codegen.export.find_compiler", lambda: None)
+    assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--float", "--name", "a"]) == 0
+    assert (tmp_path / "a.c").exists() and "was not measured" in capsys.readouterr().out
+
+
 @needs_compiler
 def test_an_fmu_is_written_with_its_binary(tmp_path, capsys):
     assert main(["export", "renault_modified_bouc_wen", "--fmu", str(tmp_path / "a.fmu"), "--fmi", "3.0"]) == 0

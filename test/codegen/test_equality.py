@@ -1,5 +1,6 @@
 """The C against the Python line: forces, motion, status and verdicts bit for bit, whatever comes in."""
 
+import ctypes
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -9,14 +10,15 @@ import pytest
 from c_runner import python_line, random_model, recorded, rough
 
 from damper_estimator.cli.main import main
-from damper_estimator.codegen import Choices, damper_of
-from damper_estimator.codegen.build import find_compiler
+from damper_estimator.codegen import Choices, damper_of, one_sample
+from damper_estimator.codegen.build import FLAGS, find_compiler
 from damper_estimator.codegen.c_source import Damper
-from damper_estimator.codegen.running import CompiledDamper
+from damper_estimator.codegen.running import CompiledDamper, inputs
 from damper_estimator.model import library_models, load_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.runtime import deployed
 from damper_estimator.runtime.estimates import FIELDS
+from damper_estimator.runtime.record import GOOD, STALE
 from damper_estimator.signals.admission import DUPLICATE
 from damper_estimator.signals.fusion import Fusion
 
@@ -32,7 +34,7 @@ def fitted(model):
 
 def assert_equal(damper: Damper, given: np.ndarray, folder: Path) -> np.ndarray:
     """All numbers of the C are those of Python; returns the C's outputs for the samples that were used."""
-    outputs, verdict = CompiledDamper(damper, folder).run(given)
+    outputs, verdict = CompiledDamper(damper, folder, None, (*FLAGS, "-O0")).run(given)  # quick to compile
     answered = python_line(damper, given)
     assert np.array_equal(verdict, answered.verdict[:, 0])
     good = verdict < DUPLICATE
@@ -61,6 +63,26 @@ def test_all_statuses_occur_in_the_comparison(tmp_path):
 def test_random_chains(seed, tmp_path):
     model = fitted(random_model(seed))
     assert_equal(Damper("d", deployed(model, 45.0, 0.1)), rough(seed, 1200), tmp_path)
+
+
+def test_an_estimate_that_is_too_old_is_stale(tmp_path):
+    own = Damper("d", deployed(fitted(load_model("carrera_akutain")), 60.0, 0.1), stale_after=0.05)
+    library = ctypes.CDLL(str(CompiledDamper(own, tmp_path).library))
+    state, output = ctypes.create_string_buffer(8192), np.zeros(1, one_sample.OUTPUT)
+    library.d_init(state)
+
+    def status(at: int) -> int:
+        return library.d_status_at(state, ctypes.c_int64(at)) & 0xFF
+
+    assert status(0) == STALE  # no sample yet
+    pointer = output.ctypes.data_as(ctypes.c_void_p)
+    for stamp in range(0, 10**9, 10**6):
+        given = inputs(np.array([stamp]), np.zeros(1), command=np.ones(1), temperature=np.full(1, 40.0))
+        library.d_step(state, given.ctypes.data_as(ctypes.c_void_p), pointer)
+    assert status(stamp) == status(stamp + 50_000_000) == output["status"][0] == GOOD
+    assert status(stamp + 50_000_001) == STALE
+    library.d_reset(state)
+    assert status(stamp) == STALE
 
 
 def test_fusion_with_an_accelerometer_and_a_lead(tmp_path):

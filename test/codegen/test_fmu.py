@@ -14,7 +14,6 @@ from damper_estimator.control import InverseModel
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
 from damper_estimator.runtime.estimates import FIELDS
-from damper_estimator.signals.admission import DUPLICATE
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 pytest.importorskip("fmpy.validation")
@@ -135,7 +134,7 @@ def test_what_cannot_be_is_answered_with_an_error_and_changes_nothing(units, ver
         with pytest.raises(Exception, match=r"(?i)status 3|error"):
             unit.step(time, length)
     with pytest.raises(Exception, match=r"(?i)status 3|error"):
-        unit.set(**{"gas_spring__static_force": -1.0})
+        unit.set(gas_spring__static_force=-1.0)
     assert unit.get("force") == before
     unit.step(0.1, 1e-3)
     assert np.isfinite(unit.get("force"))
