@@ -1,7 +1,7 @@
-"""Generated C on this machine: time of a step over an hour of road, mean and worst, of the inverse, size of code and state.
+"""Generated C on this machine: time of a step over an hour of road and of the inverse, mean and worst; sizes.
 
-The mean is processor time. The worst step is timed with a clock around every call, which costs some 30 ns itself; the same
-hour is run three times and the smallest of the three times of each step counts, as the operating system interrupts.
+The mean is processor time. The worst step is timed with a clock around every call, which costs some 30 ns itself; the
+same hour is run three times and the smallest of the three times of each step counts, as the system interrupts.
 """
 
 import ctypes
@@ -21,7 +21,12 @@ from damper_estimator.model import load_model
 
 RATE, SECONDS, ROUNDS = 1000, 3600, 3
 LIMITS = (0.0, 2.0)
-MODELS = (("carrera_akutain", None), ("mr_damper_on_mount", None), ("semi_active_yield", LIMITS), ("semi_active_on_mount", LIMITS))
+MODELS = (
+    ("carrera_akutain", None),
+    ("mr_damper_on_mount", None),
+    ("semi_active_yield", LIMITS),
+    ("semi_active_on_mount", LIMITS),
+)
 TIMER = """#define _POSIX_C_SOURCE 199309L
 #include "NAME.h"
 #include <time.h>
@@ -70,10 +75,14 @@ def measure(damper: Damper, given: np.ndarray, wanted: np.ndarray, folder: Path)
     """Times in ns and sizes in bytes."""
     CompiledDamper(damper, folder)
     text = TIMER.replace("NAME", damper.name).replace("REAL", "double")
-    inverse = f"{damper.name}_answer a; {damper.name}_inverse(&state, wanted[i], &a);" if damper.limits else "(void)wanted;"
+    inverse = (
+        f"{damper.name}_answer a; {damper.name}_inverse(&state, wanted[i], &a);" if damper.limits else "(void)wanted;"
+    )
     (folder / "timer.c").write_text(text.replace("INVERSE", inverse))
     library = folder / "timer.so"
-    build_library([folder / f"{damper.name}.c", folder / "timer.c"], library, None, [f for f in FLAGS if f != "-Werror"])
+    build_library(
+        [folder / f"{damper.name}.c", folder / "timer.c"], library, None, [f for f in FLAGS if f != "-Werror"]
+    )
     c = ctypes.CDLL(str(library))
     c.whole.restype = ctypes.c_int64
     n, pointer = ctypes.c_int64(given.size), given.ctypes.data_as(ctypes.c_void_p)
@@ -88,8 +97,12 @@ def measure(damper: Damper, given: np.ndarray, wanted: np.ndarray, folder: Path)
         if inverts:
             found["inverse_worst"] = float(times.max())
     object_file = folder / "size.o"
-    subprocess.run([find_compiler(), "-std=c99", "-Os", "-c", folder / f"{damper.name}.c", "-o", object_file], check=True)
-    sizes = subprocess.run(["size", object_file], capture_output=True, text=True, check=True).stdout.split("\n")[1].split()
+    subprocess.run(
+        [find_compiler(), "-std=c99", "-Os", "-c", folder / f"{damper.name}.c", "-o", object_file], check=True
+    )
+    sizes = (
+        subprocess.run(["size", object_file], capture_output=True, text=True, check=True).stdout.split("\n")[1].split()
+    )
     return {**found, "code": float(sizes[0])}
 
 
@@ -110,7 +123,11 @@ def main() -> None:
             ram = CompiledDamper(damper, Path(folder)).made.ram
         print(
             f"{name:22s} step {found['step']:6.0f} ns, worst {found['worst'] / 1000.0:6.1f} us"
-            + (f"; inverse {found['inverse']:6.0f} ns, worst {found['inverse_worst'] / 1000.0:6.1f} us" if limits else "")
+            + (
+                f"; inverse {found['inverse']:6.0f} ns, worst {found['inverse_worst'] / 1000.0:6.1f} us"
+                if limits
+                else ""
+            )
             + f"; code {found['code'] / 1024.0:.1f} KiB, state {ram} bytes",
             flush=True,
         )

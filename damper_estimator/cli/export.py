@@ -1,11 +1,11 @@
 """Export a model: as C for controllers, as an FMU for simulation, as force-velocity tables for other programs.
 
 --c writes NAME.h and NAME.c (C99, no allocation): the whole line from raw displacement to force, standard deviation and
-status, the inverse where the model has a command. --fmu writes a functional mock-up unit for co-simulation around the same
-code. --tables writes force_velocity.csv and, for multibody programs, a damper property file (.dpr, [CURVE] in mm/s and N)
-for each current and temperature: forces of a steady passage through one displacement, hysteresis replaced by the middle
-of its loops, and what depends on position taken at --displacement. At velocities outside the region of the fit the tables
-go on straight from its edge; all points outside the region are marked in the files. docs/export.md has examples.
+status, the inverse where the model has a command. --fmu writes a functional mock-up unit for co-simulation around the
+same code. --tables writes force_velocity.csv and, for multibody programs, a damper property file (.dpr, [CURVE] in mm/s
+and N) for each current and temperature: forces of a steady passage through one displacement, hysteresis replaced by the
+middle of its loops, and what depends on position taken at --displacement. At velocities outside the region of the fit
+the tables go on straight from its edge; all points outside the region are marked. docs/export.md has examples.
 """
 
 import argparse

@@ -8,16 +8,23 @@ from pathlib import Path
 from damper_estimator.cli.common import STANDARD_OUTPUT
 from damper_estimator.codegen import Choices, write_c, write_fmu
 from damper_estimator.errors import InputError
-from damper_estimator.model import DamperModel, library_models, load_model
+from damper_estimator.model import library_models, load_model
 from damper_estimator.signals import load_signal_map
 
 
 def add_code_arguments(parser: argparse._ArgumentGroup) -> None:
     """``--name``, ``--float`` and what the line needs to know."""
-    parser.add_argument("--name", metavar="NAME", default="", help="prefix of files and functions (default: the model's)")
-    parser.add_argument("--float", dest="single", action="store_true", help="single precision; prints its error (C only)")
     parser.add_argument(
-        "--cutoff", metavar="HZ", type=float, help="of the filter, 0 for none (default: the map's, else the fit's, else 60)"
+        "--name", metavar="NAME", default="", help="prefix of files and functions (default: the model's)"
+    )
+    parser.add_argument(
+        "--float", dest="single", action="store_true", help="single precision; prints its error (C only)"
+    )
+    parser.add_argument(
+        "--cutoff",
+        metavar="HZ",
+        type=float,
+        help="of the filter, 0 for none (default: the map's, else the fit's, else 60)",
     )
     parser.add_argument(
         "--limits", metavar="LOW,HIGH", type=limits, help="of the command (default: the map's, else those of the fit)"
@@ -76,15 +83,18 @@ def _choices(arguments: argparse.Namespace) -> Choices:
         cutoff, fusion = whole.cutoff if cutoff is None else cutoff, whole.fusion
         signals = _signals(arguments, whole.dampers)
     return Choices(
-        name=arguments.name, cutoff=cutoff, lead=arguments.lead, fusion=fusion, signals=signals, limits=arguments.limits,
-        stale_after=arguments.stale_after, single=arguments.single, checksum=_checksum(arguments.model),
+        name=arguments.name, cutoff=cutoff, lead=arguments.lead, fusion=fusion, signals=signals,
+        limits=arguments.limits, stale_after=arguments.stale_after, single=arguments.single,
+        checksum=_checksum(arguments.model),
     )  # fmt: skip
 
 
 def _signals(arguments: argparse.Namespace, dampers: dict):
     names = arguments.dampers or list(dampers)
     if len(names) != 1 or names[0] not in dampers:
-        raise InputError(f"{arguments.signals}: choose one of its dampers with -d: {', '.join(dampers) or 'it has none'}")
+        raise InputError(
+            f"{arguments.signals}: choose one of its dampers with -d: {', '.join(dampers) or 'it has none'}"
+        )
     return dampers[names[0]]
 
 

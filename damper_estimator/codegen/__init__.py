@@ -5,4 +5,14 @@ from damper_estimator.codegen.export import Choices, WrittenC, c_name, damper_of
 from damper_estimator.codegen.fmu import WrittenFmu, write_fmu
 from damper_estimator.codegen.values import Untranslatable
 
-__all__ = ["Choices", "Untranslatable", "WrittenC", "WrittenFmu", "c_name", "damper_of", "kernel_source", "write_c", "write_fmu"]
+__all__ = [
+    "Choices",
+    "Untranslatable",
+    "WrittenC",
+    "WrittenFmu",
+    "c_name",
+    "damper_of",
+    "kernel_source",
+    "write_c",
+    "write_fmu",
+]

@@ -198,7 +198,11 @@ def _interfere(targets: list[ast.expr], value: ast.expr) -> bool:
         base = target
         while isinstance(base, ast.Subscript):
             base = base.value
-        later = (n for part in (*values[i + 1 :], *(values[i:] if isinstance(value, ast.IfExp) else ())) for n in ast.walk(part))
+        later = (
+            n
+            for part in (*values[i + 1 :], *(values[i:] if isinstance(value, ast.IfExp) else ()))
+            for n in ast.walk(part)
+        )
         if isinstance(base, ast.Name) and any(isinstance(n, ast.Name) and n.id == base.id for n in later):
             return True
     return False

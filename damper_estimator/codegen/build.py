@@ -17,7 +17,9 @@ def find_compiler() -> str | None:
     return next((found for name in names if name and (found := shutil.which(name))), None)
 
 
-def build_library(sources: Sequence[Path], target: Path, compiler: str | None = None, flags: Sequence[str] = FLAGS) -> None:
+def build_library(
+    sources: Sequence[Path], target: Path, compiler: str | None = None, flags: Sequence[str] = FLAGS
+) -> None:
     """Compiles a shared library; ``target`` is its file.
 
     Raises:

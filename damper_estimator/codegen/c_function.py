@@ -56,7 +56,13 @@ def finished(
             declared.append(_declaration(translator, leaf, own, own in written))
         if is_sized:
             declared.append(f"int32_t {own}_size")
-    kind = "void" if result is None else translator.c_type(result[0]) if len(result) == 1 else translator.result_type(result)
+    kind = (
+        "void"
+        if result is None
+        else translator.c_type(result[0])
+        if len(result) == 1
+        else translator.result_type(result)
+    )
     head = _wrapped(f"static {kind} {name}(", declared or ["void"])
     text = "\n".join([*filter(None, [comment]), head, "{", *lines, "}"])
     changed = tuple(isinstance(leaf, Array | Record) and bool(leaf.roots & written) for leaf in flat)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import date
+from datetime import UTC, date, datetime
 
 import numpy as np
 
@@ -84,6 +84,11 @@ def sources(damper: Damper, today: date) -> Sources:
         *interface.visible(initial(damper)),
     ]
     return Sources(damper.name, header, "\n\n".join(parts) + "\n", damper.limits is not None, state.itemsize)
+
+
+def today() -> date:
+    """The day that the files name."""
+    return datetime.now(UTC).date()
 
 
 def kernel_source(kernel: Callable) -> str:

@@ -88,7 +88,7 @@ class Calls:
         return self._context.translator.call_one_of(self._context, functions.value, number, arguments)
 
     def new_array(self, node: ast.Call) -> tuple[str, tuple[int, ...], Number | None] | None:
-        """Kind, lengths and filling (None: left open) of an array that an expression makes; None where it makes none."""
+        """Kind, lengths and filling (None: left open) of an array that an expression makes; None if it makes none."""
         function = None if isinstance(node.func, ast.Subscript) else self._expressions.value(node.func)
         called = function.value if isinstance(function, Constant) else None
         if isinstance(called, list | dict) or called not in _NEW:

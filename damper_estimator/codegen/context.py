@@ -22,7 +22,45 @@ if TYPE_CHECKING:
     from damper_estimator.codegen.translator import Translator
 
 _RESERVED = frozenset(
-    ["auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "false", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "true", "typedef", "union", "unsigned", "void", "volatile", "while"]
+    [
+        "auto",
+        "bool",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "false",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "true",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+    ]
 )
 
 
@@ -87,7 +125,9 @@ class Context:
         if number.constant is not None:
             return self.literal({REAL: float, "bool": bool}.get(kind, int)(number.constant))
         if kind == "bool":
-            return Number(kind, f"{number.inside(4)} != {'0.0' + self.translator.suffix if number.kind == REAL else '0'}", 3)
+            return Number(
+                kind, f"{number.inside(4)} != {'0.0' + self.translator.suffix if number.kind == REAL else '0'}", 3
+            )
         return Number(kind, f"({self.c_type(kind)}){number.inside(UNARY)}", UNARY)
 
     def temporary(self, stem: str) -> str:
@@ -121,5 +161,3 @@ class Context:
 
 
 BUILTINS = {function.__name__: function for function in (abs, min, max, int, float, bool, len, range)}
-
-

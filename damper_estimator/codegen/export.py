@@ -3,14 +3,13 @@
 import re
 import tempfile
 from dataclasses import dataclass, replace
-from datetime import date
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 
 from damper_estimator.codegen.build import find_compiler
-from damper_estimator.codegen.c_source import Damper, Sources, sources
+from damper_estimator.codegen.c_source import Damper, Sources, sources, today
 from damper_estimator.codegen.running import CompiledDamper, inputs
 from damper_estimator.codegen.values import Untranslatable
 from damper_estimator.control import checked_limits, usable_limits
@@ -107,7 +106,7 @@ def sources_of(damper: Damper) -> Sources:
         InputError: names the effect that cannot be written in C.
     """
     try:
-        return sources(damper, date.today())
+        return sources(damper, today())
     except Untranslatable as error:
         raise InputError(f"model {damper.own.model.name}: cannot be written in C: {error}") from error
 
@@ -132,8 +131,9 @@ def write_c(model: DamperModel, folder: Path, choices: Choices | None = None) ->
 
 
 def single_error(damper: Damper, seconds: float = 10.0) -> float:
-    """Largest difference of force between single and double precision, over the largest force: on a sine of 20 mm that is
-    swept from 0.5 to 6.5 Hz, at 1 kHz."""
+    """Largest difference of force between single and double precision, over the largest force: on a sine of 20 mm
+    that is swept from 0.5 to 6.5 Hz, at 1 kHz.
+    """
     time = np.arange(0.0, seconds, 1e-3)
     x = 0.02 * np.sin(2.0 * np.pi * (0.5 + 3.0 * time / seconds) * time)
     low, high = damper.limits or (np.nan, np.nan)

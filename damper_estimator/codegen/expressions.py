@@ -76,7 +76,7 @@ class Expressions:
         return value
 
     def new_array(self, node: ast.expr) -> tuple[str, tuple[int, ...], Number | None] | None:
-        """Kind, lengths and filling (None: left open) of an array that an expression makes; None where it makes none."""
+        """Kind, lengths and filling (None: left open) of an array that an expression makes; None if it makes none."""
         return self._calls.new_array(node) if isinstance(node, ast.Call) else None
 
     def _constant(self, node: ast.Constant) -> Value:
@@ -230,7 +230,9 @@ class Expressions:
         for index in indices:
             rest = int(np.prod(dims[1:], dtype=int)) if len(dims) > 1 else 1
             if isinstance(index, ast.Slice):
-                if _is_whole(index) and all(_is_whole(i) or dim == 1 for i, dim in zip(indices[1:], dims[1:], strict=False)):
+                if _is_whole(index) and all(
+                    _is_whole(i) or dim == 1 for i, dim in zip(indices[1:], dims[1:], strict=False)
+                ):
                     # a[:, i] of a single column: all of it
                     return Array(array.kind, array.base, offset, (dims[0],), array.roots)
                 if len(dims) > 1:

@@ -5,7 +5,6 @@ import sys
 import tempfile
 import zipfile
 from dataclasses import dataclass, replace
-from datetime import date
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.codegen.build import FLAGS, build_library, find_compiler
-from damper_estimator.codegen.c_source import Damper
+from damper_estimator.codegen.c_source import today
 from damper_estimator.codegen.description import build_description, model_description
 from damper_estimator.codegen.export import Choices, damper_of, sources_of
 from damper_estimator.codegen.unit import Unit, inputs_of
@@ -49,15 +48,15 @@ def write_fmu(
     """Writes an FMU with sources and, where asked for, a binary for this platform; in double precision, without fusion.
 
     Raises:
-        InputError: where the model cannot be deployed or written in C, a binary is wanted and there is no compiler, or the
-            file cannot be written.
+        InputError: where the model cannot be deployed or written in C, a binary is wanted and there is no compiler, or
+            the file cannot be written.
     """
     if version not in VERSIONS:
         raise InputError(f"FMI {version}: is none of {', '.join(VERSIONS)}")
     if binary and find_compiler() is None:
         raise InputError(
-            f"{path}: its binary needs a C compiler (CC, cc, gcc or clang), and there is none; install one, or write the "
-            "sources alone (--source-only)"
+            f"{path}: its binary needs a C compiler (CC, cc, gcc or clang), and there is none; install one, or write "
+            "the sources alone (--source-only)"
         )
     damper, _ = damper_of(model, replace(choices or Choices(), single=False, fusion=None))
     tunable = tunable_parameters(model)
@@ -72,7 +71,7 @@ def write_fmu(
         _PARTS[version]: _text(_PARTS[version]),
     }
     members = {f"sources/{name}": text.encode() for name, text in inside.items()}
-    members["modelDescription.xml"] = model_description(unit, sorted(n for n in inside if n.endswith(".c")), date.today())
+    members["modelDescription.xml"] = model_description(unit, sorted(n for n in inside if n.endswith(".c")), today())
     if version == "3.0":
         members["sources/buildDescription.xml"] = build_description(unit, sorted(n for n in inside if n.endswith(".c")))
     if binary:
@@ -85,14 +84,16 @@ def write_fmu(
 def tunable_parameters(model: DamperModel) -> tuple[bool, ...]:
     """For every slot of a model: whether it may change while the model runs.
 
-    It may not where an effect prepares its settings from its parameters (tables, slopes): these would stay as they were.
-    Asked of ``prepare`` itself, which is called with other values.
+    It may not where an effect prepares its settings from its parameters (tables, slopes): these would stay as they
+    were. Asked of ``prepare`` itself, which is called with other values.
     """
     free = []
     for _, element in labels(model.effects):
         given = np.asarray(element.effect.prepare(element.parameters, element.settings), float)
         other = {
-            name: tuple(1.5 * v + 1e-3 * (i + 1) for i, v in enumerate(value)) if isinstance(value, tuple) else 1.1 * value + 1e-3
+            name: tuple(1.5 * v + 1e-3 * (i + 1) for i, v in enumerate(value))
+            if isinstance(value, tuple)
+            else 1.1 * value + 1e-3
             for name, value in element.parameters.items()
         }
         same = np.array_equal(given, np.asarray(element.effect.prepare(other, element.settings), float))
@@ -109,7 +110,8 @@ def configuration(unit: Unit) -> str:
         "static const bool TUNABLE": ["true" if free else "false" for free in unit.tunable],
     }
     arrays = [f"{head}[{max(len(v), 1)}] = {{ {', '.join(v) or '0'} }};" for head, v in columns.items()]
-    places = [channel if channel.present else None for channel in unit.inputs]
+    present = ", ".join("true" if channel.present else "false" for channel in unit.inputs)
+    starts = ", ".join(literal(float(channel.start)).code for channel in unit.inputs)
     return "\n".join(
         [
             "/* What distinguishes this unit from another. */",
@@ -122,8 +124,8 @@ def configuration(unit: Unit) -> str:
             f"#define INVERTS {int(unit.damper.limits is not None)}",
             f"enum {{ PARAMETERS = {max(len(slots), 1)} }};",
             *arrays,
-            f"static const bool IS_INPUT[{len(places)}] = {{ {', '.join('true' if p else 'false' for p in places)} }};",
-            f"static const double INPUT_START[{len(places)}] = {{ {', '.join(literal(float(c.start)).code for c in unit.inputs)} }};",
+            f"static const bool IS_INPUT[{len(unit.inputs)}] = {{ {present} }};",
+            f"static const double INPUT_START[{len(unit.inputs)}] = {{ {starts} }};",
             "",
             "#endif",
             "",

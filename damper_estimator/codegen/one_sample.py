@@ -69,7 +69,8 @@ def state_type(motions: int, forces: int, states: int, solvers: int, inverts: bo
         ("solvers", "f8", (solvers, chain.SOLVER_COLUMNS)),
     ]  # fmt: skip
     inverse = [
-        ("sample", "f8", (ROWS, 1)), ("ahead", "f8", (ROWS, 1)), ("followed", "f8", (states,)), ("trial", "f8", (states,)),
+        ("sample", "f8", (ROWS, 1)), ("ahead", "f8", (ROWS, 1)),
+        ("followed", "f8", (states,)), ("trial", "f8", (states,)),
         ("limits", "f8", (2,)), ("times", "f8", (2,)), ("remembered", "f8", (search.MEMORY,)),
         ("found", "f8", (search.RESULTS,)), ("is_new", "u1"), ("inverse_restart", "u1"),
     ]  # fmt: skip
@@ -77,9 +78,14 @@ def state_type(motions: int, forces: int, states: int, solvers: int, inverts: bo
 
 
 def step(kernels, table, parameters, settings, state, given, answer):
-    """Takes one sample in; returns its verdict. The answer's numbers are set where the sample was used: below DUPLICATE."""
+    """Takes one sample in; returns its verdict. The answer is set where the sample was used: below DUPLICATE."""
     _take_channels(state, given)
-    stamp, verdict, doubt, place = np.empty(1, np.int64), np.empty(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
+    stamp, verdict, doubt, place = (
+        np.empty(1, np.int64),
+        np.empty(1, np.int64),
+        np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
+    )
     value, dt, force, numbers = np.empty(1), np.zeros(1), np.zeros(1), np.empty(1)
     suspect, alone = np.empty(1, np.uint8), np.zeros(1, np.uint8)
     status, trusted = np.zeros(1, np.uint8), np.zeros(1, np.uint8)
@@ -148,7 +154,16 @@ def _take_sample(kernels, table, parameters, settings, state, place, stamp, dt, 
         state["chain"][:] = 0.0
     trace = np.zeros((0, 0))
     chain.run(
-        kernels, table, parameters, settings, block, state["motion"], state["sums"], state["chain"], state["solvers"], trace
+        kernels,
+        table,
+        parameters,
+        settings,
+        block,
+        state["motion"],
+        state["sums"],
+        state["chain"],
+        state["solvers"],
+        trace,
     )
     force[0] = state["sums"][0, 0]
     state["restart"][0] = 0 if np.isfinite(force[0]) else 1
@@ -156,7 +171,7 @@ def _take_sample(kernels, table, parameters, settings, state, place, stamp, dt, 
 
 
 def status_at(state, now):
-    """Status of the last estimate at a time in ns of the stamps' clock: STALE where it is older than ``stale_after``."""
+    """Status of the last estimate at a time in ns of the stamps' clock: STALE if older than ``stale_after``."""
     if state["begun_once"] == 0 or now - state["last"] > state["stale_after"]:
         return STALE
     return int(state["status"])
@@ -183,8 +198,8 @@ def _solve(kernels, table, parameters, settings, state, wanted, with_slope):
     trace = np.zeros((0, 0))
     search.invert(
         kernels, table, parameters, settings, state["motion"], state["sums"], state["solvers"], trace, state["sample"],
-        state["is_new"] != 0, state["ahead"], state["followed"], state["trial"], state["limits"], state["times"], wanted,
-        with_slope, state["remembered"], state["found"],
+        state["is_new"] != 0, state["ahead"], state["followed"], state["trial"], state["limits"], state["times"],
+        wanted, with_slope, state["remembered"], state["found"],
     )  # fmt: skip
     state["is_new"] = 0
     state["inverse_restart"] = 0 if np.isfinite(state["found"][search.FORCE]) else 1

@@ -5,14 +5,13 @@
 
 import ctypes
 from collections.abc import Sequence
-from datetime import date
 from pathlib import Path
 
 import numpy as np
 
 from damper_estimator.codegen import one_sample
 from damper_estimator.codegen.build import FLAGS, build_library
-from damper_estimator.codegen.c_source import Damper, Sources, sources
+from damper_estimator.codegen.c_source import Damper, Sources, sources, today
 from damper_estimator.files import write_text
 
 RUNNER = """#include "NAME.h"
@@ -28,8 +27,10 @@ void run(int64_t n, const NAME_input *in, NAME_output *out, int32_t *verdict)
 }
 """
 INVERTER = """
-void invert(int64_t n, const NAME_input *in, NAME_output *out, int32_t *verdict, const REAL *wanted, NAME_answer *answer);
-void invert(int64_t n, const NAME_input *in, NAME_output *out, int32_t *verdict, const REAL *wanted, NAME_answer *answer)
+void invert(int64_t n, const NAME_input *in, NAME_output *out, int32_t *verdict, const REAL *wanted,
+    NAME_answer *answer);
+void invert(int64_t n, const NAME_input *in, NAME_output *out, int32_t *verdict, const REAL *wanted,
+    NAME_answer *answer)
 {
     NAME_state state;
     NAME_init(&state);
@@ -60,7 +61,7 @@ class CompiledDamper:
 
     def __init__(self, damper: Damper, folder: Path, compiler: str | None = None, flags: Sequence[str] = FLAGS):
         """Raises InputError where there is no compiler, and Untranslatable as ``sources``."""
-        self.made: Sources = sources(damper, date.today())
+        self.made: Sources = sources(damper, today())
         self._single = damper.single
         folder.mkdir(parents=True, exist_ok=True)
         text = (RUNNER + (INVERTER if damper.limits else "")).replace("NAME", damper.name)
@@ -86,9 +87,7 @@ class CompiledDamper:
         inputs, outputs, verdict = self._arrays(given)
         answers = np.zeros(given.size, precise(one_sample.ANSWER, self._single))
         wanted = np.ascontiguousarray(wanted, np.float32 if self._single else float)
-        self._functions.invert(
-            ctypes.c_int64(given.size), *map(_pointer, (inputs, outputs, verdict, wanted, answers))
-        )
+        self._functions.invert(ctypes.c_int64(given.size), *map(_pointer, (inputs, outputs, verdict, wanted, answers)))
         return outputs, verdict, answers
 
     def _arrays(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

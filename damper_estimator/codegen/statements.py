@@ -63,7 +63,9 @@ class Statements:
             self._context.emit(f"return {codes[0]};")
             return True
         name = self._context.temporary("result")
-        self._context.emit(f"const {self._context.translator.result_type(facts.result)} {name} = {{ {', '.join(codes)} }};")
+        self._context.emit(
+            f"const {self._context.translator.result_type(facts.result)} {name} = {{ {', '.join(codes)} }};"
+        )
         self._context.emit(f"return {name};")
         return True
 
@@ -127,7 +129,12 @@ class Statements:
         declared = context.uses[name].belongs_to(node)
         if not declared:
             self._assignments.hoist(name, kind)
-        changed = {n.id for part in node.body for n in ast.walk(part) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        changed = {
+            n.id
+            for part in node.body
+            for n in ast.walk(part)
+            if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        }
         if last.constant is None and changed & {n.id for n in ast.walk(node.iter) if isinstance(n, ast.Name)}:
             raise context.error(node, "the loop's end is changed inside it")
         start = f"{context.c_type(kind) + ' ' if declared else ''}{code} = {context.cast(first, kind).code}"
@@ -138,6 +145,7 @@ class Statements:
 
 def _leaves_turn(loop: ast.For) -> bool:
     """Whether a loop's body has a break or continue of its own."""
+
     def search(body: list[ast.stmt]) -> bool:
         for statement in body:
             if isinstance(statement, ast.Break | ast.Continue):

@@ -1,6 +1,6 @@
 """What Python and NumPy do and C has no function for, in the restricted Python that is translated with the kernels.
 
-Floats are compared as Python's ``min`` and ``max`` do it: the first one stays unless the other is truly smaller or larger.
+Floats are compared as Python's ``min`` and ``max`` do it: the first one stays unless the other is smaller or larger.
 """
 
 import numpy as np
@@ -8,12 +8,12 @@ import numpy as np
 
 def smaller(one, other):
     """min(one, other)."""
-    return other if other < one else one  # noqa: FURB136
+    return other if other < one else one
 
 
 def larger(one, other):
     """max(one, other)."""
-    return other if other > one else one  # noqa: FURB136
+    return other if other > one else one
 
 
 def magnitude(number):

@@ -1,4 +1,4 @@
-"""The texts around the translated functions: comments, structs, numbers of the model, the functions of the interface."""
+"""The texts around the translated functions: comments, structs, numbers of the model, functions of the interface."""
 
 import textwrap
 from collections.abc import Callable
@@ -82,6 +82,7 @@ def comment_line(text: str) -> str:
 def heading(model: DamperModel, damper: "Damper", today: date, version: str) -> str:
     """What both files begin with."""
     own = damper.own
+    fit = f"residual {own.stddev:.4g} N" if own.is_identified else "none: the status never rises above DEGRADED"
     lines = [
         f"Damper {damper.name}: model {model.name}",
         *textwrap.wrap(f"Source: {model.source}", 110, subsequent_indent="    "),
@@ -89,14 +90,14 @@ def heading(model: DamperModel, damper: "Damper", today: date, version: str) -> 
         f"SHA-256 of the model's file: {damper.checksum or 'unknown (the model was not read from a file)'}",
         f"Filter: {f'third-order Butterworth, {own.cutoff:g} Hz' if own.cutoff > 0.0 else 'none'}.",
         f"Gaps beyond {own.max_gap:g} s start anew; the motion is predicted {own.lead:g} s ahead.",
-        f"Fit: {f'residual {own.stddev:.4g} N' if own.is_identified else 'none: the status never rises above DEGRADED'}.",
+        f"Fit: {fit}.",
     ]
     if damper.limits is not None:
         lines.append(f"Inverse: command from {damper.limits[0]:g} to {damper.limits[1]:g}.")
     lines += [
         "",
-        "SI units. C99, no allocation, no global state; needs math.h, stdint.h and stdbool.h. For results that agree bit",
-        "for bit with damper-estimator's, compile with -ffp-contract=off and without -ffast-math.",
+        "SI units. C99, no allocation, no global state; needs math.h, stdint.h and stdbool.h. For results that agree",
+        "bit for bit with damper-estimator's, compile with -ffp-contract=off and without -ffast-math.",
     ]
     return comment("\n".join(lines))
 
@@ -147,15 +148,17 @@ def header(damper: "Damper", head: str, structs: str) -> str:
     sizes = f"extern const {real} {name}_parameters[{max(len(damper.own.model.slots), 1)}];"
     return "\n\n".join(
         [head, f"#ifndef {guard}\n#define {guard}", "#include <stdbool.h>\n#include <stdint.h>",
-         f"{comment('Status of an estimate, then verdicts on samples.')}\n{wrapped}", structs, sizes, "\n".join(declared),
-         "#endif\n"]
+         f"{comment('Status of an estimate, then verdicts on samples.')}\n{wrapped}", structs, sizes,
+         "\n".join(declared), "#endif\n"]
     )  # fmt: skip
 
 
-STEP = """Takes one sample in. Returns its verdict; below DUPLICATE the output was written, otherwise the sample was dropped.
-A stamp older than the last one by more than the longest gap, a gap and the first sample start anew."""
+STEP = """Takes one sample in. Returns its verdict; below DUPLICATE the output was written, otherwise the sample was
+dropped. A stamp older than the last one by more than the longest gap, a gap and the first sample start anew."""
 STATUS_AT = """Status of the last estimate at a time in ns of the stamps' clock: STALE where its sample is too old."""
-INVERSE = """The command that gives a desired force in N (NaN: none) after the last sample; may be asked several times."""
+INVERSE = (
+    """The command that gives a desired force in N (NaN: none) after the last sample; may be asked several times."""
+)
 
 
 def numbers(damper: "Damper", suffix: str) -> str:

@@ -1,9 +1,9 @@
 """Translates functions of the restricted Python in which kernels are written to C99, once per kind of arguments.
 
 The language: functions over contiguous arrays of numbers, records (structured arrays' elements), numbers and tuples of
-these; assignments, ``if``, ``while``, ``for`` over a range; the mathematical functions of ``calls``. Locals get the kind of
-what they are given. What is known beforehand (functions, tables, constants of modules, sizes of arrays) is folded, and
-branches that it rules out are not written. Everything else is refused with the function's name and line.
+these; assignments, ``if``, ``while``, ``for`` over a range; the mathematical functions of ``calls``. Locals get the
+kind of what they are given. What is known beforehand (functions, tables, constants of modules, sizes of arrays) is
+folded, and branches that it rules out are not written. Everything else is refused with the function's name and line.
 """
 
 import ast

@@ -12,7 +12,16 @@ needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="there is no
 
 
 def test_c_is_written_under_the_name_that_is_asked_for(tmp_path, capsys):
-    words = ["export", "carrera_akutain", "--c", str(tmp_path / "out"), "--name", "front_left", "--json", str(tmp_path / "j")]
+    words = [
+        "export",
+        "carrera_akutain",
+        "--c",
+        str(tmp_path / "out"),
+        "--name",
+        "front_left",
+        "--json",
+        str(tmp_path / "j"),
+    ]
     assert main(words) == 0
     header = (tmp_path / "out" / "front_left.h").read_text()
     assert "int32_t front_left_step(" in header and "model carrera_akutain" in header and "SHA-256" in header
@@ -23,7 +32,8 @@ def test_c_is_written_under_the_name_that_is_asked_for(tmp_path, capsys):
 def test_a_damper_of_a_map_brings_filter_and_limits_with_it(tmp_path):
     path = tmp_path / "map.yaml"
     path.write_text(
-        "filter: {cutoff: 33.0}\ndampers:\n  a:\n    displacement: {topic: /x, field: a}\n    command: {limits: [0.1, 1.7]}\n"
+        "filter: {cutoff: 33.0}\ndampers:\n  a:\n    displacement: {topic: /x, field: a}\n"
+        "    command: {limits: [0.1, 1.7]}\n"
         "  b:\n    displacement: {topic: /x, field: b}\n"
     )
     words = ["export", "semi_active_yield", "--c", str(tmp_path), "--name", "a", "-s", str(path)]

@@ -72,11 +72,12 @@ def random_model(seed: int) -> DamperModel:
         return tuple(chosen)
 
     def values(effect) -> dict:
+        sizes = {s.name: s.default for s in effect.settings}
         return {
             p.name: float(np.clip(p.default * random.uniform(0.5, 1.5), p.lower, p.upper))
             for p in effect.parameters if p.size is None
         } | {
-            p.name: [float(v) for v in random.uniform(-500.0, 500.0, p.length({s.name: s.default for s in effect.settings}))]
+            p.name: [float(v) for v in random.uniform(-500.0, 500.0, p.length(sizes))]
             for p in effect.parameters if p.size is not None
         }  # fmt: skip
 
@@ -85,8 +86,8 @@ def random_model(seed: int) -> DamperModel:
 
 def rough(seed: int, size: int, mean_step: float = 2e-3, trouble: float = 1.0) -> np.ndarray:
     """Inputs with all that goes wrong on a vehicle: uneven stamps, gaps, stamps that go back or repeat, steps of the
-    clock, values that are not finite or jump, slow channels that fall silent or cannot be, doubtful senders; ``trouble``
-    times as often."""
+    clock, values that are not finite or jump, slow channels that fall silent or cannot be, doubtful senders;
+    ``trouble`` times as often."""
     random = np.random.default_rng(seed)
     steps = (random.uniform(0.2, 1.8, size) * mean_step * 1e9).astype(np.int64)
     odd = random.random(size) / max(trouble, 1e-9)
@@ -104,7 +105,11 @@ def rough(seed: int, size: int, mean_step: float = 2e-3, trouble: float = 1.0) -
         x[random.random(size) < 0.0012 * trouble] = wrong
     quiet = np.sin(0.9 * time) > 0.9
     channels = {}
-    for name, low, high, rate in (("command", 0.0, 1.5, 0.2), ("temperature", 20.0, 90.0, 0.02), ("pressure", 1e5, 2e6, 0.05)):
+    for name, low, high, rate in (
+        ("command", 0.0, 1.5, 0.2),
+        ("temperature", 20.0, 90.0, 0.02),
+        ("pressure", 1e5, 2e6, 0.05),
+    ):
         values = low + (high - low) * (0.5 + 0.5 * np.sin(time + random.random()))
         values[random.random(size) < 0.002 * trouble] = 1e9
         values[(random.random(size) > rate) | quiet] = np.nan

@@ -45,6 +45,8 @@ def test_the_quarter_car_settles_on_the_step(tmp_path):
     pytest.importorskip("fmpy", reason="FMPy is not installed")
     assert main(["export", "dahl", "--fmu", str(tmp_path / "front_left.fmu"), "--name", "front_left"]) == 0
     (tmp_path / "quarter_car.py").write_text(shown("python", "FMU2Slave"))
-    said = subprocess.run([sys.executable, "quarter_car.py"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(
+        [sys.executable, "quarter_car.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout
     height, highest = map(float, re.findall(r"(-?[\d.]+) m", said))
     assert 0.0 < height < 0.06 and 0.02 < highest < 0.09

@@ -93,14 +93,26 @@ def test_fusion_with_an_accelerometer_and_a_lead(tmp_path):
 
 @pytest.mark.parametrize(
     ("bag", "damper", "model"),
-    [("passenger_road", "passenger_front", "carrera_akutain"), ("semi_active_road", "semi_active", "semi_active_on_mount"),
+    [("passenger_road", "passenger_front", "carrera_akutain"),
+     ("semi_active_road", "semi_active", "semi_active_on_mount"),
      ("four_corners_road", "rear_left", "renault_modified_bouc_wen")],
 )  # fmt: skip
 def test_replay_of_the_shipped_recordings(bag, damper, model, tmp_path):
     path = BAGS / f"{bag}.mcap"
     own, _ = damper_of(load_model(model), Choices(name="d", cutoff=60.0))
     outputs, verdict = CompiledDamper(own, tmp_path).run(recorded(path, damper))
-    words = ["replay", str(path), "-m", model, "-d", damper, "-o", str(tmp_path / "out.mcap"), "--json", str(tmp_path / "n")]
+    words = [
+        "replay",
+        str(path),
+        "-m",
+        model,
+        "-d",
+        damper,
+        "-o",
+        str(tmp_path / "out.mcap"),
+        "--json",
+        str(tmp_path / "n"),
+    ]
     assert main(words) == 0
     with open_bag(tmp_path / "out.mcap") as written:
         force = written.columns("/damper_estimator/force", ("force[0]", "velocity[0]", "status[0]")).values

@@ -90,7 +90,10 @@ def test_fmpy_finds_nothing_wrong(units, version, model):
 @both
 @pytest.mark.parametrize(
     ("model", "bag", "name"),
-    [("carrera_akutain", "passenger_road", "passenger_front"), ("semi_active_on_mount", "semi_active_road", "semi_active")],
+    [
+        ("carrera_akutain", "passenger_road", "passenger_front"),
+        ("semi_active_on_mount", "semi_active_road", "semi_active"),
+    ],
 )
 def test_steps_of_a_recording_give_the_forces_of_the_line(units, version, model, bag, name, tmp_path):
     raw = recorded(BAGS / f"{bag}.mcap", name)[:1500]

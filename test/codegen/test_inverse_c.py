@@ -42,7 +42,9 @@ def test_currents_and_forces_are_those_of_python(name, with_reach, tmp_path):
         else:
             found = inverse.solve(sample, wanted[i])
         own = answers[i]
-        pairs = [(own[n], getattr(found, n)) for n in ("current", "expected", "force_min", "force_max", "dforce_dcurrent")]
+        pairs = [
+            (own[n], getattr(found, n)) for n in ("current", "expected", "force_min", "force_max", "dforce_dcurrent")
+        ]
         assert np.array_equal(*np.transpose(pairs), equal_nan=True), i
         assert (own["reached"] != 0) == found.reached
 

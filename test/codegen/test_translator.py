@@ -1,4 +1,4 @@
-"""What the translator makes of Python: the same numbers where it accepts a function, a named refusal where it does not."""
+"""What the translator makes of Python: the same numbers where it accepts a function, otherwise a named refusal."""
 
 import ctypes
 import math
@@ -16,7 +16,7 @@ SPECIAL = (0.0, -0.0, 1.0, -1.0, 2.5, -7.25, 1e-300, 1e300, math.inf, -math.inf,
 
 
 def chooses(a, b):
-    nan = b != b  # noqa: PLR0124
+    nan = b != b
     return min(a, b) + 2.0 * max(b, a) if not a < b <= 3.0 or nan else abs(a) ** 2 - a
 
 
@@ -111,7 +111,9 @@ def calls_the_unknown(a, b):
     return np.linalg.norm(a) + b
 
 
-@pytest.mark.parametrize("function", [uses_a_list, allocates, calls_itself, calls_the_unknown], ids=lambda f: f.__name__)
+@pytest.mark.parametrize(
+    "function", [uses_a_list, allocates, calls_itself, calls_the_unknown], ids=lambda f: f.__name__
+)
 def test_what_has_no_counterpart_is_refused_by_name(function):
     with pytest.raises(Untranslatable, match=function.__name__):
         Translator().function(function, [Number(REAL, "a"), Number(REAL, "b")])
