@@ -34,6 +34,8 @@ if TYPE_CHECKING:
         improve,
         read,
         replay,
+        to_c,
+        to_fmu,
     )
 
 __version__ = "0.1.0"
@@ -58,5 +60,7 @@ __all__ = [
     "replay",
     "save_model",
     "save_signal_map",
+    "to_c",
+    "to_fmu",
 ]
 __getattr__, __dir__ = lazy_names(__name__, __file__)

@@ -34,7 +34,7 @@ ALLOWED = {
     "report": {"validation", "diagnosis", "characterization", "vehicle"},
     "workflows": {
         "recordings", "signals", "model", "identification", "validation", "characterization", "diagnosis", "control",
-        "runtime", "report",
+        "runtime", "report", "codegen",
     },
     # The vehicle for the simulated ride over DDS.
     "node": {"signals", "model", "runtime", "validation", "control", "recordings", "vehicle"},

@@ -51,6 +51,10 @@ class Choices:
     single: bool = False
     checksum: str = ""
 
+    def with_map(self, cutoff: float, fusion: Fusion | None, signals: DamperSignals) -> "Choices":
+        """The same for a damper of a signal map."""
+        return replace(self, cutoff=cutoff, fusion=fusion, signals=signals)
+
 
 @dataclass(frozen=True)
 class WrittenC:

@@ -1,4 +1,4 @@
-"""Use cases as plain functions: read, compare, fit, diagnose, improve, replay, characterize, tare, inspect, import.
+"""Use cases as functions: read, compare, fit, diagnose, improve, replay, characterize, tare, inspect, import, export.
 
 Command line, studio, fleet and the public Python API are faces of these functions; none of them uses another one.
 What is here returns frozen results by damper and raises ``InputError`` for unusable input; it prints nothing. Names are
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         page_title,
     )
     from damper_estimator.workflows.diagnosis import DiagnosisResults, diagnose, diagnose_case
+    from damper_estimator.workflows.exporting import to_c, to_fmu
     from damper_estimator.workflows.fitting import (
         FitOptions,
         FitResults,
@@ -105,5 +106,7 @@ __all__ = [
     "signal_map_of",
     "structure_of",
     "tare",
+    "to_c",
+    "to_fmu",
 ]
 __getattr__, __dir__ = lazy_names(__name__, __file__)
