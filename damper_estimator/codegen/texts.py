@@ -148,8 +148,9 @@ def header(damper: "Damper", head: str, structs: str) -> str:
     sizes = f"extern const {real} {name}_parameters[{max(len(damper.own.model.slots), 1)}];"
     return "\n\n".join(
         [head, f"#ifndef {guard}\n#define {guard}", "#include <stdbool.h>\n#include <stdint.h>",
+         '#ifdef __cplusplus\nextern "C" {\n#endif',
          f"{comment('Status of an estimate, then verdicts on samples.')}\n{wrapped}", structs, sizes,
-         "\n".join(declared), "#endif\n"]
+         "\n".join(declared), "#ifdef __cplusplus\n}\n#endif", "#endif\n"]
     )  # fmt: skip
 
 

@@ -1,6 +1,7 @@
 """The verb export: C and FMUs."""
 
 import json
+import shutil
 import subprocess
 
 import pytest
@@ -84,6 +85,19 @@ def test_an_fmu_is_written_with_its_binary(tmp_path, capsys):
     assert main(["export", "renault_modified_bouc_wen", "--fmu", str(tmp_path / "a.fmu"), "--fmi", "3.0"]) == 0
     said = capsys.readouterr().out
     assert "sources and binary" in said and "not tunable" in said and "renault_hysteresis.alpha" in said
+
+
+@pytest.mark.skipif(find_compiler() is None or shutil.which("g++") is None, reason="there are no C and C++ compilers")
+def test_a_controller_in_cpp_links_it(tmp_path):
+    assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--name", "a"]) == 0
+    (tmp_path / "main.cpp").write_text(
+        '#include "a.h"\nint main() { a_state s; a_init(&s); return a_status_at(&s, 0) != A_STALE; }\n'
+    )
+    subprocess.run([find_compiler(), "-std=c99", "-c", "a.c"], cwd=tmp_path, check=True)
+    subprocess.run(
+        ["g++", "-Wall", "-Wextra", "-Werror", "main.cpp", "a.o", "-lm", "-o", "main"], cwd=tmp_path, check=True
+    )
+    subprocess.run([tmp_path / "main"], check=True)
 
 
 @needs_compiler
