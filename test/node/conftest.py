@@ -1,6 +1,7 @@
 """A real estimator process on real DDS; skipped, with the reason, where ROS is not installed."""
 
 import os
+import signal
 import subprocess
 import sysconfig
 from collections.abc import Callable, Iterator
@@ -34,6 +35,14 @@ def ros() -> None:
         if os.environ.get("DAMPER_TEST_ROS") == "required":
             raise
         pytest.skip(f"ROS 2 is not complete here: {error} (make test sets it up)")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def signals() -> None:
+    """Processes that tests start hear SIGINT and SIGHUP, also where this one was started in the background."""
+    for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 @pytest.fixture(scope="session", autouse=True)
