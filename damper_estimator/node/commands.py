@@ -70,11 +70,6 @@ class CommandTally:
     not_good: int = 0
     unanswered: int = 0
 
-    @property
-    def safe(self) -> int:
-        """Safe currents."""
-        return self.old + self.not_good + self.unanswered
-
 
 class Follower:
     """What turns the desired forces of one damper into currents; final.
