@@ -23,6 +23,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="oil_compressibility",
+    tests=("series",),
     parameters=(Parameter("constant", "N s^2/m", -1.0, -500.0, 0.0, "force per acceleration", linear=True),),
     shows="the F-v loop opens with frequency: more force while decelerating than while accelerating",
     separate="the same peak velocity at two frequencies: a time lag grows with the frequency",

@@ -44,6 +44,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="input",
     phenomenon="position_dependence",
+    tests=("position",),
     parameters=(
         Parameter("share", "1", 0.2, 0.0, 0.99, "share of the oil that takes the groove"),
         Parameter("middle", "m", 0.0, -0.5, 0.5, "stroke position of the groove's middle"),

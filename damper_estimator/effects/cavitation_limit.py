@@ -47,6 +47,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="cavitation",
+    tests=("history",),
     parameters=(
         Parameter("limit", "N", 1000.0, 10.0, 50000.0, "compression force at which the oil cavitates"),
         Parameter("held", "1", 0.9, 0.0, 1.0, "share of the difference that is held while there is a void"),

@@ -11,7 +11,7 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
 from damper_estimator.signals.layout import COMMAND, DT
 
 
@@ -30,8 +30,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Only a command that changes can lag."""
-    if ranges.command is None or ranges.command[0] == ranges.command[1]:
-        raise Untestable("no changing command was recorded")
+    changing_command(ranges)
     return Trial({"time_constant": 0.01}, {"time_constant": (1e-4, 0.2)}, spread(time_constant=(0.003, 0.03)))
 
 
@@ -39,6 +38,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="input",
     phenomenon="current",
+    tests=("current",),
     parameters=(Parameter("time_constant", "s", 0.025, 1e-4, 0.5, "time constant of the coil"),),
     states=1,
     order=1,

@@ -14,7 +14,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
 
 
@@ -40,10 +40,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Without a command that is there, nothing can be told of it; a field that is always full is no command's."""
-    if ranges.command is None or max(abs(value) for value in ranges.command) <= 0.0:
-        raise Untestable("no command was recorded, or it was zero")
-    most = max(abs(value) for value in ranges.command)
+    """Needs a command that changes; one that saturates far below its values is none."""
+    most = max(abs(value) for value in changing_command(ranges))
     way = 0.01 * ranges.stroke
     limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, 5.0 * way), "time_constant": (1e-4, 0.1)}
     values = {"saturation": most, "way": 0.3 * way, "time_constant": 0.01}
@@ -54,6 +52,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="current",
+    tests=("current",),
     parameters=(
         Parameter("force", "N", 500.0, 0.0, 50000.0, "yield force of the saturated field", linear=True),
         Parameter("saturation", "A", 1.0, 1e-3, 100.0, "command at which 63 % of it are there"),

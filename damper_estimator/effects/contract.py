@@ -18,7 +18,7 @@ import numpy as np
 
 from damper_estimator.effects.trial import Try, ordinary
 
-Kind = Literal["source", "modifier", "input", "series", "channel", "path"]
+Kind = Literal["source", "modifier", "input", "series", "channel", "path", "scaled"]
 Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], None]
 Values = Mapping[str, float | tuple[float, ...]]
 
@@ -44,6 +44,7 @@ KINDS: dict[str, str] = {
     "series": "wraps a path behind a compliance; the kernel is its force over deflection (X) and deflection rate (V)",
     "channel": "acts on the recording, off line only; it is mended in the signal map",
     "path": "a force of its own, added to its parent",
+    "scaled": "first in the path of a series effect: modifiers that act on the series effect itself",
 }
 
 
@@ -105,6 +106,8 @@ class Effect:
     Attributes:
         kernel: see the module's docstring; None for a bare path.
         phenomenon: the word of the findings' vocabulary, "" where it is a baseline and no finding.
+        tests: form-free tests of the diagnosis in which it shows, by name (``diagnosis.atlas_terms``); empty where none
+            of them is its own.
         states: number of states the kernel carries.
         prepare: (parameters, settings) by name to the kernel's settings array, called once per parameter set.
         linear: for modifiers: the result is linear in the force before it.
@@ -121,6 +124,7 @@ class Effect:
     kernel: Kernel | None
     kind: Kind
     phenomenon: str = ""
+    tests: tuple[str, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     settings: tuple[Setting, ...] = ()
     states: int = 0

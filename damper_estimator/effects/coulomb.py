@@ -30,6 +30,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="friction",
+    tests=("friction step",),
     parameters=(Parameter("force", "N", 50.0, 0.0, 10000.0, "friction force", linear=True),),
     settings=(Setting("transition", "m/s", 0.005, "width of the transition through zero velocity", lower=1e-6),),
     shows="an odd step of the force where the velocity changes sign, at every amplitude and frequency",

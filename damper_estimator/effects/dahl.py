@@ -53,6 +53,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="friction",
+    tests=("friction step",),
     parameters=(
         Parameter("force", "N", 50.0, 0.0, 10000.0, "friction force while sliding"),
         Parameter("stiffness", "N/m", 1e5, 1e3, 1e8, "stiffness before sliding"),

@@ -1,44 +1,51 @@
-"""Difference between rebound and compression: a force that is the same at v and at -v.
+"""Difference between rebound and compression: a change of one direction, or of both in opposite ways.
 
-    F = f(|v|),      f straight between its knots, zero at rest, straight beyond the last
+    F = f(|v|) (1 + s sgn v),      f straight between its knots, zero at rest, straight beyond the last
 
-Settings: knots in m/s, rising. Parameters: f in N per knot. Half of it makes rebound harder than the mean of both
-directions, half makes compression softer (or the other way round where it is negative). No state. Source: even part
-of a force-velocity curve; bump and rebound differ by up to three to one (Dixon 2008).
+Settings: knots in m/s, rising. Parameters: f in N per knot, and s without unit: at 1 only rebound is changed (a valve
+or a passage of that direction), at -1 only compression, at 0 rebound becomes harder by as much as compression becomes
+softer (or the other way round where f is negative). No state. Source: even part of a force-velocity curve, with as much
+of an odd part as one direction alone has; bump and rebound differ by up to three to one (Dixon 2008).
 """
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import V
 
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F += f(|v|)."""
-    count = parameters.size
+    """F += f(|v|) (1 + s sgn v)."""
+    count = parameters.size - 1
     for i in range(force.size):
         speed = abs(kinematics[V, i])
+        weight = 1.0 + parameters[count] if kinematics[V, i] > 0.0 else 1.0 - parameters[count]
         low, below = 0.0, 0.0
         k = 0
         while k < count - 1 and speed > settings[k]:
             low, below = settings[k], parameters[k]
             k += 1
-        force[i] += below + (parameters[k] - below) * (speed - low) / (settings[k] - low)
+        force[i] += weight * (below + (parameters[k] - below) * (speed - low) / (settings[k] - low))
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Knots over the speeds that were driven."""
-    return Trial({"speed": tuple(share * ranges.speed for share in (0.12, 0.4, 1.0))})
+    """Knots over the speeds that were driven; either direction, or both."""
+    knots = tuple(share * ranges.speed for share in (0.12, 0.4, 1.0))
+    return Trial({"speed": knots}, starts=spread(side=(-0.9, 0.9)))
 
 
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="asymmetry",
-    parameters=(Parameter("force", "N", 0.0, -20000.0, 20000.0, "force at the knot", linear=True, size="speed"),),
+    tests=("even",),
+    parameters=(
+        Parameter("force", "N", 0.0, -20000.0, 20000.0, "force at the knot", linear=True, size="speed"),
+        Parameter("side", "1", 0.0, -1.0, 1.0, "1: rebound alone is changed, -1: compression, 0: both, opposite"),
+    ),
     settings=(Setting("speed", "m/s", (0.05, 0.2, 0.5, 1.0), "knots over the speed", lower=1e-4, increasing=True),),
-    shows="at the same speed the error has the same sign in rebound and compression, and grows with speed",
+    shows="the error grows with speed in one direction only, or has the same sign in rebound and compression",
     separate="constant speeds in both directions",
     trial=trial,
 )

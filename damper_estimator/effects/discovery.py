@@ -1,16 +1,23 @@
 """Finds the effects: every module of this package that declares an ``EFFECT``."""
 
 from dataclasses import replace
-from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
 from damper_estimator import effects
 from damper_estimator.effects.contract import Effect
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean
 
 PATH = Effect(kernel=None, kind="path", name="path", description="A force of its own, added to its parent.")
+SCALED = Effect(
+    kernel=None,
+    kind="scaled",
+    name="scaled",
+    description="First in the path of a series effect: what scales the series effect itself.",
+)
+LISTS = {own.name: own for own in (PATH, SCALED)}
+"""What groups effects and is none itself."""
 
 
 @cache
@@ -31,12 +38,10 @@ def find_effect(name: str) -> Effect:
     Raises:
         InputError: for an unknown name, with the nearest ones.
     """
-    if name == PATH.name:
-        return PATH
+    if name in LISTS:
+        return LISTS[name]
     try:
         return all_effects()[name]
     except KeyError:
-        near = get_close_matches(name, all_effects(), n=3, cutoff=0.4) or list(all_effects())
-        raise InputError(
-            f"unknown effect {name!r}; did you mean {', '.join(near)}? (damper-estimator effects lists all)"
-        ) from None
+        near = did_you_mean(name, all_effects())
+        raise InputError(f"unknown effect {name!r}{near} (damper-estimator effects lists all)") from None

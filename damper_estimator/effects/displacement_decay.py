@@ -24,6 +24,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="position_dependence",
+    tests=("position",),
     parameters=(
         Parameter("constant", "1", 1.0, -5000.0, 5100.0, "p"),
         Parameter("decay", "1", 0.0, -5000.0, 5100.0, "q"),

@@ -34,6 +34,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="temperature_fade",
+    tests=("temperature",),
     parameters=(
         Parameter("fade", "1/K", 0.003, 0.0, 0.03, "loss of force per kelvin"),
         Parameter("cooling", "s", 600.0, 10.0, 1e4, "time constant of cooling"),

@@ -45,6 +45,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="end_stop",
+    tests=("stops",),
     parameters=(
         Parameter("bump_stiffness", "N/m^p", 0.0, 0.0, 1e9, "stiffness of the bump stop", linear=True),
         Parameter("bump_position", "m", -0.05, -0.5, -0.005, "displacement at which the bump stop touches"),

@@ -33,6 +33,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="valve_delay",
+    tests=("valve",),
     parameters=(Parameter("time_constant", "s", 0.002, 1e-5, 0.1, "time constant of the lag"),),
     states=2,
     order=2,

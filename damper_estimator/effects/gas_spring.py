@@ -36,6 +36,10 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="gas_spring",
+    tests=(
+        "travel",
+        "spring",
+    ),
     parameters=(
         Parameter("static_force", "N", 200.0, 0.0, 5000.0, "gas force at displacement 0", linear=True),
         Parameter("volume", "m^3", 1.5e-4, 1e-6, 5e-3, "gas volume at displacement 0"),

@@ -35,6 +35,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="blow_off",
+    tests=("blow-off",),
     parameters=(
         Parameter("knee_velocity_rebound", "m/s", 0.35, 0.0, 5.0, "v_B"),
         Parameter("knee_force_rebound", "N", 4231.0, 0.0, 50000.0, "F_B"),

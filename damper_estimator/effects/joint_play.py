@@ -37,6 +37,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="series",
     phenomenon="mount_compliance",
+    tests=("series",),
     parameters=(
         Parameter("stiffness", "N/m", 2e6, 5e4, 1e9, "stiffness of the joint once it is taut"),
         Parameter("play", "m", 2e-4, 0.0, 5e-3, "whole play"),

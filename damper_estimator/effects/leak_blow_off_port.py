@@ -56,6 +56,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="blow_off",
+    tests=("blow-off",),
     parameters=_direction("rebound", 15000.0, 400.0, 800.0) + _direction("compression", 10000.0, 250.0, 500.0),
     settings=(
         Setting("viscosity", "mm^2/s", 15.0, "kinematic viscosity of the oil", lower=0.1),

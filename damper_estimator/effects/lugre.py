@@ -36,6 +36,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="friction",
+    tests=("friction step",),
     parameters=(
         Parameter("force", "N", 50.0, 0.0, 10000.0, "Coulomb friction F_c"),
         Parameter("excess", "N", 10.0, 0.0, 5000.0, "static friction above Coulomb's, F_s - F_c"),

@@ -33,6 +33,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="series",
     phenomenon="oil_compressibility",
+    tests=("series",),
     parameters=(
         Parameter("stiffness_rebound", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in rebound"),
         Parameter("stiffness_compression", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in compression"),

@@ -33,6 +33,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="position_dependence",
+    tests=("position",),
     parameters=(
         Parameter("gain", "1", 0.0, -1.0, 5.0, "change of the force at one scale from the middle"),
         Parameter("middle", "m", 0.0, -0.5, 0.5, "stroke position of the groove's middle"),

@@ -31,6 +31,10 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="gas_spring",
+    tests=(
+        "travel",
+        "spring",
+    ),
     parameters=(
         Parameter("square", "N/m^2", 0.0, -1e6, 1e6, "A", linear=True),
         Parameter("slope", "N/m", 250.0, -5e4, 5e4, "B", linear=True),

@@ -45,6 +45,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="blow_off",
+    tests=("blow-off",),
     parameters=(
         Parameter("softening_rebound", "N s/m", 500.0, 0.0, 1e5, "loss of slope in rebound", linear=True),
         Parameter("opening_rebound", "m/s", 0.3, 1e-3, 5.0, "speed at which the valve opens in rebound"),

@@ -31,6 +31,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="series",
     phenomenon="mount_compliance",
+    tests=("series",),
     parameters=(
         Parameter("stiffness", "N/m", 1e6, 5e4, 1e9, "stiffness of the mount"),
         Parameter("loss", "N s/m", 500.0, 0.0, 1e5, "damping of the mount"),

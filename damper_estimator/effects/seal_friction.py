@@ -26,6 +26,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="friction",
+    tests=("friction step",),
     parameters=(
         Parameter("rebound", "N", 50.0, 0.0, 10000.0, "friction force in rebound", linear=True),
         Parameter("compression", "N", 50.0, 0.0, 10000.0, "friction force in compression", linear=True),

@@ -10,7 +10,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
 from damper_estimator.signals.layout import COMMAND, V, X
 
 
@@ -26,10 +26,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Without a command that is there, nothing can be told of it."""
-    if ranges.command is None or max(abs(value) for value in ranges.command) <= 0.0:
-        raise Untestable("no command was recorded, or it was zero")
-    steep = 20.0 / (ranges.speed * max(abs(value) for value in ranges.command))
+    """Needs a command that changes."""
+    steep = 20.0 / (ranges.speed * max(abs(value) for value in changing_command(ranges)))
     limits = {"damping": (0.05 * steep, 50.0 * steep), "stiffness": (0.0, 20.0 / ranges.stroke)}
     return Trial({"damping": steep, "stiffness": 0.0}, limits, spread(damping=(0.3 * steep, 3.0 * steep)))
 
@@ -38,6 +36,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="current",
+    tests=("current",),
     parameters=(
         Parameter("gain", "N/A", 400.0, 0.0, 20000.0, "force per command g", linear=True),
         Parameter("damping", "s/(m A)", 50.0, 0.0, 1e5, "steepness r_v over velocity and command"),

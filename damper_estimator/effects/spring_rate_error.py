@@ -29,6 +29,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="channel",
     phenomenon="spring_rate_error",
+    tests=("spring",),
     parameters=(Parameter("rate", "N/m", 0.0, -200000.0, 200000.0, "error of the spring rate", linear=True),),
     shows="a straight line over displacement, whatever the velocity",
     separate="a slow stroke without the spring, or with a known one",

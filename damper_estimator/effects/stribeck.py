@@ -26,6 +26,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="friction",
+    tests=("friction step",),
     parameters=(
         Parameter("force", "N", 50.0, 0.0, 10000.0, "sliding friction", linear=True),
         Parameter("excess", "N", 20.0, 0.0, 5000.0, "static friction above the sliding one", linear=True),

@@ -11,10 +11,8 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, Untestable
+from damper_estimator.effects.trial import Ranges, Trial, changing_temperature
 from damper_estimator.signals.layout import TEMPERATURE
-
-_LEAST_CHANGE = 2.0  # K
 
 
 @compiled
@@ -29,11 +27,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """The model holds where the recording is coldest."""
-    if ranges.temperature is None:
-        raise Untestable("no temperature was recorded")
-    low, high = ranges.temperature
-    if high - low < _LEAST_CHANGE:
-        raise Untestable(f"the temperature changed by {high - low:.2g} K only")
+    low, _ = changing_temperature(ranges)
     return Trial({"reference": low, "fade": 0.002})
 
 
@@ -41,6 +35,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="temperature_fade",
+    tests=("temperature",),
     parameters=(
         Parameter("fade", "1/K", 0.0, 0.0, 0.03, "loss of force per kelvin"),
         Parameter("gas", "N/K", 0.0, 0.0, 50.0, "rise of the gas force per kelvin"),

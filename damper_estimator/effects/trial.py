@@ -65,6 +65,39 @@ class Trial:
 
 Try = Callable[[Ranges], Trial]
 
+_STANDING = 0.05  # of the largest command: a smaller change is a command that stands still
+
+
+def changing_command(ranges: Ranges) -> tuple[float, float]:
+    """Lowest and highest command (A).
+
+    Raises:
+        Untestable: without a command, or where it stands still: a channel that does not vary explains nothing.
+    """
+    if ranges.command is None:
+        raise Untestable("no command was recorded")
+    low, high = ranges.command
+    if high - low <= _STANDING * max(abs(low), abs(high)):
+        raise Untestable("the command did not change")
+    return low, high
+
+
+_LEAST_CHANGE = 2.0  # K
+
+
+def changing_temperature(ranges: Ranges) -> tuple[float, float]:
+    """Lowest and highest temperature (deg C).
+
+    Raises:
+        Untestable: without a temperature, or where it changed by less than 2 K.
+    """
+    if ranges.temperature is None:
+        raise Untestable("no temperature was recorded")
+    low, high = ranges.temperature
+    if high - low < _LEAST_CHANGE:
+        raise Untestable(f"the temperature changed by {high - low:.2g} K only")
+    return low, high
+
 
 def ordinary(ranges: Ranges) -> Trial:
     """From the effect's defaults, between its bounds."""

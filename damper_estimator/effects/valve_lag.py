@@ -48,6 +48,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="modifier",
     phenomenon="valve_delay",
+    tests=("valve",),
     parameters=(
         Parameter("overshoot", "1", 1.0, 0.0, 3.0, "overshoot g, per share that the opening lacks"),
         Parameter("opening", "N", 200.0, 1.0, 20000.0, "force at which the valve opens"),

@@ -23,6 +23,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="input",
     phenomenon="valve_delay",
+    tests=("valve",),
     parameters=(Parameter("delay", "s", 0.005, 0.0, MAX_DELAY, "delay of the velocity"),),
     states=STATES,
     order=2,

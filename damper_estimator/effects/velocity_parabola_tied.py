@@ -24,6 +24,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="asymmetry",
+    tests=("even",),
     parameters=(
         Parameter("constant", "N", 0.0, -5000.0, 5100.0, "x_1", linear=True),
         Parameter("linear", "N s/mm", 1.0, -5000.0, 5100.0, "x_2", linear=True),

@@ -8,15 +8,17 @@ compliance before a path is solved for,
 
 The left side rises with d and the right side falls, so the root is single. The search starts from the last rate and the
 last slope, goes on by secants and bisects where a secant leaves the bracket or is slow to close it. Kernels are called
-through function pointers: the loop is compiled once for all models.
+by their addresses, and so are the loops: compiled once for all models and callers. What scales the compliance acts on
+its force, with the motion that is given to the series: the command, the temperature and the position of the damper.
 """
 
 import numpy as np
 
-from damper_estimator.compiled import COMPILED, compiled
+from damper_estimator.compiled import borrowed, compiled, inlined
+from damper_estimator.model.kernels import BLOCK_LOOP, SAMPLE_LOOP, by_address, call_kernel, part
 from damper_estimator.signals.layout import DT, A, V, X
 
-RUN, ENTER, LEAVE, SERIES, SOLVE = range(5)
+RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE = range(6)
 # Columns of the table of operations: what it does, its kernel, the matching SERIES or SOLVE row, its own registers and
 # its parent's, and which part of the parameters, settings and states belongs to it.
 CODE, KERNEL, PARTNER, MOTION, MOTION_UP, FORCE, FORCE_UP, P0, P1, S0, S1, Z0, Z1 = range(13)
@@ -34,11 +36,60 @@ _START_SLOPE = 1e6  # N/m, before the first step taught a better one
 
 
 @compiled
-def run(kernels, table, parameters, settings, kinematics, motions, forces, state, solvers, trace):
+def block_loop(functions, table, parameters, settings, kinematics, motions, forces, state, solvers, trace):
+    """``run`` without a series: each operation on the whole block."""
+    for i in range(forces.shape[1]):
+        forces[0, i] = 0.0
+    j = 0
+    while j < table.shape[0]:
+        _operate(functions, table, j, parameters, settings, kinematics, motions, forces, state, trace)
+        j += 1
+
+
+@compiled
+def sample_loop(
+    functions, the_table, the_parameters, the_settings, kinematics, motions, forces, the_state, the_solvers, trace
+):
+    """``run`` with a series: sample by sample."""
+    rows = kinematics.shape[0]
+    new_column, new_deflected, new_compliance = np.empty((rows, 1)), np.empty((rows, 1)), np.empty(1)
+    new_inner, new_saved = np.empty((motions.shape[0], rows, 1)), np.empty_like(the_state)
+    new_force, new_mark = np.zeros((forces.shape[0], 1)), np.zeros((trace.shape[0], 1))
+    work = (new_column, new_inner, new_deflected, new_force, new_mark, new_saved, new_compliance)
+    column, inner, deflected, force, mark, saved, compliance = borrowed(work)
+    table, parameters, settings = borrowed(the_table), borrowed(the_parameters), borrowed(the_settings)
+    state, solvers = borrowed(the_state), borrowed(the_solvers)
+    for i in range(kinematics.shape[1]):
+        for k in range(kinematics.shape[0]):
+            column[k, 0] = kinematics[k, i]
+        force[0, 0] = 0.0
+        j = 0
+        while j < table.shape[0]:
+            if table[j, CODE] == SERIES:
+                _begin_series(table, j, column, inner, force, state, saved, solvers[j])
+            elif table[j, CODE] == SOLVE:
+                j = _advance_series(
+                    functions, table, j, parameters, settings, column, inner, force, state, saved, solvers, mark,
+                    deflected, compliance,
+                )  # fmt: skip
+            elif table[j, CODE] != SCALE:
+                _operate(functions, table, j, parameters, settings, column, inner, force, state, mark)
+            j += 1
+        forces[0, i] = force[0, 0]
+        for k in range(trace.shape[0]):
+            trace[k, i] = mark[k, 0]
+    work[0][0, 0] = 0.0  # a use, for the work space has to live until here
+
+
+_run_block, _run_samples = by_address(block_loop, BLOCK_LOOP), by_address(sample_loop, SAMPLE_LOOP)
+
+
+@compiled
+def run(functions, table, parameters, settings, kinematics, motions, forces, state, solvers, trace):
     """Runs the program on a block.
 
     Args:
-        kernels: list of kernels.
+        functions: from ``program.function_list``.
         table: (m, 13) int64, one operation per row.
         parameters, settings: flat float64 arrays.
         kinematics: (8, n); unchanged.
@@ -48,76 +99,48 @@ def run(kernels, table, parameters, settings, kinematics, motions, forces, state
         solvers: (m, 6) work space of the series operations; (0, 6) where there is none.
         trace: (m, n) to receive what each operation changed of the force, or (0, 0).
     """
-    forces[0, :] = 0.0
     if solvers.shape[0] == 0:
-        j = 0
-        while j < table.shape[0]:
-            _operate(kernels, table, j, parameters, settings, kinematics, motions, forces, state, trace)
-            j += 1
-        return
-    column = np.empty((kinematics.shape[0], 1))
-    inner = np.empty((motions.shape[0], kinematics.shape[0], 1))
-    force = np.zeros((forces.shape[0], 1))
-    saved = np.empty_like(state)
-    mark = np.zeros((trace.shape[0], 1))
-    deflected, compliance = np.empty_like(column), np.empty(1)
-    for i in range(kinematics.shape[1]):
-        column[:, 0] = kinematics[:, i]
-        force[0, 0] = 0.0
-        j = 0
-        while j < table.shape[0]:
-            if table[j, CODE] == SERIES:
-                _begin_series(table, j, column, inner, force, state, saved, solvers[j])
-            elif table[j, CODE] == SOLVE:
-                j = _advance_series(
-                    kernels, table, j, parameters, settings, column, inner, force, state, saved, solvers, mark,
-                    deflected, compliance,
-                )  # fmt: skip
-            else:
-                _operate(kernels, table, j, parameters, settings, column, inner, force, state, mark)
-            j += 1
-        forces[0, i] = force[0, 0]
-        if trace.shape[0] > 0:
-            trace[:, i] = mark[:, 0]
+        _run_block(functions, table, parameters, settings, kinematics, motions, forces, state, solvers, trace)
+    else:
+        _run_samples(functions, table, parameters, settings, kinematics, motions, forces, state, solvers, trace)
 
 
 @compiled
 def run_with_resets(
-    kernels, table, parameters, settings, kinematics, motions, forces, state, series, restart, trace, out
+    functions, table, parameters, settings, kinematics, motions, forces, state, series, restart, trace, out
 ):
     """Runs the program on a block that may hold resets; a force that is not finite resets the state as well.
 
     Args:
-        kernels, table, parameters, settings, kinematics, state, trace: as in ``run``.
+        functions, table, parameters, settings, kinematics, state, trace: as in ``run``.
         motions, forces: how many registers the program needs.
         series: whether it has a series operation.
         restart: (1,) int64, carried: whether the next sample is to be the first after a reset.
         out: (n,) N, the forces; not finite where the model gave none.
     """
     size = kinematics.shape[1]
-    solvers = np.empty((table.shape[0] if series else 0, SOLVER_COLUMNS))
     first, length = 0, size
     while first < size:
         last = first + 1
         while last < min(first + length, size) and kinematics[DT, last] > 0.0:
             last += 1
-        part = kinematics if last - first == size and restart[0] == 0 else kinematics[:, first:last].copy()
+        piece = kinematics if last - first == size and restart[0] == 0 else kinematics[:, first:last].copy()
         if restart[0] != 0:
-            part[DT, 0] = 0.0
-        if part[DT, 0] <= 0.0:
-            state[:] = 0.0
+            piece[DT, 0] = 0.0
+        if piece[DT, 0] <= 0.0:
+            for k in range(state.size):
+                state[k] = 0.0
         count = last - first
         registers = np.empty((forces, count))
         marks = trace if count == size else np.zeros((trace.shape[0], count))
-        run(
-            kernels, table, parameters, settings, part, np.empty((motions, kinematics.shape[0], count)), registers,
-            state, solvers, marks,
-        )  # fmt: skip
+        moved = np.empty((motions, kinematics.shape[0], count))
+        solvers = np.empty((table.shape[0] if series else 0, SOLVER_COLUMNS))
+        run(functions, table, parameters, settings, piece, moved, registers, state, solvers, marks)
         restart[0] = 0
         for i in range(count):
             out[first + i] = registers[0, i]
-            if trace.shape[0] > 0:
-                trace[:, first + i] = marks[:, i]
+            for k in range(trace.shape[0]):
+                trace[k, first + i] = marks[k, i]
             if not np.isfinite(registers[0, i]):
                 # What follows was computed from a lost state: do it again, in growing pieces.
                 restart[0], last, length = 1, first + i + 1, 1
@@ -127,37 +150,43 @@ def run_with_resets(
         first = last
 
 
-@compiled
-def _operate(kernels, table, j, parameters, settings, kinematics, motions, forces, state, trace):
+@inlined
+def _operate(functions, table, j, parameters, settings, kinematics, motions, forces, state, trace):
     """One operation other than a series."""
     own = table[j, FORCE]
     if table[j, CODE] == ENTER:
-        forces[own, :] = 0.0
+        for i in range(forces.shape[1]):
+            forces[own, i] = 0.0
         if table[j, MOTION] != table[j, MOTION_UP]:
             above = table[j, MOTION_UP]
-            motions[table[j, MOTION] - 1, :, :] = kinematics if above == 0 else motions[above - 1]
+            given = kinematics if above == 0 else motions[above - 1]
+            for k in range(given.shape[0]):
+                for i in range(given.shape[1]):
+                    motions[table[j, MOTION] - 1, k, i] = given[k, i]
     elif table[j, CODE] == LEAVE:
-        forces[table[j, FORCE_UP], :] += forces[own]
+        for i in range(forces.shape[1]):
+            forces[table[j, FORCE_UP], i] += forces[own, i]
     else:
         if trace.shape[0] > 0:
-            trace[j, :] = -forces[own]
+            for i in range(forces.shape[1]):
+                trace[j, i] = -forces[own, i]
         level = table[j, MOTION]
-        kernels[table[j, KERNEL]](
-            parameters[table[j, P0] : table[j, P1]],
-            settings[table[j, S0] : table[j, S1]],
-            kinematics if level == 0 else motions[level - 1],
-            state[table[j, Z0] : table[j, Z1]],
-            forces[own],
-        )
+        call_kernel(
+            functions, table[j, KERNEL],
+            part(parameters, table[j, P0], table[j, P1]), part(settings, table[j, S0], table[j, S1]),
+            kinematics if level == 0 else motions[level - 1], part(state, table[j, Z0], table[j, Z1]), forces[own],
+        )  # fmt: skip
         if trace.shape[0] > 0:
-            trace[j, :] += forces[own]
+            for i in range(forces.shape[1]):
+                trace[j, i] += forces[own, i]
 
 
-@compiled
+@inlined
 def _begin_series(table, j, column, motions, force, state, saved, solver):
     """Keeps the states from before this sample and tries the deflection to which the last rate leads."""
     first, last = table[j, Z0], table[table[j, PARTNER], Z1]
-    saved[first:last] = state[first:last]
+    for k in range(first, last):
+        saved[k] = state[k]
     above = table[j, MOTION_UP]
     given = column if above == 0 else motions[above - 1]
     solver[TRIAL] = state[first + DEFLECTION] + state[first + RATE] * given[DT, 0]
@@ -166,60 +195,54 @@ def _begin_series(table, j, column, motions, force, state, saved, solver):
     _try_deflection(table, j, given, motions, force, saved, solver)
 
 
-@compiled
+@inlined
 def _try_deflection(table, j, given, motions, force, saved, solver):
     """Sets the path's motion to what the trial deflection leaves of the given one, and its force to zero."""
     own = motions[table[j, MOTION] - 1]
-    own[:, :] = given
+    for k in range(given.shape[0]):
+        own[k, 0] = given[k, 0]
     own[X, 0] = given[X, 0] - solver[TRIAL]
     own[V, 0] = given[V, 0] - _rate(given, saved[table[j, Z0]], solver[TRIAL])
     force[table[j, FORCE], 0] = 0.0
 
 
-@compiled
+@inlined
 def _rate(given, before, deflection):
     """Rate of the deflection over this step, m/s."""
     return (deflection - before) / given[DT, 0] if given[DT, 0] > 0.0 else 0.0
 
 
-@compiled
+@inlined
 def _advance_series(
-    kernels,
-    table,
-    end,
-    parameters,
-    settings,
-    column,
-    motions,
-    force,
-    state,
-    saved,
-    solvers,
-    mark,
-    deflected,
+    functions, table, end, parameters, settings, column, motions, force, state, saved, solvers, mark, deflected,
     compliance,
-):
-    """Compares compliance and path at the trial; returns ``end`` when they balance, else where to run the path
-    again.
-    """
+):  # fmt: skip
+    """Compares compliance and path at the trial; ``end`` when they balance, else where to run the path again."""
     begin = table[end, PARTNER]
     solver = solvers[begin]
     first, last = table[begin, Z0], table[end, Z1]
     above = table[begin, MOTION_UP]
     given = column if above == 0 else motions[above - 1]
     path_force = force[table[begin, FORCE], 0]
-    deflected[:, :] = given
+    for k in range(given.shape[0]):
+        deflected[k, 0] = given[k, 0]
     deflected[X, 0] = solver[TRIAL]
     deflected[V, 0] = _rate(given, saved[first], solver[TRIAL])
     deflected[A, 0] = 0.0
     compliance[0] = 0.0
-    kernels[table[begin, KERNEL]](
-        parameters[table[begin, P0] : table[begin, P1]],
-        settings[table[begin, S0] : table[begin, S1]],
-        deflected,
-        state[first + SERIES_STATES : table[begin, Z1]],
-        compliance,
-    )
+    call_kernel(
+        functions, table[begin, KERNEL],
+        part(parameters, table[begin, P0], table[begin, P1]), part(settings, table[begin, S0], table[begin, S1]),
+        deflected, part(state, first + SERIES_STATES, table[begin, Z1]), compliance,
+    )  # fmt: skip
+    j = begin + 2
+    while table[j, CODE] == SCALE:
+        call_kernel(
+            functions, table[j, KERNEL],
+            part(parameters, table[j, P0], table[j, P1]), part(settings, table[j, S0], table[j, S1]),
+            given, part(state, table[j, Z0], table[j, Z1]), compliance,
+        )  # fmt: skip
+        j += 1
     slope = saved[first + SLOPE] if saved[first + SLOPE] > 0.0 else _START_SLOPE
     deflection, g = solver[TRIAL], compliance[0] - path_force
     if _balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope):
@@ -228,15 +251,17 @@ def _advance_series(
         state[first + SLOPE] = _secant_slope(solver, deflection, g, slope)
         force[table[begin, FORCE_UP], 0] += path_force
         if mark.shape[0] > 0:
-            mark[begin : end + 1, 0] = 0.0
+            for k in range(begin, end + 1):
+                mark[k, 0] = 0.0
             mark[begin, 0] = path_force
         return end
-    state[first:last] = saved[first:last]
+    for k in range(first, last):
+        state[k] = saved[k]
     _try_deflection(table, begin, given, motions, force, saved, solver)
     return begin
 
 
-@compiled
+@inlined
 def _secant_slope(solver, deflection, g, slope):
     """Slope of the imbalance between this point and the last one; ``slope`` where there is none."""
     if solver[COUNT] > 0.0 and deflection != solver[LAST]:
@@ -246,7 +271,7 @@ def _secant_slope(solver, deflection, g, slope):
     return slope
 
 
-@compiled
+@inlined
 def _balanced(solver, g, tolerance, slope):
     """True when the trial is accepted; otherwise the next trial is proposed."""
     if abs(g) <= tolerance or solver[COUNT] >= _ITERATIONS:
@@ -271,19 +296,3 @@ def _balanced(solver, g, tolerance, slope):
     solver[TRIAL] = trial
     solver[COUNT] += 1.0
     return False
-
-
-def kernel_list(kernels: list) -> list:
-    """The kernels as a list that the compiled loop can call; a plain list where nothing is compiled."""
-    if not COMPILED:
-        return kernels
-    from numba import float64, types
-    from numba.typed import List
-
-    vector = float64[::1]
-    signature = types.void(vector, vector, float64[:, ::1], vector, vector)
-    pointers = List.empty_list(types.FunctionType(signature))
-    for kernel in kernels:
-        kernel.compile(signature)
-        pointers.append(kernel)
-    return pointers

@@ -3,14 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper_estimator.effects.contract import Parameter
 from damper_estimator.errors import InputError
-from damper_estimator.model.element import Element, labels, walk
+from damper_estimator.model.element import Element, forces_of, labels, walk
 from damper_estimator.model.program import Program, compile_program, refilled
 from damper_estimator.model.stream import Stream
+
+if TYPE_CHECKING:
+    from damper_estimator.workflows import WrittenC, WrittenFmu
 
 
 @dataclass(frozen=True)
@@ -105,7 +110,7 @@ class DamperModel:
         return {
             label: part
             for (label, element), part in zip(labels(self.effects), parts, strict=True)
-            if element.effect.kind != "path"
+            if element.effect.kernel is not None
         }
 
     def with_values(self, values: Mapping[str, float]) -> "DamperModel":
@@ -170,6 +175,27 @@ class DamperModel:
             raise InputError(f"model {self.name}: has no effect {label}; it has {', '.join(entries)}")
         return replace(self, effects=_removed(self.effects, entries[label]), fit={})
 
+    # What exports a model imports this module, so that these two methods import it when they are called.
+    def to_c(self, folder: str | PathLike[str], **options: Any) -> "WrittenC":
+        """Writes the model as C99, ``NAME.h`` and ``NAME.c``, into a folder; ``options`` as in `damper_estimator.to_c`.
+
+        Raises:
+            InputError: as `damper_estimator.to_c`.
+        """
+        from damper_estimator.workflows import to_c
+
+        return to_c(self, folder, **options)
+
+    def to_fmu(self, path: str | PathLike[str], **options: Any) -> "WrittenFmu":
+        """Writes the model as an FMU for co-simulation; ``options`` as in `damper_estimator.to_fmu`.
+
+        Raises:
+            InputError: as `damper_estimator.to_fmu`.
+        """
+        from damper_estimator.workflows import to_fmu
+
+        return to_fmu(self, path, **options)
+
     @property
     def channel_effects(self) -> list[str]:
         """Labels of effects of the measurement chain; a model that is deployed has none."""
@@ -198,7 +224,7 @@ def _removed(elements: tuple[Element, ...], gone: Element) -> tuple[Element, ...
     kept: list[Element] = []
     for element in elements:
         if element is gone:
-            kept += element.path if element.effect.kind == "series" else ()
+            kept += forces_of(element.path, element.effect) if element.effect.kind == "series" else ()
         else:
             kept.append(replace(element, path=_removed(element.path, gone)) if element.path else element)
     return tuple(kept)

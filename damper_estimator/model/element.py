@@ -17,7 +17,7 @@ class Element:
         effect: its declaration.
         parameters: value of every parameter, a tuple for a vector, in declared order.
         settings: value of every setting, in declared order.
-        path: the entries it wraps, for kinds ``path`` and ``series``.
+        path: the entries it wraps, for kinds ``path``, ``scaled`` and ``series``.
     """
 
     effect: Effect
@@ -42,10 +42,14 @@ def make_element(effect: Effect, values: Mapping[str, object] | None = None, pat
         for name in given
         if name not in _names(effect)
     ]
-    if effect.kind not in ("path", "series") and path:
+    if effect.kind not in ("path", "scaled", "series") and path:
         faults.append("it takes no path")
-    if effect.kind in ("path", "series") and not path:
+    if effect.kind in ("path", "scaled", "series") and not forces_of(path, effect):
         faults.append("its path is empty")
+    if effect.kind == "scaled" and (others := [own.effect.name for own in path if own.effect.kind != "modifier"]):
+        faults.append(f"{', '.join(others)}: only modifiers can scale")
+    if any(own.effect.kind == "scaled" for own in (path[1:] if effect.kind == "series" else path)):
+        faults.append("scaled stands first in the path of a series effect, and nowhere else")
     settings = {s.name: _checked_setting(s, given.get(s.name, s.default), faults) for s in effect.settings}
     parameters = {
         p.name: _checked_parameter(p, given.get(p.name), p.length(settings), faults) for p in effect.parameters
@@ -53,6 +57,11 @@ def make_element(effect: Effect, values: Mapping[str, object] | None = None, pat
     if faults:
         raise InputError(f"effect {effect.name}: {'; '.join(faults)}")
     return Element(effect, parameters, settings, path)
+
+
+def forces_of(path: tuple[Element, ...], effect: Effect) -> tuple[Element, ...]:
+    """What a path holds beside that which scales the series effect that wraps it."""
+    return path[1:] if effect.kind == "series" and path and path[0].effect.kind == "scaled" else path
 
 
 def new_element(effect: Effect, before: tuple[Element, ...], values: Mapping[str, object] | None = None) -> Element:

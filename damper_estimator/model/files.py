@@ -7,8 +7,8 @@ from pathlib import Path
 import yaml
 
 from damper_estimator import files
-from damper_estimator.effects.discovery import find_effect
-from damper_estimator.errors import InputError
+from damper_estimator.effects.discovery import LISTS, find_effect
+from damper_estimator.errors import InputError, did_you_mean, did_you_mean_file
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.model.element import Element, make_element
 from damper_estimator.share import share_path
@@ -42,8 +42,10 @@ def load_model(name_or_path: str | Path, damper: str | None = None) -> DamperMod
     elif not path.exists() and path.suffix not in (".yaml", ".yml"):
         library = library_models()
         if str(name_or_path) not in library:
+            near = did_you_mean(str(name_or_path), library) or did_you_mean_file(f"{path}.yaml")
             raise InputError(
-                f"{name_or_path}: is neither a model file nor a model's name; damper-estimator models lists the names"
+                f"{name_or_path}: is neither a model file nor a model's name{near or '; choose one'} "
+                "(damper-estimator models lists the names)"
             )
         path = library[str(name_or_path)]
     return parse_model(files.read_yaml(path), str(path))
@@ -98,7 +100,7 @@ def _parse_entry(entry: object) -> Element:
         raise InputError(f"an effect is written as 'name: {{values}}', got {entry!r}")
     ((name, values),) = entry.items()
     effect = find_effect(str(name))
-    if effect.kind == "path":
+    if effect.name in LISTS:
         return make_element(effect, path=_parse_list(values))
     if values is not None and not isinstance(values, dict):
         raise InputError(f"effect {name}: its values must be a mapping, got {values!r}")
@@ -130,7 +132,7 @@ def model_yaml(model: DamperModel) -> str:
 
 
 def _entry(element: Element) -> dict[str, object]:
-    if element.effect.kind == "path":
+    if element.effect.name in LISTS:
         return {element.effect.name: [_entry(inner) for inner in element.path]}
     values: Mapping[str, object] = {**element.settings, **element.parameters}
     plain: dict[str, object] = {key: list(v) if isinstance(v, tuple) else v for key, v in values.items()}

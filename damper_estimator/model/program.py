@@ -7,6 +7,7 @@ import numpy as np
 from damper_estimator.errors import InputError
 from damper_estimator.model import chain
 from damper_estimator.model.element import Element, walk
+from damper_estimator.model.kernels import addresses
 
 
 @dataclass(frozen=True)
@@ -14,7 +15,7 @@ class Program:
     """A model ready to run; see ``chain.run``.
 
     Attributes:
-        kernels: what ``chain.kernel_list`` gave.
+        functions: what ``function_list`` gave.
         table: (m, 13) int64.
         parameters, settings: flat float64 arrays.
         motions, forces, states: sizes of the registers and of the state.
@@ -22,7 +23,7 @@ class Program:
         series: whether there is a series operation.
     """
 
-    kernels: list
+    functions: np.ndarray | list
     table: np.ndarray
     parameters: np.ndarray
     settings: np.ndarray
@@ -31,6 +32,9 @@ class Program:
     states: int
     rows: tuple[int, ...]
     series: bool
+
+    def __reduce__(self) -> str:
+        raise TypeError("a program holds addresses of this process: send the model, which makes its program again")
 
 
 class _Layout:
@@ -67,6 +71,10 @@ class _Layout:
     def lay(self, elements: tuple[Element, ...], motion: int, force: int) -> None:
         """Appends the operations of a list of entries."""
         for element in elements:
+            if element.effect.kind == "scaled":
+                self.entry_rows.append(self.add(chain.ENTER, motion, motion, force, force, None))
+                self.entry_rows += [self.add(chain.SCALE, motion, motion, force, force, own) for own in element.path]
+                continue
             if element.effect.kind not in ("path", "series"):
                 self.entry_rows.append(self.add(chain.RUN, motion, motion, force, force, element))
                 continue
@@ -91,6 +99,11 @@ class _Layout:
         return self.forces - 1
 
 
+def function_list(kernels: list, series: bool) -> np.ndarray | list:
+    """What ``chain.run`` calls for a program with these kernels; ``series``: whether it has a series operation."""
+    return addresses([chain.block_loop, chain.sample_loop if series else None], kernels)
+
+
 def packed(element: Element) -> np.ndarray:
     """The parameters of an entry as the kernel takes them: one after the other, vectors laid out flat."""
     return np.concatenate([np.atleast_1d(value) for value in element.parameters.values()] or [np.zeros(0)])
@@ -110,6 +123,8 @@ def compile_program(elements: tuple[Element, ...]) -> Program:
     inside = [e.effect.name for element in elements for e in walk(element.path) if e.effect.kind == "channel"]
     if inside:
         raise InputError(f"{', '.join(inside)}: an effect of the measurement chain cannot stand inside a path")
+    if any(element.effect.kind == "scaled" for element in elements):
+        raise InputError("scaled stands first in the path of a series effect, and nowhere else")
     layout = _Layout()
     if changes_motion(elements):
         motion, force = layout.new_motion(), layout.new_force()
@@ -119,8 +134,9 @@ def compile_program(elements: tuple[Element, ...]) -> Program:
     else:
         layout.lay(elements, 0, 0)
     table = np.array(layout.rows, np.int64).reshape(-1, chain.COLUMNS)
+    series = bool((table[:, chain.CODE] == chain.SERIES).any())
     return Program(
-        kernels=chain.kernel_list(layout.kernels),
+        functions=function_list(layout.kernels, series),
         table=table,
         parameters=np.concatenate([*layout.parameters, np.zeros(0)]),
         settings=np.concatenate([*layout.settings, np.zeros(0)]),
@@ -128,13 +144,13 @@ def compile_program(elements: tuple[Element, ...]) -> Program:
         forces=layout.forces,
         states=layout.sizes["z"],
         rows=tuple(layout.entry_rows),
-        series=bool((table[:, chain.CODE] == chain.SERIES).any()),
+        series=series,
     )
 
 
 def refilled(program: Program, elements: tuple[Element, ...]) -> Program:
     """The same program with the values of ``elements``, which must have the structure it was compiled from."""
-    entries = [element for element in walk(elements) if element.effect.kind != "path"]
+    entries = [element for element in walk(elements) if element.effect.kernel is not None]
     parameters = [packed(element) for element in entries]
     settings = [np.asarray(e.effect.prepare(e.parameters, e.settings), float) for e in entries]
     return replace(

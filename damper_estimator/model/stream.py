@@ -36,7 +36,7 @@ class Stream:
     def _run(self, block: np.ndarray, trace: np.ndarray) -> np.ndarray:
         program, force = self._program, np.empty(block.shape[1])
         chain.run_with_resets(
-            program.kernels, program.table, program.parameters, program.settings, np.ascontiguousarray(block),
+            program.functions, program.table, program.parameters, program.settings, np.ascontiguousarray(block),
             program.motions, program.forces, self._state, program.series, self._restart, trace, force,
         )  # fmt: skip
         return force

@@ -163,6 +163,27 @@ def test_end_stops_are_silent_inside_and_progressive_beyond():
     assert own.min() == pytest.approx(-1e6 * 0.01**2) and own.max() == pytest.approx(2e6 * 0.02**2)
 
 
+def test_hydraulic_stops_are_silent_inside_never_drive_and_let_the_rod_go_back():
+    block = sweep(amplitude=0.06)
+    stops = {"bump_damping": 3000.0, "bump_position": -0.05, "rebound_damping": 5000.0, "rebound_position": 0.04}
+    own = force(block, entry("hydraulic_stop", **stops, way_back=0.2, depth=0.01))
+    x, v = block[X], block[V]
+    assert not own[(x > -0.05) & (x < 0.04)].any() and (own * v >= 0.0).all() and own.max() > 100.0 > -100.0 > own.min()
+    free = force(block, entry("hydraulic_stop", **stops, way_back=0.0, depth=0.01))
+    assert not free[(x < -0.05) & (v > 0.0)].any() and not free[(x > 0.04) & (v < 0.0)].any()
+    both = force(block, entry("hydraulic_stop", **stops, way_back=1.0, depth=0.01))
+    assert own == pytest.approx(0.8 * free + 0.2 * both)
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.0, 0.4, 1.0])
+def test_a_direction_curve_changes_each_direction_by_its_share(side):
+    block = sweep()
+    own = force(block, entry("direction_curve", speed=(0.1, 0.3), force=(40.0, 160.0), side=side))
+    even = np.interp(np.abs(block[V]), [0.0, 0.1, 0.3], [0.0, 40.0, 160.0])
+    even += np.maximum(np.abs(block[V]) - 0.3, 0.0) * 600.0
+    assert own == pytest.approx(np.where(block[V] > 0.0, 1.0 + side, 1.0 - side) * even)
+
+
 def test_isothermal_gas_follows_boyle():
     block = sweep()
     own = force(block, entry("gas_spring", static_force=300.0, volume=1e-4, rod_area=2e-4, exponent=1.0))

@@ -1,0 +1,43 @@
+"""Dashpot in series with the path: oil that leaks or yields in series with what builds up the force.
+
+    F = c d',      F = F_path(x - d, v - d')
+
+c in N s/m, d in m. Solved implicitly, backward Euler: first order in the step. On the first sample after a reset it is
+a stiff spring, so that d begins near zero. Source: Spencer et al. 1997, eq. (12), the dashpot c1.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.trial import Ranges, Trial
+from damper_estimator.signals.layout import DT, V, X
+
+_FIRST = 1e8  # N/m
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """Force of the dashpot over its deflection X and deflection rate V."""
+    for i in range(force.size):
+        if kinematics[DT, i] > 0.0:
+            force[i] += parameters[0] * kinematics[V, i]
+        else:
+            force[i] += _FIRST * kinematics[X, i]
+
+
+def trial(ranges: Ranges) -> Trial:
+    """It gives way by a fifth of the speed at most."""
+    least = max(5.0 * ranges.force / ranges.speed, 500.0)
+    return Trial({"damping": 4.0 * least}, {"damping": (least, 1e7)}, ({"damping": 15.0 * least},))
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="series",
+    phenomenon="hysteresis",
+    parameters=(Parameter("damping", "N s/m", 3e4, 100.0, 1e8, "rate of the dashpot"),),
+    order=1,
+    shows="the force rounds off at low velocity, after each reversal and before it",
+    separate="the same amplitude at two low frequencies",
+    trial=trial,
+    general=True,
+)

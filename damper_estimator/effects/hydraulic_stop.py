@@ -1,0 +1,64 @@
+"""Hydraulic stop: damping that sets in near an end of the stroke and grows the further the rod goes.
+
+    F = c_b d_b v g(v),  d_b = max(x_b - x, 0) / s,  g = 1 while closing (v < 0), r on the way back
+    F = c_t d_t v g(v),  d_t = max(x - x_t, 0) / s,  g = 1 while extending (v > 0), r on the way back
+
+x in m (positive in extension), v in m/s, c in N s/m (at s beyond the place where the stop begins), s in m (setting),
+r without unit (share of the damping that is left on the way back; 0 with a check valve that opens). No state. Source:
+hydraulic bump and rebound stops with a clearance that narrows, Dixon 2008.
+"""
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
+from damper_estimator.signals.layout import V, X
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += (bump stop + rebound stop)."""
+    for i in range(force.size):
+        x, v = kinematics[X, i], kinematics[V, i]
+        bump = max(parameters[1] - x, 0.0) / settings[0]
+        rebound = max(x - parameters[3], 0.0) / settings[0]
+        if v > 0.0:
+            bump = bump * parameters[4]
+        else:
+            rebound = rebound * parameters[4]
+        force[i] += (parameters[0] * bump + parameters[2] * rebound) * v
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Stops begin in the outer fifths of what was driven: damping that changes further inside is a groove."""
+    depth = 0.2 * ranges.stroke
+    if depth < 1e-3:
+        raise Untestable("the stroke is too short to reach a stop")
+    limits = {
+        "bump_position": (ranges.compression, ranges.compression + depth),
+        "rebound_position": (ranges.extension - depth, ranges.extension),
+    }
+    starts = tuple(
+        {"bump_position": ranges.compression + share * depth, "rebound_position": ranges.extension - share * depth,
+         "way_back": back}
+        for share in (0.3, 0.6, 0.9) for back in (0.1, 0.9)
+    )  # fmt: skip
+    return Trial({"depth": depth, **starts[0]}, limits, starts[1:])
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="end_stop",
+    tests=("stops", "position"),
+    parameters=(
+        Parameter("bump_damping", "N*s/m", 0.0, 0.0, 1e6, "damping of the bump stop at the depth", linear=True),
+        Parameter("bump_position", "m", -0.05, -0.5, 0.5, "displacement at which the bump stop begins"),
+        Parameter("rebound_damping", "N*s/m", 0.0, 0.0, 1e6, "damping of the rebound stop at the depth", linear=True),
+        Parameter("rebound_position", "m", 0.05, -0.5, 0.5, "displacement at which the rebound stop begins"),
+        Parameter("way_back", "1", 0.2, 0.0, 1.0, "share of the damping that is left on the way back"),
+    ),
+    settings=(Setting("depth", "m", 0.02, "way into a stop to which its damping refers", lower=1e-4),),
+    shows="near an end of the stroke the force grows with velocity far more than in the middle, less on the way back",
+    separate="the same velocities in the middle and near the ends of the stroke",
+    trial=trial,
+)
