@@ -19,6 +19,7 @@ from damper_estimator.runtime.record import (
     SILENT,
     SLOW,
     STALE,
+    STUCK,
     SUSPECT,
     WARMING_UP,
 )
@@ -41,6 +42,7 @@ __all__ = [
     "SILENT",
     "SLOW",
     "STALE",
+    "STUCK",
     "SUSPECT",
     "WARMING_UP",
     "Answered",

@@ -8,7 +8,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.runtime.memory import memory
+from damper_estimator.runtime.memory import memory, settling
 from damper_estimator.runtime.record import SLOW, fresh_record
 from damper_estimator.runtime.status import bounds_of
 from damper_estimator.signals import DamperSignals, default_signals
@@ -20,6 +20,7 @@ from damper_estimator.signals.layout import COMMAND
 _POSSIBLE = {"command": (-1e3, 1e3), "temperature": (-60.0, 300.0), "pressure": (0.0, 1e8)}
 _MAX_AGE = {"command": 0.5, "temperature": 30.0, "pressure": 1.0}
 _ADAPTIVE = {"command": True, "temperature": False, "pressure": True}
+_STDDEVS = ("force_stddev", "residual_stddev")  # of a fit; the first that is there counts
 _BEYOND_LIMITS = 0.1  # of their width; a measured current is noisy and overshoots
 _BEYOND_REGION = 1.0
 
@@ -33,7 +34,7 @@ class Deployed:
         cutoff: Hz; 0 is unfiltered.
         max_gap: s.
         lead: s that the motion is predicted ahead to make up for the filter's delay; 0 is none.
-        stddev: N, of the fit's residual; NaN where the model was not fitted.
+        stddev: N, of the force; NaN where the model was not fitted. Files of older fits have the residual's alone.
         bounds: (8, 2), the region of the fit.
         fusion: where an accelerometer is taken in; then nothing is predicted.
         signals: the damper's channels, with their limits and ages.
@@ -58,6 +59,11 @@ class Deployed:
         """By slow channel: how many seconds the force remembers a wrong value, None where it does not depend on it."""
         return {role: memory(self.model, COMMAND + row, self.bounds) for row, role in enumerate(SLOW)}
 
+    @cached_property
+    def settling(self) -> float:
+        """How many seconds after a start or a fault filter and model have forgotten it; see ``memory.settling``."""
+        return settling(self.model, self.cutoff, self.bounds)
+
     def possible(self, role: str) -> tuple[float, float]:
         """Lowest and highest value that a slow channel can have: its limits in the signal map, for the command with a
         tenth of their width on either side; else the region of the fit with its width on either side, within what is
@@ -77,6 +83,7 @@ class Deployed:
         record = fresh_record()
         (own,) = record
         own["max_gap"], own["cutoff"], own["lead"] = round(self.max_gap * 1e9), self.cutoff, self.lead
+        own["settling"], own["likelihood"], own["equal"] = round(self.settling * 1e9), 1.0, 1.0
         own["noise_cutoff"] = self.cutoff if self.fusion is None else 0.0
         own["stddev"], own["bounds"], own["identified"] = self.stddev, self.bounds, self.is_identified
         if self.fusion is not None:
@@ -109,8 +116,9 @@ def deployed(
             f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; correct the "
             "signal map and take them out of the model"
         )
-    stddev, region = model.fit.get("residual_stddev"), model.fit.get("region") or {}
-    faults = [] if stddev is None or _is_number(stddev) else [f"residual_stddev = {stddev!r} is not a number"]
+    errors = {name: model.fit[name] for name in _STDDEVS if model.fit.get(name) is not None}
+    region = model.fit.get("region") or {}
+    faults = [f"{name} = {value!r} is not a number" for name, value in errors.items() if not _is_number(value)]
     if not isinstance(region, Mapping):
         faults, region = [*faults, f"region must be a mapping, got {region!r}"], {}
     faults += [f"region.{name} must be two numbers, got {r!r}" for name, r in region.items() if not _is_range(r)]
@@ -118,7 +126,7 @@ def deployed(
         raise InputError(f"model {model.name}: fit: {'; '.join(faults)}; identify the model again, or remove fit")
     bounds = bounds_of({name: (float(r[0]), float(r[1])) for name, r in region.items()})
     return Deployed(
-        model, cutoff, max_gap, lead if fusion is None else 0.0, np.nan if stddev is None else float(stddev), bounds,
+        model, cutoff, max_gap, lead if fusion is None else 0.0, float(next(iter(errors.values()), np.nan)), bounds,
         fusion, signals or default_signals(""),
     )  # fmt: skip
 

@@ -7,15 +7,16 @@ shared arrays.
 
 import numpy as np
 
-from damper_estimator.compiled import compiled
+from damper_estimator.compiled import borrowed, compiled
 from damper_estimator.model import DamperModel, chain
 from damper_estimator.model.element import walk
+from damper_estimator.model.program import function_list
 from damper_estimator.runtime.deployed import Deployed
 from damper_estimator.runtime.estimates import FIELDS
 from damper_estimator.runtime.messages import ABSENT, Answered, Arrived
 from damper_estimator.runtime.record import SLOW, fresh_record
-from damper_estimator.runtime.slow import hold
-from damper_estimator.runtime.status import SETTLED, velocity_noise, watch
+from damper_estimator.runtime.slow import hold, is_recent
+from damper_estimator.runtime.status import velocity_noise, watch
 from damper_estimator.signals.admission import DUPLICATE, judge
 from damper_estimator.signals.butterworth import differentiate
 from damper_estimator.signals.fusion import fuse
@@ -30,22 +31,26 @@ class Line:
     Attributes:
         names: of the dampers.
         records: (k,) of ``runtime.record.RECORD``.
+        scale, offset: (k,) of the displacement in a message: m = scale * raw + offset.
         arrived: of one message, where slow channels and accelerations are put as they come; see `step`.
+        doubted: (k,) bool, whose samples are in doubt for what the line cannot see.
         answered: what the last `step` brought about.
     """
 
     def __init__(self) -> None:
         self.names: tuple[str, ...] = ()
         self.records = fresh_record()[:0]
+        self.scale, self.offset, self.doubted = np.zeros(0), np.zeros(0), np.zeros(0, bool)
         self.arrived = Arrived.nothing(1, 0)
         self.answered = Answered.room_for(1, 0)
-        self._functions: list = []
         self._kernels: list = []
+        self._functions, self._series = function_list([], False), False
         self._table = np.zeros((0, chain.COLUMNS), np.int64)
         self._parameters, self._constants, self._states = np.zeros(0), np.zeros(0), np.zeros(0)
+        self._live: tuple = ()  # what one message is run on; put together once, since it costs as much as a damper
 
-    def add(self, name: str, own: Deployed) -> None:
-        """Takes one more damper; the others' states stay."""
+    def add(self, name: str, own: Deployed, scale: float = 1.0, offset: float = 0.0) -> None:
+        """Takes one more damper, whose messages hold its displacement so scaled; the others' states stay."""
         self._append_program(own.model)
         program, rows, states = own.model.program, self._table.shape[0], self._states.size
         record = own.record()
@@ -54,49 +59,51 @@ class Line:
         record["motions"], record["forces"], record["series"] = program.motions, program.forces, program.series
         self.names = (*self.names, name)
         self.records = np.concatenate([self.records, record])
+        self.scale, self.offset = np.append(self.scale, scale), np.append(self.offset, offset)
+        self.doubted = np.append(self.doubted, False)
         self.arrived = self.arrived.with_one_more()
         self.answered = self.answered.with_one_more()
+        self._live = (self.scale, self.offset, self.doubted, *self._arguments(self.arrived, self.answered))
 
     def _append_program(self, model: DamperModel) -> None:
         program = model.program
         table = program.table.copy()
-        table[:, chain.KERNEL] += len(self._functions)
+        table[:, chain.KERNEL] += len(self._kernels)
         for first, size in ((chain.P0, self._parameters.size), (chain.S0, self._constants.size)):
             table[:, first : first + 2] += size
         # In the order in which the program counts them.
-        self._functions += [e.effect.kernel for e in walk(model.effects) if e.effect.kernel is not None]
-        self._kernels = chain.kernel_list(self._functions)
+        self._kernels += [e.effect.kernel for e in walk(model.effects) if e.effect.kernel is not None]
+        self._series = self._series or program.series
+        self._functions = function_list(self._kernels, self._series)
         self._table = np.concatenate([self._table, table])
         self._parameters = np.concatenate([self._parameters, program.parameters])
         self._constants = np.concatenate([self._constants, program.settings])
         self._states = np.concatenate([self._states, np.zeros(program.states)])
 
-    def step(self, stamp: int, displacement: np.ndarray, present: np.ndarray, suspect: bool = False) -> int:
+    def step(self, stamp: int, raw: np.ndarray, present: np.ndarray, suspect: bool = False) -> int:
         """Runs the samples of one message, with the slow channels as ``arrived`` has them; fills ``answered``.
 
         Args:
             stamp: ns.
-            displacement: (k,) m.
-            present: (k,) bool, whether the message held the damper.
-            suspect: whether its sender is in doubt.
+            raw: (k,) displacements as the message has them.
+            present: (k,) bool, whether it held the damper.
+            suspect: whether it is in doubt for all dampers, not only for those that are ``doubted``.
 
         Returns:
             How many estimates there are.
         """
-        arrived = self.arrived
-        arrived.stamp[0], arrived.suspect[0] = stamp, suspect
-        arrived.displacement[0], arrived.present[0] = displacement, present
-        return self._run(arrived, self.answered)
+        return _step(stamp, raw, present, suspect, *self._live) if self._live else 0
 
     def run(self, arrived: Arrived) -> Answered:
         """Runs n messages; the same, bit for bit, as n times `step`."""
         answered = Answered.room_for(arrived.stamp.size, len(self.names))
-        self._run(arrived, answered)
+        if self.names:
+            _run(*self._arguments(arrived, answered))
         return answered
 
-    def _run(self, arrived: Arrived, answered: Answered) -> int:
-        return _run(
-            self._kernels, self._table, self._parameters, self._constants, self._states, self.records,
+    def _arguments(self, arrived: Arrived, answered: Answered) -> tuple:
+        return (
+            self._functions, self._table, self._parameters, self._constants, self._states, self.records,
             *arrived.parts(), *answered.parts(),
         )  # fmt: skip
 
@@ -121,56 +128,94 @@ def _velocity_noise(records, damper):
 
 
 @compiled
+def _step(
+    now, raw, held, in_doubt, scale, offset, doubted, functions, table, parameters, constants, states, records, stamp,
+    displacement, present, suspect, slow, heard, felt, felt_at, verdicts, status, trusted, modelled, numbers, blocks,
+):  # fmt: skip
+    """See ``Line.step``: puts what a message says where ``_run`` takes it; in one call, since a call costs as much as
+    a damper."""
+    stamp[0] = now
+    for d in range(raw.size):
+        displacement[0, d] = scale[d] * raw[d] + offset[d]
+        present[0, d], suspect[0, d] = held[d], in_doubt or doubted[d]
+    return _run(
+        functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, heard,
+        felt, felt_at, verdicts, status, trusted, modelled, numbers, blocks,
+    )  # fmt: skip
+
+
+@compiled
 def _run(
-    kernels, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, heard, felt,
+    functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, heard, felt,
     felt_at, verdicts, status, trusted, modelled, numbers, blocks,
 ):  # fmt: skip
     """See ``Line.run``; arrays as in ``Line``, `Arrived` and `Answered`."""
     n, estimates = stamp.size, 0
-    place, own_stamp, value, dt = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n)
-    verdict, doubtful = np.empty(n, np.int64), np.empty(n, np.uint8)
+    program = (table, parameters, constants, states)
+    came = (stamp, displacement, present, suspect, slow, heard, felt, felt_at)
+    told = (verdicts, status, trusted, modelled, numbers, blocks)
+    work = (np.empty((3, n), np.int64), np.empty((5, n)), np.empty((2, n), np.uint8), np.empty(n, np.int64))
+    # A message brings nearly always a sample that is used: memory for that is taken once for all dampers.
+    usual = (np.empty((ROWS, n)), np.empty((2, n), np.uint8))
     for d in range(records.shape[0]):
-        own, came, good = records[d], 0, 0
-        for i in range(n):
-            if present[i, d]:
-                place[came], own_stamp[came], value[came], doubtful[came] = i, stamp[i], displacement[i, d], suspect[i]
-                came += 1
-            else:
-                verdicts[i, d] = ABSENT
-        judge(own_stamp[:came], value[:came], own["max_gap"], own["admission"], verdict[:came], dt[:came])
-        for j in range(came):
-            verdicts[place[j], d] = verdict[j]
-            if verdict[j] < DUPLICATE:  # the good ones move up, so that filter and model see them without holes
-                place[good], dt[good] = place[j], dt[j]
-                good += 1
-        block, raw = np.full((ROWS, good), np.nan), np.empty(good)
-        motion_alone, doubt = np.zeros(good, np.uint8), np.zeros(good, np.int64)
-        for j in range(good):
-            raw[j] = displacement[place[j], d]
-        take_motion(own, d, place, stamp, dt[:good], raw, felt, felt_at, block, motion_alone)
-        take_slow(own, d, place, stamp, slow, heard, block, doubt)
-        if own["lead"] > 0.0:
-            predict(own["lead"], block)
-        force, numbers_given = np.empty(good), np.empty(good)
-        chain.run_with_resets(
-            kernels, table[own["first_row"] : own["last_row"]], parameters, constants, block, own["motions"],
-            own["forces"], states[own["first_state"] : own["last_state"]], own["series"], own["restart"],
-            np.empty((0, 0)), force,
-        )  # fmt: skip
-        judged = np.empty((2, good), np.uint8)
-        watch(
-            own, own_stamp[:came], value[:came], verdict[:came], doubtful[:came], motion_alone, doubt, block, force,
-            judged[0], judged[1], numbers_given,
-        )  # fmt: skip
-        for j in range(good):
-            i = place[j]
-            status[i, d], trusted[i, d], modelled[i, d] = judged[0, j], judged[1, j], force[j]
-            numbers[i, _DISPLACEMENT, d], numbers[i, _VELOCITY, d] = block[X, j], block[V, j]
-            numbers[i, _ACCELERATION, d] = block[A, j]
-            numbers[i, _FORCE, d], numbers[i, _STDDEV, d] = numbers_given[j], own["stddev"]
-            blocks[d, :, i] = block[:, j]
-        estimates += good
+        estimates += _run_damper(d, records[d], functions, program, came, told, work, usual)
     return estimates
+
+
+@compiled
+def _run_damper(d, own, functions, program, came, told, work, usual):
+    """The same for the damper of number d; how many estimates it has. ``_run`` keeps what is given alive."""
+    table, parameters, constants, states = borrowed(program)
+    stamp, displacement, present, suspect, slow, heard, felt, felt_at = borrowed(came)
+    verdicts, status, trusted, modelled, numbers, blocks = borrowed(told)
+    whole, real, flags, all_doubt = borrowed(work)
+    usual_block, usual_judged = borrowed(usual)
+    place, own_stamp, verdict = whole[0], whole[1], whole[2]
+    value, dt, doubtful = real[0], real[1], flags[0]
+    n, arrivals, good = stamp.size, 0, 0
+    for i in range(n):
+        if present[i, d]:
+            place[arrivals], own_stamp[arrivals] = i, stamp[i]
+            value[arrivals], doubtful[arrivals] = displacement[i, d], suspect[i, d]
+            arrivals += 1
+        else:
+            verdicts[i, d] = ABSENT
+    judge(own_stamp[:arrivals], value[:arrivals], own["max_gap"], own["admission"], verdict[:arrivals], dt[:arrivals])
+    for j in range(arrivals):
+        verdicts[place[j], d] = verdict[j]
+        if verdict[j] < DUPLICATE:  # the good ones move up, so that filter and model see them without holes
+            place[good], dt[good] = place[j], dt[j]
+            good += 1
+    raw, force, given, alone, doubt = real[2, :good], real[3, :good], real[4, :good], flags[1, :good], all_doubt[:good]
+    block = usual_block if good == n else np.empty((ROWS, good))
+    judged = usual_judged if good == n else np.empty((2, good), np.uint8)
+    for j in range(good):  # as slices this would take seconds to compile
+        for row in range(ROWS):
+            block[row, j] = np.nan
+        alone[j], doubt[j] = 0, 0
+        raw[j] = displacement[place[j], d]
+    take_motion(own, d, place, stamp, dt[:good], raw, felt, felt_at, block, alone)
+    take_slow(own, d, place, stamp, slow, heard, block, doubt)
+    if own["lead"] > 0.0:
+        predict(own["lead"], block)
+    chain.run_with_resets(
+        functions, table[own["first_row"] : own["last_row"]], parameters, constants, block, own["motions"],
+        own["forces"], states[own["first_state"] : own["last_state"]], own["series"], own["restart"],
+        np.empty((0, 0)), force,
+    )  # fmt: skip
+    watch(
+        own, own_stamp[:arrivals], value[:arrivals], verdict[:arrivals], doubtful[:arrivals], alone, doubt, block,
+        force, judged[0], judged[1], given,
+    )  # fmt: skip
+    for j in range(good):
+        i = place[j]
+        status[i, d], trusted[i, d], modelled[i, d] = judged[0, j], judged[1, j], force[j]
+        numbers[i, _DISPLACEMENT, d], numbers[i, _VELOCITY, d] = block[X, j], block[V, j]
+        numbers[i, _ACCELERATION, d] = block[A, j]
+        numbers[i, _FORCE, d], numbers[i, _STDDEV, d] = given[j], own["stddev"]
+        for row in range(ROWS):
+            blocks[d, row, i] = block[row, j]
+    return good
 
 
 @compiled
@@ -187,7 +232,7 @@ def take_motion(own, d, place, stamp, dt, raw, felt, felt_at, block, alone):
     recent = np.empty(good)
     for j in range(good):
         i = place[j]
-        recent[j] = felt[i, d] if abs(stamp[i] - felt_at[i, d]) <= own["max_gap"] else np.nan
+        recent[j] = felt[i, d] if is_recent(own, stamp[i], felt_at[i, d]) else np.nan
     fuse(own["noises"], dt, raw, recent, own["fused"], block[X], block[V], block[A], alone)
 
 
@@ -199,7 +244,7 @@ def take_slow(own, d, place, stamp, slow, heard, block, doubt):
         for row in range(len(SLOW)):
             in_doubt = hold(own, stamp[i], row, slow[i, row, d], heard[i, row, d])
             if in_doubt and own["matters"][row] != 0:
-                doubt[j] = max(doubt[j], own["memory"][row], SETTLED)
+                doubt[j] = max(doubt[j], own["memory"][row], own["settling"])
             block[COMMAND + row, j] = own["held"][row]
 
 

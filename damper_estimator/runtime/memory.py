@@ -1,13 +1,18 @@
-"""On which slow channels a model's force depends, and how long it remembers a wrong value; asked of its behaviour.
+"""How long a model remembers: a start, a fault, a wrong value of a slow channel; asked of its behaviour.
 
 The model is driven by a swept sine, once with the channel steady and once with another value that returns to the steady
 one after a second. The largest difference of force in that second tells whether the channel matters, the time after
 which a hundredth of it is left is the memory.
+
+Settling is asked of filter and model together: a calm sine, as far and as fast as a quarter of the region of the fit,
+once from one start on and once started again every second. The force of both differs until the start is forgotten.
 """
 
 import numpy as np
 
 from damper_estimator.model import DamperModel
+from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
+from damper_estimator.signals.kinematics import WARM_UP
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
 
 STEP = 1e-3  # s
@@ -16,6 +21,11 @@ WRONG, AFTER = 1.0, 3.0  # s with the other value, and s to forget it
 ENDLESS = 60.0  # s, for a model that has not forgotten by then
 NOTHING = 1e-6  # of the largest force
 _LEFT = 0.01
+LONGEST_SETTLING = 1.0  # s; what a model remembers for longer is not waited for
+STARTS = 6  # of a probe, at other places of the motion each
+_CALM = 0.25  # of the region's half width
+_CALM_STROKE, _CALM_SPEED = 0.005, 0.1  # m and m/s, where the fit has no region
+_UNSETTLED = 0.02  # of the largest force
 # Ordinary values, where the fit has none: A, deg C, Pa.
 _ORDINARY = {COMMAND: (0.0, 1.0), TEMPERATURE: (20.0, 80.0), PRESSURE: (1e5, 2e6)}
 
@@ -27,7 +37,7 @@ def memory(model: DamperModel, row: int, bounds: np.ndarray) -> float | None:
         row: of the block: COMMAND, TEMPERATURE or PRESSURE.
         bounds: (8, 2), the region of the fit.
     """
-    ranges = {r: bounds[r] if np.isfinite(bounds[r]).all() else _ORDINARY[r] for r in _ORDINARY}
+    ranges = _ranges(bounds)
     steady = swept_sine(WRONG + AFTER)
     for other, (low, high) in ranges.items():
         steady[other] = 0.5 * (low + high)
@@ -46,6 +56,55 @@ def memory(model: DamperModel, row: int, bounds: np.ndarray) -> float | None:
     if left.size and left[-1] == after.size - 1:
         return ENDLESS
     return STEP * float(left[-1] + 1) if left.size else 0.0
+
+
+def settling(model: DamperModel, cutoff: float, bounds: np.ndarray) -> float:
+    """How many seconds after a start the force is that of a filter and a model that have run for long: from
+    ``WARM_UP`` to ``LONGEST_SETTLING``.
+
+    Args:
+        cutoff: Hz of the filter; 0 is none.
+        bounds: (8, 2), the region of the fit.
+    """
+    ranges, longest = _ranges(bounds), WARM_UP
+    for share in (0.5, 1.0):
+        slow = {row: low + share * (high - low) for row, (low, high) in ranges.items()}
+        steady, again = (model.force(_calm(cutoff, bounds, slow, is_again)) for is_again in (False, True))
+        since = np.arange(steady.size) % round(LONGEST_SETTLING / STEP)
+        differs = np.abs(again - steady) > _UNSETTLED * np.max(np.abs(steady))  # False where one is NaN
+        longest = max(longest, STEP * float(np.max(since[differs], initial=-1) + 1))
+    return longest
+
+
+def _calm(cutoff: float, bounds: np.ndarray, slow: dict[int, float], is_again: bool) -> np.ndarray:
+    """A calm sine behind the filter as a block (8, n), with steady slow channels; started again every
+    ``LONGEST_SETTLING``, or before its first one alone."""
+    half = _CALM * 0.5 * np.diff(bounds[[X, V]], axis=1)[:, 0]
+    stroke = half[0] if np.isfinite(half[0]) and half[0] > 0.0 else _CALM_STROKE
+    speed = half[1] if np.isfinite(half[1]) and half[1] > 0.0 else _CALM_SPEED
+    each = round(LONGEST_SETTLING / STEP)
+    block = np.full((ROWS, (STARTS + 1) * each), np.nan)
+    block[T] = STEP * np.arange(block.shape[1])
+    block[DT] = STEP
+    block[DT, :: each if is_again else block.shape[1]] = 0.0
+    # A period that does not divide the time between the starts, so that each is at another place.
+    differentiate(
+        cutoff,
+        block[DT],
+        stroke * np.sin(speed / stroke * block[T]),
+        np.zeros(STATE_SIZE),
+        block[X],
+        block[V],
+        block[A],
+    )
+    for row, value in slow.items():
+        block[row] = value
+    return block
+
+
+def _ranges(bounds: np.ndarray) -> dict[int, tuple[float, float]]:
+    """Lowest and highest ordinary value of each slow channel."""
+    return {r: tuple(bounds[r]) if np.isfinite(bounds[r]).all() else _ORDINARY[r] for r in _ORDINARY}
 
 
 def swept_sine(seconds: float) -> np.ndarray:

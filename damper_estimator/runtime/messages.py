@@ -20,7 +20,8 @@ class Arrived:
     Attributes:
         stamp: (n,) int64 ns.
         displacement: (n, k) m; valid where ``present`` (n, k) bool.
-        suspect: (n,) uint8, 1 where the message's sender is in doubt.
+        suspect: (n, k) uint8, 1 where the sample is in doubt for what the line cannot see: its sender, its age, or a
+            current that contradicts its command.
         slow: (n, 3, k) last values of the slow channels in order of ``SLOW``, NaN before the first; ``heard``:
             (n, 3, k) int64, how many messages of each had arrived.
         felt, felt_at: (n, k) m/s^2 and int64 ns, last values and stamps of the accelerometers.
@@ -40,7 +41,7 @@ class Arrived:
         """So many messages that hold all dampers, without slow channels, to be filled in."""
         n, k = messages, dampers
         return cls(
-            np.zeros(n, np.int64), np.zeros((n, k)), np.ones((n, k), bool), np.zeros(n, np.uint8),
+            np.zeros(n, np.int64), np.zeros((n, k)), np.ones((n, k), bool), np.zeros((n, k), np.uint8),
             np.full((n, len(SLOW), k), np.nan), np.zeros((n, len(SLOW), k), np.int64),
             np.full((n, k), np.nan), np.zeros((n, k), np.int64),
         )  # fmt: skip

@@ -18,10 +18,11 @@ REGION_ROWS = {
     "command": COMMAND, "temperature": TEMPERATURE, "pressure": PRESSURE,
 }  # fmt: skip
 
-# Counts: the verdicts (0 to 6) of ``signals.admission``; faults of the displacement, the model and the sender; values
+# Counts: the verdicts (0 to 6) of ``signals.admission``; faults of the displacement, the model and the sender, samples
+# that are in doubt or while the displacement stood still against its noise; values
 # of the slow channels that cannot be, and samples for which one was silent, by row; then one per status.
-JUMPS, LATE, NOT_FINITE, SUSPECT = range(NON_FINITE + 1, NON_FINITE + 5)
-IMPLAUSIBLE = SUSPECT + 1
+JUMPS, LATE, NOT_FINITE, SUSPECT, STUCK = range(NON_FINITE + 1, NON_FINITE + 6)
+IMPLAUSIBLE = STUCK + 1
 SILENT = IMPLAUSIBLE + len(SLOW)
 BY_STATUS = SILENT + len(SLOW)
 COUNTS = BY_STATUS + STALE + 1
@@ -41,6 +42,7 @@ RECORD = np.dtype(
         ("cutoff", "f8"),  # Hz, 0: unfiltered
         ("noise_cutoff", "f8"),  # Hz of the filter through which the displacement's noise reaches the velocity
         ("lead", "f8"),  # s
+        ("settling", "i8"),  # ns after a start or a fault until filter and model have forgotten it
         ("stddev", "f8"),  # N
         ("fuses", "i8"),  # whether an accelerometer is taken in
         ("noises", "f8", (NOISES,)),
@@ -60,6 +62,9 @@ RECORD = np.dtype(
         ("filter", "f8", (STATE_SIZE,)),
         ("fused", "f8", (FUSION_SIZE,)),
         ("restart", "i8", (1,)),
+        # State of the accelerometer: its last stamp in ns, and its usual interval in ns.
+        ("felt_last", "i8"),
+        ("felt_interval", "f8"),
         # State of the slow channels: last value that can be, messages heard, stamp of the first sample after the last
         # of them, usual interval in s, whether the last message held a value that cannot be.
         ("held", "f8", (len(SLOW),)),
@@ -75,14 +80,22 @@ RECORD = np.dtype(
         ("degraded_until", "i8"),
         ("outside_until", "i8"),
         ("command_outside_until", "i8"),
-        # Typical step, last raw value and its differences, how many of them are known, variance of the noise, and the
-        # last finite force.
+        # Typical step and how many steps it was learned from, last raw value and its differences, how many of them are
+        # known, variance of the noise, and the last finite force.
         ("step", "f8"),
+        ("steps", "f8"),
         ("raw", "f8"),
         ("first", "f8"),
         ("second", "f8"),
         ("known", "f8"),
         ("variance", "f8"),
+        # The smallest change; among small changes how many are remembered, the share of zigzags, and that of equal
+        # neighbours; how likely the present run of equal values is.
+        ("smallest", "f8"),
+        ("small", "f8"),
+        ("zigzag", "f8"),
+        ("equal", "f8"),
+        ("likelihood", "f8"),
         ("given", "f8"),
         ("counts", "i8", (COUNTS,)),
     ],

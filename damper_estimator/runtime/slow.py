@@ -17,6 +17,7 @@ from damper_estimator.signals.layout import COMMAND
 
 PATIENCE = 5.0  # usual intervals
 SHORTEST = 0.05  # s
+SHORTEST_FELT = 1e7  # ns, of an accelerometer: the motion that it should have measured is soon another one
 _FOLLOW = 0.1  # share of a new interval in the usual one
 
 
@@ -64,6 +65,22 @@ def oldest(own, row):
     if own["adaptive"][row] == 0 or own["interval"][row] <= 0.0:
         return own["max_age"][row]
     return min(own["max_age"][row], max(PATIENCE * own["interval"][row], SHORTEST))
+
+
+@compiled
+def is_recent(own, stamp, felt_at):
+    """Takes the stamp of the accelerometer's last value; whether that can be used at a sample: it is silent after
+    ``PATIENCE`` of its usual intervals, not before ``SHORTEST_FELT`` and at the latest after the longest gap."""
+    interval = felt_at - own["felt_last"]
+    if interval != 0:
+        if 0 < interval <= own["max_gap"]:
+            usual = own["felt_interval"] if own["felt_interval"] > 0.0 else float(interval)
+            own["felt_interval"] = usual + _FOLLOW * (min(float(interval), 2.0 * usual) - usual)
+        own["felt_last"] = felt_at
+    oldest_felt = float(own["max_gap"])
+    if own["felt_interval"] > 0.0:
+        oldest_felt = min(oldest_felt, max(PATIENCE * own["felt_interval"], SHORTEST_FELT))
+    return abs(stamp - felt_at) <= oldest_felt
 
 
 @compiled

@@ -110,11 +110,3 @@ def _correct(noises, raw, state):
     state[VV] -= xv * xv / total
     state[VB] -= xv * xb / total
     state[BB] -= xb * xb / total
-
-
-def recent(value: np.ndarray | float, at: np.ndarray | int, stamp: np.ndarray, max_gap: float) -> np.ndarray:
-    """Held accelerations (n,), NaN where they were measured more than ``max_gap`` s before or after the sample.
-
-    ``at`` and ``stamp`` (n,) int64 ns, of the accelerations and of the samples.
-    """
-    return np.where(np.abs(stamp - at) <= round(max_gap * 1e9), value, np.nan)

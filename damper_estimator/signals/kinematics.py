@@ -92,6 +92,17 @@ class Kinematics:
             block[DT, 0] = 0.0
         return Kinematics(self.stamp[part], block)
 
+    def thinned(self, stride: int) -> np.ndarray:
+        """Positions of every ``stride``-th sample of each stretch."""
+        return np.concatenate([np.arange(0)] + [np.arange(p.start, p.stop, stride) for p in self.stretches()])
+
+    def at(self, places: np.ndarray) -> "Kinematics":
+        """The samples at ``places`` (k,), rising, alone: what was filtered and differentiated at the full rate."""
+        block = np.ascontiguousarray(self.block[:, places])
+        since = np.diff(np.cumsum(self.dt)[places], prepend=0.0)
+        block[DT] = np.where(block[DT] > 0.0, since, 0.0)
+        return Kinematics(self.stamp[places], block)
+
 
 class Differentiator:
     """Turns stamps and raw displacement into kinematics, sample by sample or in blocks of any size, with equal bits.

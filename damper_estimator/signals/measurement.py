@@ -10,6 +10,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Admission, Counts
+from damper_estimator.signals.at_stamps import at_stamps
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
 from damper_estimator.signals.clipping import clipped, touched
@@ -64,7 +65,7 @@ class Measurement:
         """(n,) what the filter makes of (m,) values at the gauge's stamps: as it makes ``force`` of ``gauge``."""
         if self.gauge_stamp is None:
             return low_pass(self.cutoff, self.kinematics.dt, values)
-        return _at_stamps(self.gauge_stamp, values, self.kinematics, self.cutoff)
+        return at_stamps(self.gauge_stamp, values, self.kinematics, self.cutoff)
 
     def part(self, first: int, last: int) -> Measurement:
         """Samples ``first`` to ``last``; the forces keep their filtering, the warm-up counts anew."""
@@ -78,6 +79,19 @@ class Measurement:
             gauge_stamp=self.kinematics.stamp if self.gauge_stamp is None else self.gauge_stamp,
             raw_displacement=self.raw_displacement[window],
             acceleration=None if self.acceleration is None else self.acceleration[window],
+        )
+
+    def thinned(self, stride: int) -> Measurement:
+        """Every ``stride``-th sample of each stretch alone; filtered and differentiated as all of them were."""
+        places = self.kinematics.thinned(stride)
+        return replace(
+            self,
+            kinematics=self.kinematics.at(places),
+            force=None if self.force is None else self.force[places],
+            judged=self.judged[places],
+            gauge_stamp=self.kinematics.stamp if self.gauge_stamp is None else self.gauge_stamp,
+            raw_displacement=self.raw_displacement[places],
+            acceleration=None if self.acceleration is None else self.acceleration[places],
         )
 
 
@@ -260,7 +274,7 @@ def _filtered(
     stamp, value = _in_order(data, skew)
     if not stamp.size:
         return np.full(len(kinematics), np.nan), np.zeros(len(kinematics), bool)
-    filtered = _at_stamps(stamp, value, kinematics, cutoff)
+    filtered = at_stamps(stamp, value, kinematics, cutoff)
     after = np.searchsorted(stamp, kinematics.stamp)
     before = np.searchsorted(stamp, kinematics.stamp, side="right") - 1
     inside = (before >= 0) & (after < stamp.size)
@@ -269,26 +283,6 @@ def _filtered(
     )
     near = hole <= max_gap * 1e9
     return filtered, _settled(near, kinematics)
-
-
-def _at_stamps(stamp: np.ndarray, value: np.ndarray, kinematics: Kinematics, cutoff: float) -> np.ndarray:
-    filtered = np.empty(len(kinematics))
-    for part in kinematics.stretches():
-        own = kinematics.stamp[part]
-        first, last = np.searchsorted(stamp, own[0], side="right"), np.searchsorted(stamp, own[-1])
-        grid = _merged(own, stamp[first:last])
-        dt = np.diff(grid, prepend=grid[0]) / 1e9
-        near = slice(max(first - 1, 0), last + 1)
-        on_grid = np.interp(grid - own[0], stamp[near] - own[0], value[near])
-        filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
-    return filtered
-
-
-def _merged(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Stamps of two rising series in order, each once."""
-    both = np.concatenate([first, second])
-    both.sort(kind="stable")  # two runs: a merge
-    return both[np.concatenate([[True], np.diff(both) > 0])]
 
 
 def _settled(near: np.ndarray, kinematics: Kinematics) -> np.ndarray:

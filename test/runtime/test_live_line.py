@@ -92,7 +92,7 @@ def test_two_lines_share_a_model_but_no_state():
         line.add("b", deployed(MODELS[1], 60.0, 0.1))
     for i in range(50):
         one.step(i * MS, np.full(2, 0.001 * i), np.ones(2, bool))
-    assert len(MODELS[1].program.kernels) == len(kernels_of(MODELS[1]))
+    assert len(MODELS[1].program.functions) == len(kernels_of(MODELS[1]))
     other.step(50 * MS, np.full(2, 0.05), np.ones(2, bool))
     fresh = DamperEstimator(deployed(MODELS[1], 60.0, 0.1)).block(np.array([50 * MS]), np.array([0.05]))
     assert other.answered.numbers[0, FIELDS.index("force")].tolist() == [fresh.given[0]] * 2
@@ -102,4 +102,4 @@ def kernels_of(model):
     """The kernels of a model compiled anew."""
     from damper_estimator.model.program import compile_program
 
-    return compile_program(model.effects).kernels
+    return compile_program(model.effects).functions

@@ -1,5 +1,7 @@
 """Slow channels: a wrong or silent value is never trusted, the last possible one goes on, and it is forgotten."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,9 +18,11 @@ from damper_estimator.runtime import (
     WARMING_UP,
     DamperEstimator,
     Held,
+    Line,
     deployed,
 )
 from damper_estimator.signals import default_signals
+from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.signal_map import parse_signal_map
 
 MS = 1_000_000
@@ -151,3 +155,19 @@ def test_while_a_needed_channel_is_wrong_or_silent_nothing_is_good(seed):
     assert not (status[~possible] == GOOD).any() and not (status[age > 0.5] == GOOD).any()
     assert np.isnan(held[: int(np.argmax(possible))]).all() or not possible.any() or possible[0]
     assert set(np.unique(held[np.isfinite(held)])) <= {1.0}
+
+
+@pytest.mark.parametrize("each, silent", [(1, 10), (4, 20), (10, 50), (50, 100)])
+def test_an_accelerometer_is_silent_after_five_of_its_usual_intervals(each, silent):
+    """But not before 10 ms, and at the latest after the longest gap; in ms."""
+    fusion, last = Fusion(), 2000
+    known = replace(VISCOUS, fit=FIT | {"region": {"velocity": [-9.0, 9.0]}})
+    line = Line()
+    line.add("one", deployed(known, 60.0, 0.1, fusion=fusion))
+    status = []
+    for i in range(2 * last):
+        if i % each == 0 and i <= last:
+            line.arrived.felt[0, 0], line.arrived.felt_at[0, 0] = 0.0, i * MS
+        line.step(i * MS, np.zeros(1), np.ones(1, bool))
+        status.append(int(line.answered.status[0, 0]))
+    assert set(status[500 : last + silent + 1]) == {GOOD} and set(status[last + silent + 1 :]) == {DEGRADED}

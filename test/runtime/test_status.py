@@ -66,6 +66,15 @@ def test_a_fault_degrades_for_a_fifth_of_a_second(fault, counter):
         assert line.records["counts"][0, counter] == 1
 
 
+def test_a_long_first_step_does_not_hide_a_gap_after_the_warm_up():
+    stamp = np.arange(1000) * 4 * MS
+    stamp[1:] += 80 * MS
+    stamp[40:] += 30 * MS
+    status, line = driven(stamp, motion(stamp))
+    assert status[39] == GOOD and (status[40:80] == DEGRADED).all()
+    assert line.records["counts"][0, LATE] == 1
+
+
 @pytest.mark.parametrize("cutoff, step", [(60.0, 1.0), (20.0, 1.0), (60.0, 0.25)])
 def test_the_noise_of_the_velocity_is_foretold(cutoff, step):
     """Against the filter itself, driven with white noise."""

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from damper_estimator.signals import Differentiator, Fusion
-from damper_estimator.signals.fusion import FUSION_SIZE, OFFSET, PLACE, SPEED, VV, XX, fuse, recent
+from damper_estimator.signals.fusion import FUSION_SIZE, OFFSET, PLACE, SPEED, VV, XX, fuse
 from damper_estimator.signals.layout import A, V, X
 
 STEP = 0.001
@@ -107,9 +107,3 @@ def test_a_jump_of_the_displacement_is_told_and_forgotten():
     block = differentiator.block(stamp, displacement, acceleration=felt)[0].block
     assert np.flatnonzero(differentiator.alone)[0] == 600
     assert rms((block[V] - truth[1])[900:]) < 0.1 * rms(truth[1])
-
-
-def test_a_held_acceleration_counts_as_long_as_its_stamp_is_near():
-    stamp = np.array([0, 90, 110, 300]) * 1_000_000
-    assert np.isnan(recent(2.0, 0, stamp, 0.1)).tolist() == [False, False, True, True]
-    assert recent(np.arange(4.0), stamp, stamp, 0.1).tolist() == [0.0, 1.0, 2.0, 3.0]
