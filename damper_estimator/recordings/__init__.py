@@ -25,26 +25,32 @@ if TYPE_CHECKING:
     from damper_estimator.recordings.batch import Batch, Columns
     from damper_estimator.recordings.bench import Part, read_parts
     from damper_estimator.recordings.bench_bag import planned_paths, write_part
-    from damper_estimator.recordings.column_map import ColumnMap, ColumnMaps, load_column_maps
+    from damper_estimator.recordings.column_map import ColumnMap, ColumnMaps, column_map_of, load_column_maps
+    from damper_estimator.recordings.guess import ColumnGuess, Guess, guess_columns
+    from damper_estimator.recordings.guess_physics import velocity_of
     from damper_estimator.recordings.writer import BagWriter, LiveBagWriter, Stream
 
 __all__ = [
     "Bag",
     "BagWriter",
     "Batch",
+    "ColumnGuess",
     "ColumnMap",
     "ColumnMaps",
     "Columns",
     "FieldPath",
+    "Guess",
     "LiveBagWriter",
     "Part",
     "Schema",
     "Stream",
     "Topic",
     "accelerations",
+    "column_map_of",
     "damper_forces",
     "encode",
     "floats",
+    "guess_columns",
     "joint_states",
     "load_column_maps",
     "open_bag",
@@ -53,6 +59,7 @@ __all__ = [
     "pressures",
     "read_parts",
     "temperatures",
+    "velocity_of",
     "write_part",
 ]
 
@@ -62,7 +69,9 @@ _LOADED_ON_USE = {
     "batch": ("Batch", "Columns"),
     "bench": ("Part", "read_parts"),
     "bench_bag": ("planned_paths", "write_part"),
-    "column_map": ("ColumnMap", "ColumnMaps", "load_column_maps"),
+    "column_map": ("ColumnMap", "ColumnMaps", "column_map_of", "load_column_maps"),
+    "guess_physics": ("velocity_of",),
+    "guess": ("ColumnGuess", "Guess", "guess_columns"),
     "writer": ("BagWriter", "LiveBagWriter", "Stream"),
 }
 

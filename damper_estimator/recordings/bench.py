@@ -107,6 +107,10 @@ def _stretches(table: Table, rules: ColumnMap, times: Times) -> Iterator[slice]:
                 f"{table.path}: pauses cannot be seen at a fixed rate; give time.column, or split by events"
             )
         cuts = (np.flatnonzero(np.diff(times.seconds) > rules.split.pause) + 1).tolist()
+    elif rules.split.restart:
+        if not times.measured:
+            raise InputError(f"{table.path}: a fixed rate never starts again; give time.column, or split by events")
+        cuts = (np.flatnonzero(np.diff(times.seconds) < 0.0) + 1).tolist()
     edges = sorted({0, *cuts, table.rows})
     for start, stop in pairwise(edges):
         yield slice(start, stop)

@@ -84,7 +84,9 @@ def _dates(table: Table, clock: Clock) -> np.ndarray:
     seconds = np.empty(table.rows)
     for row, text in enumerate(table.texts(clock.column)):
         try:
-            seconds[row] = datetime.strptime(text, clock.format).replace(tzinfo=UTC).timestamp()
+            found = datetime.strptime(text, clock.format).replace(tzinfo=UTC)
+            # Times of day come without a date: they are counted from the day that files without a date get.
+            seconds[row] = found.timestamp() if "%y" in clock.format.lower() else found.replace(year=2000).timestamp()
         except ValueError as error:
             what = f"row {row + 1}: {text!r} is no date of the form {clock.format!r}"
             raise InputError(f"{table.path}: {what}; mend time.format (as in Python's strptime)") from error

@@ -15,7 +15,7 @@ from damper_estimator.share import share_path
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": None}
 _FOLDER = "config/columns"
-_SOURCES = frozenset({"column", "value", "values", "rate", "interval", "pause"})
+_SOURCES = frozenset({"column", "value", "values", "rate", "interval", "pause", "restart"})
 
 
 @dataclass(frozen=True)
@@ -48,21 +48,27 @@ class Clock:
 
 @dataclass(frozen=True)
 class Split:
-    """Where a new part begins: at rows whose text ``column`` is one of ``equals``, or behind a pause longer than s."""
+    """Where a new part begins: at rows whose text ``column`` is one of ``equals``, behind a pause longer than s, or
+    where the time starts again.
+    """
 
     column: str | int | None = None
     equals: tuple[str, ...] = ()
     pause: float | None = None
+    restart: bool = False
 
 
 @dataclass(frozen=True)
 class TextFormat:
-    """How a text file is laid out; None where it is to be found out. ``separator`` ``""`` is any white space."""
+    """How a text file is laid out; None where it is to be found out. ``separator`` ``""`` is any white space; in
+    ``blocks`` several tables follow each other, and lines without any number between them are left out.
+    """
 
     separator: str | None = None
     decimal: str | None = None
     skip: int = 0
     titles: int | None = None
+    blocks: bool = False
 
 
 @dataclass(frozen=True)
@@ -108,6 +114,18 @@ class ColumnMaps:
                 f"{self.path}: for {name}: {'; '.join(complaints)}; complete the map, or add it under files"
             )
         return _column_map(merged)
+
+
+def column_map_of(content: object, where: str) -> ColumnMap:
+    """A column map from its content; ``where`` names it in errors.
+
+    Raises:
+        InputError: all that is wrong with it.
+    """
+    complaints = check_map(content, complete=True)
+    if complaints:
+        raise InputError(f"{where}: {'; '.join(complaints)}; config/columns/example.yaml explains every key")
+    return _column_map(content)
 
 
 def load_column_maps(path: str | Path) -> ColumnMaps:
@@ -161,7 +179,7 @@ def _column_map(content: Mapping) -> ColumnMap:
             for damper, channels in content["dampers"].items()
         },
         Clock(**clock),
-        Split(**split) if "column" in split or "pause" in split else Split(),
+        Split(**split) if {"column", "pause", "restart"} & split.keys() else Split(),
         float(trim["margin"]) if isinstance(trim, Mapping) else trim and 0.2,
         content.get("center") or None,
         content.get("name"),
@@ -180,4 +198,6 @@ def _text_format(entry: Mapping) -> TextFormat:
     separator = entry.get("separator")
     if separator is not None:
         separator = _SEPARATORS.get(separator, separator) or ""
-    return TextFormat(separator, entry.get("decimal"), int(entry.get("skip", 0)), entry.get("titles"))
+    return TextFormat(
+        separator, entry.get("decimal"), int(entry.get("skip", 0)), entry.get("titles"), bool(entry.get("blocks"))
+    )

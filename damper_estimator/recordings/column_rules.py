@@ -10,8 +10,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _KEYS = ("dampers", "time", "text", "split", "trim_rest", "center", "name", "files")
 _CHANNEL_KEYS = ("column", "value", "values", "scale", "offset", "unit")
 _TIME_KEYS = ("column", "unit", "format", "rate", "interval")
-_SPLIT_KEYS = ("column", "equals", "pause")
-_TEXT_KEYS = ("separator", "decimal", "skip", "titles")
+_SPLIT_KEYS = ("column", "equals", "pause", "restart")
+_TEXT_KEYS = ("separator", "decimal", "skip", "titles", "blocks")
 _SEPARATORS = ("tab", "comma", "semicolon", "space")
 
 
@@ -118,9 +118,9 @@ def _check_split(entry: object) -> Iterator[str]:
         return
     yield from _unknown(entry, _SPLIT_KEYS, "split")
     by_event = "column" in entry and "equals" in entry
-    if by_event == ("pause" in entry) or ("column" in entry) != ("equals" in entry):
-        yield "split needs either column and equals, or pause"
-    yield from _typed(entry, "split", column=_is_column, pause=_is_positive)
+    if by_event + ("pause" in entry) + ("restart" in entry) != 1 or ("column" in entry) != ("equals" in entry):
+        yield "split needs one of column and equals, pause, or restart"
+    yield from _typed(entry, "split", column=_is_column, pause=_is_positive, restart=_is_yes)
 
 
 def _check_text(entry: object) -> Iterator[str]:
@@ -133,7 +133,8 @@ def _check_text(entry: object) -> Iterator[str]:
         yield f"text.separator is {separator!r}; it may be one character, {', '.join(_SEPARATORS)}"
     if entry.get("decimal", ".") not in (".", ","):
         yield f"text.decimal is {entry['decimal']!r}; it may be '.' or ','"
-    yield from _typed(entry, "text", skip=_is_count, titles=lambda value: _is_count(value) and value > 0)
+    titles = lambda value: _is_count(value) and value > 0  # noqa: E731
+    yield from _typed(entry, "text", skip=_is_count, titles=titles, blocks=_is_yes)
 
 
 def _check_trim(entry: object) -> Iterator[str]:
@@ -158,6 +159,10 @@ def _typed(entry: Mapping, where: str, **checks: Callable[[object], bool]) -> It
     for key, right in checks.items():
         if key in entry and not right(entry[key]):
             yield f"{where}.{key} cannot be {entry[key]!r}"
+
+
+def _is_yes(value: object) -> bool:
+    return value is True
 
 
 def _is_number(value: object) -> bool:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import yaml
 
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean_file
 
 
 def _error_of(module: str, name: str) -> tuple[type[Exception], ...]:
@@ -49,9 +49,8 @@ def explained(path: str | Path, remedy: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror or error}); check the path and its rights"
-        ) from error
+        hint = (isinstance(error, FileNotFoundError) and did_you_mean_file(path)) or "; check the path and its rights"
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}){hint}") from error
     except LIBRARY_ERRORS as error:
         raise InputError(f"{path}: damaged ({one_line(error)[:160]}); {remedy}") from error
 

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 import yaml
 import zstandard
 
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean_file
 from damper_estimator.recordings import mcap_file, sqlite_file
 from damper_estimator.recordings.faults import explained
 from damper_estimator.recordings.mcap_file import McapFile
@@ -15,6 +15,7 @@ from damper_estimator.recordings.sqlite_file import SqliteFile
 
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _KEY = "rosbag2_bagfile_information"
+_GIVE = "; give an .mcap file or a rosbag2 folder"
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ def contents_of(path: Path) -> Contents:
         if path.is_file():
             return Contents((path,), False)
         if not path.is_dir():
-            raise InputError(f"{path}: does not exist; give an .mcap file or a rosbag2 folder")
+            raise InputError(f"{path}: does not exist{did_you_mean_file(path) or _GIVE}")
         names = sorted(entry.name for entry in path.iterdir())
     if "metadata.yaml" not in names:
         raise InputError(_no_metadata(path, names))

@@ -49,6 +49,10 @@ class TextLayout:
         there = ", ".join(title for title in self.titles if title) or "no titles (give column numbers)"
         raise InputError(f"{self.path}: has no column {column!r}; there are: {there}")
 
+    def is_heading(self, cells: Sequence[str]) -> bool:
+        """Whether a line among the data is no row of them: fewer than half as many numbers as the table has columns."""
+        return 2 * sum(_is_number(self, cell) for cell in cells) < max(len(self.titles), 2)
+
     def number(self, cell: str) -> float:
         """The number in a cell, NaN where it holds none."""
         try:

@@ -35,7 +35,7 @@ class TextTable(Table):
         self, path: Path, content: bytes, known: TextFormat, needed: Sequence[Column], named: Sequence[Column] = ()
     ) -> None:
         super().__init__(path)
-        lines = _decoded(content).splitlines()
+        lines, self._several = decoded(content).splitlines(), known.blocks
         self._layout = find_layout(path, lines, known, needed, named)
         self._header = lines[: self._layout.first]
         self._read(lines[self._layout.first :], set(needed), set(named))
@@ -72,7 +72,7 @@ class TextTable(Table):
         self._texts: dict[Column, list[str]] = {column: [] for column in named}
         self._samples: dict[Column, list[str]] = {}
         self._rows, width = 0, 0
-        for rows in _blocks(self._layout, lines):
+        for rows in _blocks(self._layout, lines, self._several):
             self._rows += len(rows)
             width = max(width, max(map(len, rows)))
             for column in needed | named:
@@ -88,8 +88,8 @@ class TextTable(Table):
         self._numbers = {column: np.concatenate([*parts, np.empty(0)]) for column, parts in numbers.items()}
 
 
-def _blocks(layout: TextLayout, lines: Sequence[str]) -> Iterator[list[list[str]]]:
-    rows = (row for row in layout.split(lines) if any(row))
+def _blocks(layout: TextLayout, lines: Sequence[str], several: bool) -> Iterator[list[list[str]]]:
+    rows = (row for row in layout.split(lines) if any(row) and not (several and layout.is_heading(row)))
     while block := list(islice(rows, _BLOCK)):
         yield block
 
@@ -101,7 +101,7 @@ def _numbers(layout: TextLayout, cells: list[str]) -> np.ndarray:
         return np.array([layout.number(cell) for cell in cells])
 
 
-def _decoded(content: bytes) -> str:
+def decoded(content: bytes) -> str:
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         return content.decode("utf-16", "replace")
     try:

@@ -105,7 +105,7 @@ def test_all_complaints_come_at_once(load):
         'text.decimal is "\'"',
         "text.skip cannot be -1",
         "text has unknown keys lines",
-        "split needs either column and equals, or pause",
+        "split needs one of column and equals, pause, or restart",
         "trim_rest may be true, or {margin:",
         "center is 'left'; it may be rest or middle",
         "name must be text",
