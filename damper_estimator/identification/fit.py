@@ -127,7 +127,8 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     chosen = find_method(method)
     _check_enough(problem)
     starts_at, size = candidates(problem, wishes.seed, starts)
-    solution = chosen.search(problem, problem.excerpts(SKETCH_SAMPLES), starts_at, size, wishes)
+    sketch = problem.thinned().excerpts(SKETCH_SAMPLES)
+    solution = chosen.search(problem, sketch, starts_at, size, wishes)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
         raise InputError(
@@ -215,7 +216,7 @@ def result(
     own = [replace(p, name=p.name.partition("@")[0]) for i, p in every if i in problem.places[setting]]
     rmse_before, esr_before, _ = pooled_error(model, used)
     rmse, esr, samples = pooled_error(fitted, used)
-    record = fit_record(used, rmse, {p.name: p.standard_error for p in own})
+    record = fit_record(fitted, used, rmse, {p.name: p.standard_error for p in own})
     return Fit(
         model=replace(fitted, fit=record),
         parameters=tuple(own),

@@ -57,6 +57,10 @@ class LocalRows:
             rows += [own.part(part) for part in excerpts(own.measurement, share)]
         return LocalRows([own for own in rows if own.picks.size])
 
+    def thinned(self) -> "LocalRows":
+        """As in the protocol."""
+        return LocalRows([part for part in (own.thinned() for own in self.rows) if part.picks.size])
+
     def cycles(self) -> list[tuple[Cycle, ...]]:
         """As in the protocol."""
         return cycles_of(self.rows)

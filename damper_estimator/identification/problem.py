@@ -64,6 +64,7 @@ class Problem(Unknowns):
     Attributes:
         source: of the rows.
         size: number of rows.
+        samples: on which the model is run for them.
         power: sum of the squares of the target.
         recordings: where the rows come from.
         evaluations: how often the model was run so far, or a part of it, over all rows.
@@ -83,6 +84,7 @@ class Problem(Unknowns):
         super().__init__(model, free, settings, slots)
         self.source, self.recordings = source, source.recordings
         self.size, self.power = source.totals.rows, source.totals.power
+        self.samples = source.totals.samples
         self.evaluations = 0
         # Not of itself: a circle would keep the columns that are remembered alive.
         self._sums = source.sums(Unknowns(model, free, settings, slots))
@@ -99,11 +101,15 @@ class Problem(Unknowns):
         """The same problem on excerpts of its data, in equal shares of about so many samples; itself where it is
         small.
         """
-        total = self.source.totals.samples
-        if total <= samples:
+        if self.samples <= samples:
             return self
-        part = self.source.excerpts(samples, total)
+        part = self.source.excerpts(samples, self.samples)
         return self.on(part) if part.totals.rows else self
+
+    def thinned(self) -> "Problem":
+        """The same problem at the rate that the band asks for; itself where the data have no more."""
+        part = self.source.thinned()
+        return self.on(part) if part.totals.rows and part.totals.samples < self.samples else self
 
     def point(self, searched: np.ndarray, solved: np.ndarray | None = None) -> Point:
         """The best that can be done with these searched parameters; with ``solved`` given, how it is with those."""

@@ -15,6 +15,7 @@ from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
 
 ROWS_PER_BAND = 4.0  # rows per second over the band's frequency
+SAMPLES_PER_BAND = 10.0  # samples per second over it, at least, with which a model is run while it is searched
 SLOW_CHANNELS = {COMMAND: "command", TEMPERATURE: "temperature", PRESSURE: "pressure"}
 _PROBE = 50  # samples at the end of a recording on which a model must give a force
 _TRIAL = 2000  # samples on which it is tried whether a channel matters
@@ -52,6 +53,16 @@ class Rows:
     def weighing(self, weight: np.ndarray) -> "Rows":
         """The same rows with another weight (n,)."""
         return _targeted(replace(self, weight=weight), self.blind.size > 0)
+
+    def thinned(self) -> "Rows":
+        """The rows of the measurement at the rate that the band asks for; itself where it has no more."""
+        measurement = self.measurement
+        rate, band = measurement.kinematics.rate, measurement.band
+        stride = int(rate / (SAMPLES_PER_BAND * band)) if band > 0.0 and np.isfinite(rate) else 1
+        if stride < 2:
+            return self
+        weight = self.weight[measurement.kinematics.thinned(stride)]
+        return rows_of(measurement.thinned(stride), weight, self.setting, self.blind.size > 0)
 
     def part(self, part: slice) -> "Rows":
         """The rows of a part of the measurement, as a recording of its own."""

@@ -2,10 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean
 from damper_estimator.model import DamperModel, Slot
 
 
@@ -71,8 +70,8 @@ def _check_names(model: DamperModel, names: list[str]) -> None:
     unknown = [name for name in names if not any(_named(slot, [name]) for slot in model.slots)]
     if unknown:
         addresses = [slot.address for slot in model.slots]
-        near = get_close_matches(unknown[0], addresses, n=3, cutoff=0.4) or addresses
-        raise InputError(f"model {model.name}: has no parameter {', '.join(unknown)}; did you mean {', '.join(near)}?")
+        near = did_you_mean(unknown[0], addresses) or f"; it has {', '.join(addresses)}"
+        raise InputError(f"model {model.name}: has no parameter {', '.join(unknown)}{near}")
 
 
 def _named(slot: Slot, names: list[str]) -> bool:

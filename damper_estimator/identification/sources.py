@@ -100,6 +100,10 @@ class RowSource(Protocol):
         """The rows of excerpts, of about so many samples of the ``total`` of all recordings."""
         ...
 
+    def thinned(self) -> "RowSource":
+        """The rows of the recordings at the rate that the band asks for; see ``rows.Rows.thinned``."""
+        ...
+
     def cycles(self) -> list[tuple[Cycle, ...]]:
         """Whole judged cycles of each recording."""
         ...

@@ -225,6 +225,16 @@ def test_the_model_remembers_what_it_was_fitted_to(baseline, measured):
     assert velocity.min() <= low < np.percentile(velocity, 1) and np.percentile(velocity, 99) < high <= velocity.max()
     assert set(record["standard_errors"]) == {slot.address for slot in load_model("memoryless_baseline").slots}
     assert 0.0 < record["residual_stddev"] < 20.0
+    assert record["force_stddev"] >= record["residual_stddev"]
+
+
+def test_three_standard_deviations_of_the_force_cover_the_errors_on_recordings_that_were_not_fitted(baseline, measured):
+    """Also where the form is not quite the damper's, so that the errors are no normal noise: Coulomb's law alone."""
+    model = fit(load_model("coulomb"), [measured(baseline, seed) for seed in range(3)]).model
+    unseen = [measured(baseline, seed) for seed in range(3, 6)]
+    errors = np.concatenate([np.abs(model.force(m.kinematics.block) - m.force)[m.judged] for m in unseen])
+    assert np.mean(errors > 3.0 * model.fit["force_stddev"]) < 0.003
+    assert errors.max() > 1.5 * model.fit["force_stddev"]  # it is no idle bound
 
 
 def test_a_model_that_contains_another_never_fits_worse(baseline, measured):

@@ -16,7 +16,7 @@ MODERATE, LARGE, VIOLENT = (0.005, 0.012), (0.02, 0.045), (0.03, 0.07)  # m rms,
 EXCITATION = {
     **dict.fromkeys(("carrera_akutain", "carrera_akutain_unfiltered", "renault_modified_bouc_wen"), LARGE),
     **{f"renault_modified_bouc_wen_point_{k}": LARGE for k in (1, 2, 3)},
-    "semi_active_yield": VIOLENT,  # its curve goes to 1.2 m/s
+    **dict.fromkeys(("semi_active_yield", "semi_active_gap"), VIOLENT),  # their curves go to 1.2 m/s
     **{f"his_{kind}": VIOLENT for kind in ("piecewise", "non_hysteresis", "permanent_hysteresis")},
 }
 # What cannot be told, by the model's own nature.
@@ -24,9 +24,12 @@ SILENT = {
     # Without a delay in front of the limits, the force never lags so far that it meets the level of C-D.
     "his_non_hysteresis": {"his_saturation.level_rebound"},
     "his_permanent_hysteresis": {"his_saturation.level_rebound"},
+    # The viscous force follows the current in a straight line: its bend lies at its limit.
+    "mr_damper_current": {"command_gain#2.bend"},
 }
-# Corners of the grid that no motion reaches: high speed at high acceleration.
-UNREACHED = {"force_surface"}
+# Corners of the grid that no motion reaches: high speed at high acceleration. And dry friction beside a yield force
+# that is there without current: they have the same shape, and one may take the other's place.
+UNREACHED = {"force_surface", "semi_active_gap"}
 
 
 def command(size):

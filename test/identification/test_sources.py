@@ -28,6 +28,9 @@ class Apart:
     def sums(self, unknowns):
         return ApartSums([own.sums(unknowns) for own in self.parts])
 
+    def thinned(self):
+        return Apart([own.thinned() for own in self.parts])
+
     def excerpts(self, samples, total):
         return Apart([own.excerpts(samples, total) for own in self.parts])
 

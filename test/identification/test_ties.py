@@ -189,7 +189,8 @@ def test_random_knots_obey_the_laws_of_ties(entry, model_of, measured, knots, rm
     error = uncertainty(problem, plain, problem.linearised(plain, np.zeros(0)), free).standard_error
     slight = SLIGHT * np.abs(plain.solved[known]).max(initial=0.0)
     for k in known:
-        assert abs(result.parameters[k].value - plain.solved[k]) <= max(NEAR * error[k], slight) + 1e-6
+        moved = abs(result.parameters[k].value - plain.solved[k])
+        assert moved <= NEAR * error[k] + slight + 1e-6  # by noise, and by what was tied next to it
 
 
 def test_a_speed_axis_is_laid_over_the_speeds_that_were_driven(entry, model_of, damper, measured):

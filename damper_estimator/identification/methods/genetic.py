@@ -44,7 +44,7 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     shares, found = evolve("ga", costs, start, generations, wishes.seed, told)
     best = scale.values(shares)[int(np.argmin(found[:, 0]))]
     point, converged = refine(problem, problem.clipped(best), size)
-    share = sketch.size / problem.size
+    share = sketch.samples / problem.samples
     return Solution(point, converged, problem.evaluations + round(sketch.evaluations * share))
 
 

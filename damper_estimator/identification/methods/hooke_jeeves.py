@@ -44,7 +44,7 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
         return Solution(problem.point(problem.start), False, problem.evaluations)
     best = min((end[0] for end in ends), key=lambda end: sketch.point(sketch.clipped(end)).cost)
     end, converged = descend(problem, best, size, 8.0 * _SKETCH_STEP, _LAST_STEP)
-    share = sketch.size / problem.size
+    share = sketch.samples / problem.samples
     point = problem.point(problem.clipped(end))
     return Solution(point, converged, problem.evaluations + round(sketch.evaluations * share))
 

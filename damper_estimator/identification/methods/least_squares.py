@@ -4,23 +4,29 @@
 
 Each step solves the linearised problem in q and p together inside a box: the bounds, cut by a trust region that is
 proportional to each parameter's size; p is then solved for exactly at the new q. Several starts are tried on
-excerpts of the data until two of them agree; the best is finished on all of it. Source: Golub and Pereyra 2003
+excerpts of the data, at the rate that the band asks for, until two of them agree; the best is followed on all of it at
+that rate, and finished on all samples. Source: Golub and Pereyra 2003
 (variable projection), Kaufman 1975 (the step); Lozoya-Santos et al. identify by the trust region as well.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
+from damper_estimator.identification.methods.remaining import Remaining
 from damper_estimator.identification.problem import Point, Problem
 from damper_estimator.numerics import bounded_least_squares
 
 _ITERATIONS = 60
 _GAIN = 1e-8  # of the cost: a promised gain below this is a hundredth of a standard error or less
 _SKETCH_GAIN = 1e-5  # the same while starts are compared
+_THINNED_GAIN = 1e-6  # the same on thinned data, and on all data after them: a twentieth of a standard error
 _MOVE = 1e-7  # of a parameter's size
 _CREEP = 1e-3  # of the cost: a smaller gain in two steps is slow
 _PERFECT = 1e-22  # of the force's square: rounding
 _STARTS = 5
+_USUAL = 8  # iterations on all data
 _AGREE = 1e-3  # of the cost: two ends are the same
 _SKETCH_ITERATIONS = 25
 
@@ -29,21 +35,36 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     """See the module; deterministic: the seed has done its work in the candidates."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
-    start = _best_start(sketch, candidates, size)
-    point, converged = refine(problem, problem.clipped(start), size)
-    share = sketch.size / problem.size
-    evaluations = problem.evaluations + round(sketch.evaluations * share)
-    return Solution(point, converged, evaluations)
+    thinned = problem.thinned()
+    parts = {id(own): own for own in (sketch, thinned, problem)}.values()
+    remaining, each = Remaining(wishes.progress), problem.searched.size + 2
+
+    def told(text: str, left: float) -> None:
+        """``left``: iterations on all data, or their equal, that will probably still be made."""
+        remaining(text, sum(own.evaluations * own.samples for own in parts), left * each * problem.samples)
+
+    start = _best_start(sketch, candidates, size, lambda text: told(text, _USUAL))
+    near = start if thinned is problem else refine(thinned, start, size, gain=_THINNED_GAIN)[0].searched
+    if problem.point(near).cost > problem.point(start).cost:
+        near = start  # what happens between the samples decides
+    gain = _GAIN if thinned is problem else _THINNED_GAIN
+    point, converged = refine(
+        problem, near, size, gain=gain, told=lambda k: told(f"iteration {k + 1} on all samples", max(_USUAL - k, 1))
+    )
+    shorter = [own for own in (sketch, thinned) if own is not problem]
+    elsewhere = sum(own.evaluations * own.samples / problem.samples for own in shorter)
+    return Solution(point, converged, problem.evaluations + round(elsewhere))
 
 
-def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray) -> np.ndarray:
+def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray, told: Callable[[str], None]) -> np.ndarray:
     """Where the best of several searches on the excerpts ended; the model's own values are always tried."""
     if len(candidates) == 1:
         return candidates[0]
     costs = np.array([sketch.point(candidate).cost for candidate in candidates])
     order = [0, *(int(i) for i in np.argsort(costs, kind="stable") if i != 0)]
     ends: list[Point] = []
-    for i in order[:_STARTS]:
+    for number, i in enumerate(order[:_STARTS], 1):
+        told(f"start {number} of at most {_STARTS}")
         if np.isfinite(costs[i]):
             ends.append(refine(sketch, candidates[i], size, _SKETCH_ITERATIONS, _SKETCH_GAIN)[0])
         ends.sort(key=lambda end: end.cost)
@@ -53,7 +74,12 @@ def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray) -> np
 
 
 def refine(
-    problem: Problem, start: np.ndarray, size: np.ndarray, iterations: int = _ITERATIONS, gain: float = _GAIN
+    problem: Problem,
+    start: np.ndarray,
+    size: np.ndarray,
+    iterations: int = _ITERATIONS,
+    gain: float = _GAIN,
+    told: Callable[[int], None] = lambda iteration: None,
 ) -> tuple[Point, bool]:
     """The local minimum that is reached from ``start``, and whether it was.
 
@@ -61,13 +87,15 @@ def refine(
         start: (q,) between the bounds.
         size: (q,) magnitude of each parameter; below a tenth of it a parameter moves as if it were that large.
         gain: share of the cost; the search ends where a step promises less.
+        told: is called with the number of each iteration.
     """
     point = problem.point(start)
     if not np.isfinite(point.cost):
         return point, False
     perfect = _PERFECT * problem.power
     radius, passed = 1.0, [point]
-    for _ in range(iterations):
+    for iteration in range(iterations):
+        told(iteration)
         passed = _leap(problem, passed)
         point = passed[-1]
         own_size = np.maximum(np.abs(point.searched), 0.1 * size)
