@@ -6,14 +6,27 @@ from something new.
 """
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 
-from damper_estimator.diagnosis.mend import mended_signals
+from damper_estimator.diagnosis.accepted import Accepted
+from damper_estimator.diagnosis.adopt import Standpoint, adopted, identified_first, standpoint
+from damper_estimator.diagnosis.ahead import compile_ahead
+from damper_estimator.diagnosis.misfit import without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
-from damper_estimator.diagnosis.report import finding_of, judged_of, sentence_of
-from damper_estimator.diagnosis.result import Diagnosis
-from damper_estimator.diagnosis.scene import Scene, scene
-from damper_estimator.diagnosis.search import Search, search
+from damper_estimator.diagnosis.report import (
+    atlas_of,
+    finding_of,
+    identified_sentence,
+    judged_of,
+    sentence_of,
+    unexplained_sentence,
+)
+from damper_estimator.diagnosis.result import Diagnosis, Structure
+from damper_estimator.diagnosis.scene import Scene, early, force_rows, late, scene, targets, unweighted
+from damper_estimator.diagnosis.search import Search, as_if_by, search
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
+from damper_estimator.identification import usable
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation import Comparison, compare, data_findings
@@ -50,52 +63,140 @@ def diagnose(
         raise ValueError(f"mode {mode!r} is none of {', '.join(MODES)}")
     tell = progress or (lambda text, share: None)
     tell("reading the model's error", 0.0)
-    stage = scene(model, fit, unseen)
-    found = search(model, stage, mode, skip, workers, lambda text, share: tell(text, 0.05 + 0.8 * share))
-    tell("identifying what is there", 0.9)
+    compile_ahead(workers)
+    given = begun(model, fit, unseen)
+    place = identified_first(given, mode)
+    found, stage = _searched(place, mode, skip, workers, lambda text, share: tell(text, 0.05 + 0.75 * share))
+    tell("identifying the parameters of the model", 0.8)
     again = reidentified(found.rounds[0], stage) if mode != "kept" else None
-    before = compare(model, *(own.measurement for own in stage.unseen))
-    tell("done", 1.0)
-    return _told(found, again, stage, before)
-
-
-def _told(found: Search, again: Reidentified | None, stage: Scene, before: Comparison) -> Diagnosis:
+    before = compare(place.model, *place.unseen)
     force, floor = before.measures.force_rms_n, before.noise_floor_n
     verdict, picture = verdict_on(found, again, force, floor)
-    findings = tuple(finding_of(one, floor, again) for one in found.accepted)
-    elements = tuple(one.element for one in found.accepted)
-    signals = stage.fit[0].measurement.signals
-    for element in elements:
-        if element.effect.mend is not None:
-            signals = mended_signals(signals, element)
-    fit, unseen = (tuple(own.measurement for own in rows) for rows in (stage.fit, stage.unseen))
+    if verdict == "parameters_changed" and not found.accepted:
+        found = replace(found, accepted=as_if_by(found.rounds[0]))
+    tell("adding what was found", 0.9)
+    steps = _steps(place, found, mode, again if verdict == "parameters_changed" else None)
+    if verdict == "missing" and not steps:
+        verdict, picture = verdict_on(replace(found, accepted=()), again, force, floor)
+    tell("done", 1.0)
+    return _diagnosis(place, found, again, verdict, picture, steps, before, given)
+
+
+def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> Standpoint:
+    """The model as given on its recordings; without ``unseen`` the last 40 % of each is kept back.
+
+    Raises:
+        InputError: where a recording cannot be judged with this model.
+    """
+    for measurement in (*fit, *unseen):
+        usable(model, measurement)
+    if not unseen:
+        fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
+    return standpoint(model, fit, unseen)
+
+
+def _searched(
+    place: Standpoint, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
+) -> tuple[Search, Scene]:
+    """What was found, and on which recordings: less what the model got wrong when it was identified already, if that
+    accounts for part of the error and leaves something; else as they were measured.
+    """
+    stage = scene(place.model, place.fit, place.unseen)
+    parts = [[without_misfit(place.model, m) for m in group] for group in (place.fit, place.unseen)]
+    if parts[0][0] is not place.fit[0]:
+        news = scene(place.model, *parts)
+        force = unweighted(stage.unseen, targets(stage.unseen))
+        whole, left = (
+            unweighted(own.unseen, force_rows(place.model, own.unseen) - targets(own.unseen)) for own in (stage, news)
+        )
+        if left**2 < limits().accounted * whole**2 and left > limits().least_force * force:
+            found = search(
+                place.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
+            )
+            if found.accepted:
+                return found, news
+    return search(place.model, stage, mode, skip, workers, progress), stage
+
+
+def _steps(
+    place: Standpoint, found: Search, mode: str, again: Reidentified | None
+) -> list[tuple[Accepted, Standpoint, float, float]]:
+    """The findings that lower the error, faults of the measurement chain first: each with the model after it, and the
+    unseen error without and with it, N.
+    """
+    steps: list[tuple[Accepted, Standpoint, float, float]] = []
+    own, order = place, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.mend is None)
+    for group in order:
+        before, after, promised, taken = own, own, 0.0, []
+        for one in group:
+            promised += max(one.before_n**2 - one.after_n**2, 0.0)
+            after = adopted(after, one.element, mode, promised)
+            taken.append((one, after))
+        if after.delivers(promised, before) or again is not None:
+            # Of a pair neither explains anything without the other: both have the error before and after the two.
+            steps += [(one, at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
+            own = after
+    return steps
+
+
+def _together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
+    """Findings, those that only explain something together in one group."""
+    groups: list[list[Accepted]] = []
+    for one in accepted:
+        last = groups[-1] if groups else []
+        if one.partner and len(last) == 1 and last[0].partner == one.element.effect.phenomenon:
+            last.append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def _diagnosis(
+    place: Standpoint,
+    found: Search,
+    again: Reidentified | None,
+    verdict: str,
+    picture: Structure | None,
+    steps: Sequence[tuple[Accepted, Standpoint, float, float]],
+    before: Comparison,
+    given: Standpoint,
+) -> Diagnosis:
+    floor = before.noise_floor_n
+    order = [one.element.effect.name for one in found.accepted]
+    taken = [
+        (order.index(one.element.effect.name), finding_of(one, floor, again, old, new), one.element, at)
+        for one, at, old, new in steps
+    ]
+    ordered = sorted(taken, key=lambda own: own[0])
+    findings = tuple(finding for _, finding, _, _ in ordered)
+    last = steps[-1][1] if steps else place
+    errors, atlas = (place.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     return Diagnosis(
         model=before.model,
         verdict=verdict,
-        sentence=sentence_of(verdict, findings, again, picture, before.measures.rmse_n, found.left_n, floor),
+        sentence=identified_sentence(given, place)
+        + (
+            unexplained_sentence(atlas, picture, errors[0], floor)
+            if verdict == "unexplained"
+            else sentence_of(verdict, findings, again, errors, found.left_n, floor)
+        ),
         mode=found.mode,
         rmse_n=before.measures.rmse_n,
-        force_rms_n=force,
+        force_rms_n=before.measures.force_rms_n,
         noise_floor_n=floor,
         findings=findings,
-        elements=elements,
-        ranking=judged_of(found, force),
+        elements=tuple(element for _, _, element, _ in ordered),
+        ranking=judged_of(found, before.measures.force_rms_n, {finding.effect for finding in findings}),
         untestable=found.untestable,
         moved=again.moved if again is not None and verdict == "parameters_changed" else (),
         rmse_refit_alone_n=again.rmse_n if again is not None else float("nan"),
         structure=picture,
-        improved=_improved(found),
-        signals=signals,
-        data=tuple(data_findings(before.model, [*fit, *unseen])),
-        fit=fit,
-        unseen=unseen,
+        improved=last.model,
+        signals=last.fit[0].signals,
+        data=tuple(data_findings(before.model, [*place.fit, *place.unseen])),
+        fit=place.fit,
+        unseen=place.unseen,
+        steps=tuple((finding, at) for _, finding, _, at in taken),
+        atlas=atlas,
+        identified=place if place is not given else None,
     )
-
-
-def _improved(found: Search) -> DamperModel:
-    """The model with the damper's findings; what belongs to the measurement chain is taken out again."""
-    model = found.model
-    for label in reversed(model.channel_effects):
-        if label not in found.rounds[0].null.model.channel_effects:
-            model = model.without(label)
-    return model

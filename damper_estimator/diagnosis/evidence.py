@@ -4,23 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import Null
-from damper_estimator.diagnosis.judge import Errors
+from damper_estimator.diagnosis.judge import Errors, Shown
+from damper_estimator.diagnosis.null import Null
 from damper_estimator.effects.contract import Effect
-from damper_estimator.numerics import rank_correlation
-from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, T, V, X
-
-_TELLING = 0.35  # correlation of ranks that is worth a word
-_LEAST_BLOCKS = 8
+from damper_estimator.signals.layout import V
 
 
-def evidence(null: Null, effect: Effect, without: Errors, with_it: Errors) -> str:
-    """How the effect shows, where it takes the error away, and with what that grows."""
+def evidence(null: Null, effect: Effect, without: Errors, with_it: Errors, tests: Sequence[Shown]) -> str:
+    """How the effect shows, where it takes the error away, and on what the error depends."""
     sentences = [_sentence(effect.shows)] if effect.shows else []
     sentences.append(_where(null, without, with_it))
-    grows = _grows(null, without, with_it)
-    if grows:
-        sentences.append(grows)
+    sentences.append(_depends(tests, effect))
     return " ".join(s for s in sentences if s)
 
 
@@ -55,53 +49,25 @@ def _where(null: Null, without: Errors, with_it: Errors) -> str:
     )
 
 
-def _grows(null: Null, without: Errors, with_it: Errors) -> str:
-    """With what the relative share of the explained error rises from second to second."""
-    blocks = null.scene.blocks
-    force = np.concatenate([own.target for own in null.scene.unseen])
-    power = np.bincount(blocks, force**2)
-    taken = np.bincount(blocks, without.unseen**2 - with_it.unseen**2)
-    moving = power > 0.02 * power.max()
-    if moving.sum() < _LEAST_BLOCKS:
+def _depends(tests: Sequence[Shown], effect: Effect) -> str:
+    """What the form-free tests say: on which variables the error depends."""
+    rows = sorted(tests, key=lambda test: test.error)
+    own = next((test for test in rows if test.test.name in effect.tests), None)
+    if own is None:
         return ""
-    share = taken[moving] / power[moving]
-    quantities = {name: values[moving] for name, values in _per_block(null, blocks).items()}
-    known = {name: rank_correlation(share, own) for name, own in quantities.items() if np.ptp(own) > 0.0}
-    up = [name for name, value in known.items() if value >= _TELLING]
-    flat = [name for name, value in known.items() if abs(value) < 0.5 * _TELLING]
-    down = [name for name, value in known.items() if value <= -_TELLING]
-    if not (up or down):
+    # A test that can imitate this one says nothing against it.
+    others = (t for t in rows if t.test.name not in effect.tests and own.test.name not in t.test.contains)
+    other = next(others, None)
+    if other is None:
         return ""
-    words = []
-    if up:
-        words.append(f"grows with {_listed(up)}")
-    if down:
-        words.append(f"falls with {_listed(down)}")
-    text = "Relative to the force it " + " and ".join(words)
-    return text + (f", not with {_listed(flat, 'or')}." if flat else ".")
+    return (
+        f"Without assuming a form, a dependence on {own.test.shows} explains {_percent(own)} of the squared error "
+        f"on unseen data; the best other one, on {other.test.shows}, {_percent(other)}."
+    )
 
 
-def _per_block(null: Null, blocks: np.ndarray) -> dict[str, np.ndarray]:
-    """Conditions by block: frequency of the motion, amplitude, acceleration, time, temperature, command."""
-    count = np.maximum(np.bincount(blocks), 1)
-
-    def mean(values: np.ndarray) -> np.ndarray:
-        return np.bincount(blocks, np.nan_to_num(values)) / count
-
-    x, v, a = _rows(null, X), _rows(null, V), _rows(null, A)
-    middle = mean(x)[blocks]
-    amplitude = np.sqrt(2.0 * mean((x - middle) ** 2))
-    speed = np.sqrt(mean(v**2))
-    quantities = {
-        "frequency": np.sqrt(mean(a**2)) / np.maximum(speed, 1e-9),
-        "amplitude": amplitude,
-        "time": mean(_rows(null, T)),
-    }
-    for name, row in (("temperature", TEMPERATURE), ("command", COMMAND)):
-        values = _rows(null, row)
-        if np.isfinite(values).any() and np.ptp(values[np.isfinite(values)]) > 0.0:
-            quantities[name] = mean(values)
-    return quantities
+def _percent(test: Shown) -> str:
+    return f"{100.0 * max(1.0 - test.left_unseen, 0.0):.0f} %"
 
 
 def _listed(names: Sequence[str], last: str = "and") -> str:
@@ -111,4 +77,8 @@ def _listed(names: Sequence[str], last: str = "and") -> str:
 def confirming(effect: Effect, tied: Sequence[str]) -> str:
     """The test that tells the effect from its look-alikes."""
     text = _sentence(effect.separate) if effect.separate else ""
-    return f"To tell it from {_listed(list(tied), 'or')}: {text[:1].lower()}{text[1:]}" if tied and text else text
+    return (
+        f"To tell it from {_listed([name.replace('_', ' ') for name in tied], 'or')}: {text[:1].lower()}{text[1:]}"
+        if tied and text
+        else text
+    )

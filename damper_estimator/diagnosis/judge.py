@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import Attempt, Null, first_order
+from damper_estimator.diagnosis.atlas_terms import Test
+from damper_estimator.diagnosis.attempt import Attempt
+from damper_estimator.diagnosis.null import Null, first_order
 from damper_estimator.diagnosis.scene import unweighted
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.numerics import block_draws
 
-PENALTY = 0.01  # of the error without the effect, per parameter
 LOW, HIGH = 5.0, 95.0  # percentiles
 
 
@@ -63,7 +65,44 @@ class Tally:
     @property
     def score(self) -> float:
         """Smaller is better."""
-        return self.error + PENALTY * self.attempt.size
+        return self.error + limits().penalty * self.attempt.size + limits().at_bound * bool(self.attempt.at_bound)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One form-free test, judged as the round judges.
+
+    Attributes:
+        size: number of its columns.
+        left: what is left after it.
+        gains: (replicates,) gain against the model without it.
+        left_unseen, left_fit: shares of the squared error without it that are left.
+    """
+
+    test: Test
+    size: int
+    left: Errors
+    gains: np.ndarray
+    left_unseen: float
+    left_fit: float
+
+    @property
+    def error(self) -> float:
+        """Share of the squared error that is left, geometric mean of both parts."""
+        return float(np.sqrt(self.left_unseen * self.left_fit))
+
+
+def shown(null: Null, mode: str) -> list[Shown]:
+    """Every test that the recordings allow, judged."""
+    without = nothing(null)[int(mode == "refit")]
+    drawn = block_draws(without.blocks.size)
+    base = (null.base_fit, null.base_unseen) if mode == "refit" else (null.base_fit[:, :0], null.base_unseen[:, :0])
+    judged = []
+    for one in null.tests:
+        columns = (np.hstack([null.found_fit, base[0], one.fit]), np.hstack([null.found_unseen, base[1], one.unseen]))
+        left = errors(null.scene.blocks, *first_order(null.residual_fit, columns[0], null.residual_unseen, columns[1]))
+        judged.append(Shown(one.test, one.fit.shape[1], left, gains(drawn, left, without), *_left(left, without)))
+    return judged
 
 
 def errors(blocks: np.ndarray, fit: np.ndarray, unseen: np.ndarray) -> Errors:

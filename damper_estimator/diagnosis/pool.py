@@ -4,8 +4,10 @@ import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
-from damper_estimator.diagnosis.attempt import Attempt, Null, attempt
+from damper_estimator.diagnosis.ahead import wait_for_loop
+from damper_estimator.diagnosis.attempt import Attempt, attempt
 from damper_estimator.diagnosis.candidates import Candidate
+from damper_estimator.diagnosis.null import Null
 
 _work: tuple[Null, Sequence[Candidate], float] | None = None  # what forked workers see without its being sent
 
@@ -23,6 +25,7 @@ def attempts(
         progress: is told how many are done; what it raises ends the work.
     """
     global _work
+    wait_for_loop()
     _ = null.frozen  # once, before the workers part
     # Compliances take longest, so they begin.
     order = sorted(range(len(candidates)), key=lambda i: candidates[i].effect.kind != "series")

@@ -5,18 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.diagnosis.judge import LOW, Errors, errors, gains, rmse
-from damper_estimator.diagnosis.ranking import GAIN, LEAST_FORCE, Round
+from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.restart import restarted
 from damper_estimator.diagnosis.result import Moved
 from damper_estimator.diagnosis.scene import Scene, force_rows, targets
 from damper_estimator.diagnosis.settle import settled
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.knots import with_knots_of
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
 from damper_estimator.numerics import block_draws
 
-_MOVED = 3.0  # standard errors
-_MOVED_SHARE = 0.05  # of the value
 _NOTABLE = 0.05  # of the error before
 _SURE = 0.8  # of the error: what derivatives promise beyond needs no other start
 _STILL_THERE = 0.25  # of the error: what effects take away after re-identification, where that was not enough
@@ -53,15 +52,14 @@ def reidentified(first: Round, stage: Scene) -> Reidentified:
         changed, gain = restarted(model, stage)
         start = changed if gain > promised else model
         promised = max(promised, gain)
-    if promised < 0.5 * GAIN:
+    if promised < 0.5 * limits().gain:
         return Reidentified(model, (), rmse(first.null, first.refitted), promised, False, phenomena)
     own = settled(start, [rows.measurement for rows in stage.fit], zero_free=True)
     left = errors(stage.blocks, first.null.residual_fit, force_rows(own, stage.unseen) - targets(stage.unseen))
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
     low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))
     worth = np.sqrt(max(rmse(first.null, first.kept) ** 2 - rmse(first.null, left) ** 2, 0.0))
-    force = float(np.sqrt(np.mean(targets(stage.unseen) ** 2)))
-    explains = gain >= GAIN and low > 0.0 and worth >= LEAST_FORCE * force
+    explains = gain >= limits().gain and low > 0.0 and worth >= limits().least_force * stage.force_rms
     return Reidentified(
         own, _moved(model, own), rmse(first.null, left), gain, explains and not _more(first, left), phenomena
     )
@@ -80,7 +78,7 @@ def _moved(before: DamperModel, after: DamperModel) -> tuple[Moved, ...]:
     moved = []
     for old, new in zip(with_knots_of(before, after).slots, after.slots, strict=True):
         change, error = abs(new.value - old.value), errors.get(new.address, float("nan"))
-        certain = not error > change / _MOVED
-        if certain and change > _MOVED_SHARE * max(abs(old.value), 1e-12):
+        certain = not error > change / limits().moved
+        if certain and change > limits().moved_share * max(abs(old.value), 1e-12):
             moved.append(Moved(old.address, old.parameter.unit, old.value, new.value, error))
     return tuple(moved)

@@ -5,13 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from damper_estimator.diagnosis.accepted import Accepted
+from damper_estimator.diagnosis.adopt import Standpoint
 from damper_estimator.diagnosis.attempt import Attempt
 from damper_estimator.diagnosis.evidence import confirming, evidence
 from damper_estimator.diagnosis.judge import HIGH, LOW, Errors, Tally, rmse
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.reidentify import Reidentified
-from damper_estimator.diagnosis.result import Finding, Judged, Judgement, Structure
-from damper_estimator.diagnosis.search import Accepted, Search
+from damper_estimator.diagnosis.result import AtlasRow, Finding, Judged, Judgement, Structure
+from damper_estimator.diagnosis.search import Search
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification import FittedParameter
 from damper_estimator.identification.rows import split
 from damper_estimator.model import Element
@@ -20,36 +23,55 @@ from damper_estimator.numerics import standard_errors
 _SHOWN = 0.05  # gain from which on it is kept what a candidate explains
 
 
-def finding_of(one: Accepted, floor: float, again: Reidentified | None) -> Finding:
-    """An accepted effect in words and numbers."""
+def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n: float, after_n: float) -> Finding:
+    """An accepted effect in words and numbers; ``before_n``, ``after_n`` are unseen errors without and with it."""
     effect = one.element.effect
     own = one.round
     gain, low, high = one.gain
     floor_square = floor**2 if np.isfinite(floor) else 0.0
-    explainable = max(one.before_n**2 - floor_square, 1e-12)
+    explainable = max(before_n**2 - floor_square, 1e-12)
     without = own.without
     with_it = own.left(one.tally)
     return Finding(
         effect=effect.name,
         phenomenon=effect.phenomenon,
         tied_with=one.tied,
-        rmse_before_n=one.before_n,
-        rmse_after_n=one.after_n,
-        share_of_explainable_error=float(np.clip((one.before_n**2 - one.after_n**2) / explainable, 0.0, 1.0)),
+        rmse_before_n=before_n,
+        rmse_after_n=after_n,
+        share_of_explainable_error=float(np.clip((before_n**2 - after_n**2) / explainable, 0.0, 1.0)),
         confidence=one.confidence,
         gain=gain,
         low=low,
         high=high,
-        evidence=evidence(own.null, effect, without, with_it),
+        evidence=evidence(own.null, effect, without, with_it, own.tests),
         test_to_separate=confirming(effect, one.tied),
         remark=_remark(one, again),
         parameters=parameters_of(one.element, one.tally.attempt, own),
         is_channel=effect.kind == "channel",
+        partner=one.partner,
     )
 
 
 def _remark(one: Accepted, again: Reidentified | None) -> str:
-    """Where kept and refitted parameters disagree."""
+    """What makes the finding suspect: parameters at a limit, and where kept and refitted parameters disagree."""
+    return " ".join(filter(None, (_at_a_limit(one), _acting_against(one) or _disagreement(one, again))))
+
+
+def _acting_against(one: Accepted) -> str:
+    if not one.partner:
+        return ""
+    return f"It acts against {one.partner.replace('_', ' ')}: each explains little alone, the errors are those of both."
+
+
+def _at_a_limit(one: Accepted) -> str:
+    bounded = [address.rpartition(".")[2].replace("_", " ") for address in one.tally.attempt.at_bound]
+    if not bounded:
+        return ""
+    verb = "lie at limits" if len(bounded) > 1 else "lies at a limit"
+    return f"{', '.join(bounded)} {verb} of what is physical: the effect's form is not quite that of this damper."
+
+
+def _disagreement(one: Accepted, again: Reidentified | None) -> str:
     if one.round.mode != "both":
         return ""
     if again is not None and again.enough:
@@ -95,10 +117,20 @@ def _standard_errors(attempt: Attempt, own: Round) -> np.ndarray:
     return standard_errors(split(rows, columns), split(rows, residual), rates) * attempt.sizes
 
 
-def judged_of(found: Search, force_rms: float) -> tuple[Judged, ...]:
-    """The first round's candidates, best first."""
+def atlas_of(own: Round) -> tuple[AtlasRow, ...]:
+    """What the form-free tests of one round say, the one that explains most first."""
+    rows = []
+    for test in own.tests:
+        low, high = np.percentile(test.gains, [LOW, HIGH])
+        known = {c.effect.phenomenon for c in own.candidates.values() if test.test.name in c.effect.tests}
+        name, shows, phenomena = test.test.name, test.test.shows, tuple(sorted(known))
+        rows.append(AtlasRow(name, phenomena, shows, 1.0 - test.left_unseen, float(low), float(high)))
+    return tuple(sorted(rows, key=lambda row: -row.explains))
+
+
+def judged_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[Judged, ...]:
+    """The first round's candidates, best first; ``accepted`` names those that lower the error."""
     own = found.rounds[0]
-    accepted = {one.element.effect.name for one in found.accepted}
     best = own.best
     order = sorted(own.tallies, key=lambda tally: tally is not best)
     rows = [_judged(own, tally, force_rms, accepted) for tally in order]
@@ -152,24 +184,34 @@ def _explains(own: Round, tally: Tally) -> tuple[np.ndarray, ...]:
     return tuple(parts)
 
 
+def identified_sentence(given: Standpoint, place: Standpoint) -> str:
+    """That the model was identified first, where it was."""
+    if place is given:
+        return ""
+    return (
+        "The model had no record of a fit and was identified first "
+        f"(unseen error {given.rmse_unseen_n:.3g} to {place.rmse_unseen_n:.3g} N). "
+    )
+
+
 def sentence_of(
     verdict: str,
     findings: Sequence[Finding],
     again: Reidentified | None,
-    picture: Structure | None,
-    rmse_n: float,
+    errors_n: tuple[float, float],
     left_n: float,
     floor_n: float,
 ) -> str:
-    """The verdict in one sentence.
+    """The verdict in one sentence; see ``unexplained_sentence`` for one of them.
 
     Args:
+        errors_n: unseen error as given, and with all findings, N.
         left_n: what is left without the gauge's zero and drift in each recording.
     """
+    rmse_n = errors_n[0]
     if verdict == "missing":
         names = " and ".join(_named(finding) for finding in findings)
-        last = findings[-1]
-        fall = f"from {findings[0].rmse_before_n:.3g} to {last.rmse_after_n:.3g} N"
+        fall = f"from {rmse_n:.3g} to {errors_n[1]:.3g} N"
         return f"Missing: {names}; with it the unseen error falls {fall}."
     if verdict == "parameters_changed":
         moved = ", ".join(m.name for m in again.moved[:4]) or "its parameters"
@@ -178,15 +220,29 @@ def sentence_of(
             f"Nothing is missing, but parameters changed ({moved}{like}): re-identifying them takes the unseen error "
             f"to {again.rmse_n:.3g} N."
         )
-    if verdict == "unexplained" and picture is None:
-        return (
-            f"No known effect accounts for the error of {rmse_n:.3g} N, {rmse_n / floor_n:.2g} times the noise, and it "
-            "follows nothing that was measured at the same instant: what happened before, or was not measured, counts."
-        )
-    if verdict == "unexplained":
-        return f"The error of {rmse_n:.3g} N has a structure that no known effect accounts for: {picture.words}."
     own = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
     return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{own}, noise makes {floor_n:.3g} N."
+
+
+def unexplained_sentence(atlas: Sequence[AtlasRow], picture: Structure | None, error_n: float, floor_n: float) -> str:
+    """What is known of an error that no effect accounts for: on what it depends, and where it is largest."""
+    first = atlas[0] if atlas else None
+    depends = ""
+    if first is not None and first.low >= limits().gain:
+        names = " or ".join(name.replace("_", " ") for name in first.phenomena)
+        like = f", as with {names} of a form that no effect has" if names else ""
+        depends = f" {100.0 * first.explains:.0f} % of its square depends on {first.shows}{like}."
+    if picture is not None:
+        return (
+            f"The error of {error_n:.3g} N has a structure that no known effect accounts for: {picture.words}.{depends}"
+        )
+    known = f"No known effect accounts for the error of {error_n:.3g} N, {error_n / floor_n:.2g} times the noise"
+    if depends:
+        return f"{known}.{depends}"
+    return (
+        f"{known}, and it follows nothing that was measured at the same instant: what happened before, or was not "
+        "measured, counts."
+    )
 
 
 def _named(finding: Finding) -> str:

@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from damper_estimator.diagnosis.adopt import Standpoint
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
@@ -68,11 +69,13 @@ class Finding:
         tied_with: other phenomena that these data cannot tell from it.
         rmse_before_n, rmse_after_n: on unseen data.
         share_of_explainable_error: (MSE before - MSE after) / (MSE before - floor^2).
-        confidence: share of the bootstrap's replicates in which the tied group comes first.
+        confidence: probability that what is missing is in the tied group.
         gain, low, high: as in ``Judgement``.
         evidence, test_to_separate: in words.
         remark: where kept and refitted parameters disagree, else "".
         is_channel: a mistake of the measurement chain: it goes to the signal map.
+        partner: phenomenon of another finding without which it explains little; the errors are then those before and
+            after both. "" where it explains something by itself.
     """
 
     effect: str
@@ -90,6 +93,7 @@ class Finding:
     remark: str
     parameters: tuple[FittedParameter, ...]
     is_channel: bool
+    partner: str = ""
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -126,11 +130,30 @@ class Structure:
 
 
 @dataclass(frozen=True)
+class AtlasRow:
+    """A form-free test of the error: how much of it follows some variables, whatever the form.
+
+    Attributes:
+        test, shows: its name, and the variables in words.
+        phenomena: that it stands for.
+        explains: share of the squared error on unseen data; may be negative.
+        low, high: 5 and 95 % of its block bootstrap.
+    """
+
+    test: str
+    phenomena: tuple[str, ...]
+    shows: str
+    explains: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """What is missing from a model, as far as these recordings tell.
 
     Attributes:
-        model: as given.
+        model: as given, or identified first where it had no record of a fit.
         verdict: one of ``VERDICTS``.
         sentence: the verdict in one sentence.
         mode: both, kept or refit.
@@ -142,10 +165,13 @@ class Diagnosis:
         moved: parameters that re-identification moves, where that is enough.
         rmse_refit_alone_n: unseen error after re-identifying what is there.
         structure: of what is left, where nothing accounts for it.
-        improved: the model with the damper's findings put in and refitted to first order.
+        improved: the model with the damper's findings put in, as ``steps`` ends.
         signals: the damper's entry of the signal map with mends of the measurement chain.
         data: mistakes of the recordings that show without candidates.
         fit, unseen: what was used for what.
+        steps: each finding with the model and its errors after it, in the order in which they are put in.
+        atlas: what the form-free tests say of the error of the model as given, the one that explains most first.
+        identified: the model after it was identified first, where it had no record of a fit; else None.
     """
 
     model: DamperModel
@@ -167,6 +193,9 @@ class Diagnosis:
     data: tuple[DataFinding, ...]
     fit: tuple[Measurement, ...]
     unseen: tuple[Measurement, ...]
+    steps: tuple[tuple[Finding, Standpoint], ...] = ()
+    atlas: tuple[AtlasRow, ...] = ()
+    identified: Standpoint | None = None
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -174,6 +203,7 @@ class Diagnosis:
             "verdict": self.verdict,
             "sentence": self.sentence,
             "mode": self.mode,
+            "identified_first": self.identified is not None,
             "rmse_n": self.rmse_n,
             "force_rms_n": self.force_rms_n,
             "noise_floor_n": self.noise_floor_n,
@@ -185,6 +215,7 @@ class Diagnosis:
             ],
             "parameters_moved": [asdict(moved) for moved in self.moved],
             "data_findings": [asdict(finding) for finding in self.data],
+            "atlas": [asdict(row) for row in self.atlas],
             "structure": None if self.structure is None else self.structure.words,
         }
 

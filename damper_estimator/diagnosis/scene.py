@@ -44,6 +44,11 @@ class Scene:
     ranges: Ranges
 
     @cached_property
+    def force_rms(self) -> float:
+        """Of the unseen rows, N."""
+        return float(np.sqrt(np.mean(targets(self.unseen) ** 2)))
+
+    @cached_property
     def with_zero(self) -> "Scene":
         """The same rows with the gauge's zero and drift in the comparison."""
         return replace(
@@ -103,7 +108,7 @@ def _rows(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[Rows
         for part in usable(model, measurement):
             whole = part == slice(0, len(measurement.kinematics))
             own = measurement if whole else measurement.part(part.start, part.stop)
-            rows.append(rows_of(own, weights(model, own), zero_free=True))
+            rows.append(rows_of(own, weights(model, own), zero_free=True).thinned())
     return tuple(own for own in rows if own.picks.size > 2)
 
 
@@ -117,14 +122,19 @@ def weights(model: DamperModel, measurement: Measurement) -> np.ndarray:
     displacement = np.nan_to_num(white_density(measurement.raw_displacement, own_rate))
     velocity = (2.0 * np.pi) ** 2 * displacement * band**3 / 3.0
     force = float(np.var(measurement.force[judged])) if judged.any() else 1.0
-    high, low = kinematics.block.copy(), kinematics.block.copy()
-    high[V] += _SLOPE_STEP
-    low[V] -= _SLOPE_STEP
-    slope = np.nan_to_num((model.force(high) - model.force(low)) / (2.0 * _SLOPE_STEP))
+    slope = slope_of(model, kinematics.block)
     floor = gauge + _FORM**2 * force
     noise = floor + np.minimum(slope**2 * velocity, _STEEPEST**2 * floor)
     weight = 1.0 / np.maximum(noise, 1e-12)
     return weight / (weight[judged].mean() if judged.any() else weight.mean())
+
+
+def slope_of(model: DamperModel, block: np.ndarray) -> np.ndarray:
+    """(n,) dF/dv of a model on a motion, N s/m; 0 where it has no force."""
+    high, low = block.copy(), block.copy()
+    high[V] += _SLOPE_STEP
+    low[V] -= _SLOPE_STEP
+    return np.nan_to_num((model.force(high) - model.force(low)) / (2.0 * _SLOPE_STEP))
 
 
 def _blocks(rows: Sequence[Rows]) -> np.ndarray:

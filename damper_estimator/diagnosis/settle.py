@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import near_derivatives, slot_size
+from damper_estimator.diagnosis.null import near_derivatives, slot_size
 from damper_estimator.diagnosis.scene import force_rows, targets, weights
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
@@ -102,4 +102,4 @@ def _recorded(
     named = {model.slots[i].address: float(error) for i, error in zip(kept, errors, strict=True)}
     measurements = [own.measurement for own in rows]
     rmse, _, _ = pooled_error(model, measurements)
-    return replace(model, fit=fit_record(measurements, rmse, named))
+    return replace(model, fit=fit_record(model, measurements, rmse, named))

@@ -5,8 +5,8 @@ from itertools import combinations
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import Null
 from damper_estimator.diagnosis.judge import LOW, Errors, gains
+from damper_estimator.diagnosis.null import Null
 from damper_estimator.diagnosis.result import Structure
 from damper_estimator.identification.rows import Rows
 from damper_estimator.numerics import block_draws

@@ -4,19 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from damper_estimator.diagnosis.accepted import Accepted
 from damper_estimator.diagnosis.judge import rmse
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import Structure
-from damper_estimator.diagnosis.search import Accepted, Search
+from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.structure import structure
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.model import DamperModel
 
-_STRUCTURED = 0.3  # of the squared error, what a picture of it must predict to be shown
-_NOTABLE = 0.03  # of the force's rms: smaller errors are left alone
-_ABOVE = 2.0  # times the noise floor, and what the model's own identification left: what has structure is told
-_FAR_ABOVE = 3.0  # the same, for what shows no structure over what was measured
-_MOST = 0.6  # of what there is to explain, by re-identification
-_BETTER = 0.75  # of the squared error that re-identification leaves
 _ENOUGH = 0.75  # of what re-identification explains, by one effect instead
 
 
@@ -35,12 +31,12 @@ def verdict_on(
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
-    own = max(floor, min(_residual_before(first.null.model), _NOTABLE * force_n))
-    if left > max(_NOTABLE * force_n, _ABOVE * own):
+    own = max(floor, min(_residual_before(first.null.model), limits().notable * force_n))
+    if left > max(limits().notable * force_n, limits().above * own):
         picture, gain, low = structure(first.null, first.kept)
-        if gain >= _STRUCTURED and low > 0.0:
+        if gain >= limits().structured and low > 0.0:
             return "unexplained", picture
-        if left > _FAR_ABOVE * own:
+        if left > limits().far_above * own:
             return "unexplained", None
     return "nothing_missing", None
 
@@ -50,7 +46,7 @@ def _enough(found: Search, again: Reidentified, floor: float) -> bool:
     first = found.rounds[0]
     before = rmse(first.null, first.kept)
     explainable = max(before**2 - floor**2, 1e-12)
-    return again.enough and before**2 - again.rmse_n**2 >= _MOST * explainable
+    return again.enough and before**2 - again.rmse_n**2 >= limits().refit_most * explainable
 
 
 def _residual_before(model: DamperModel) -> float:
@@ -64,7 +60,7 @@ def _more_telling(accepted: Sequence[Accepted], left_n: float, again: Reidentifi
     """
     if not accepted:
         return False
-    if left_n**2 < _BETTER * again.rmse_n**2:
+    if left_n**2 < limits().refit_better * again.rmse_n**2:
         return True
     first = accepted[0]
     effect = first.element.effect

@@ -1,4 +1,4 @@
-"""Use cases as functions: read, compare, fit, diagnose, improve, replay, characterize, tare, inspect, import, export.
+"""Use cases as functions: read, compare, fit, diagnose, improve, plan, replay, characterize, tare, inspect, export.
 
 Command line, studio, fleet and the public Python API are faces of these functions; none of them uses another one.
 What is here returns frozen results by damper and raises ``InputError`` for unusable input; it prints nothing. Names are
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from damper_estimator.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from damper_estimator.codegen import WrittenC, WrittenFmu
     from damper_estimator.workflows.characterization import (
         CharacterizationResults,
         DamperCharacterized,
@@ -34,7 +35,13 @@ if TYPE_CHECKING:
         output_paths,
         save_fit,
     )
-    from damper_estimator.workflows.importing import Imported, import_files
+    from damper_estimator.workflows.importing import (
+        Guessed,
+        Imported,
+        guess_files,
+        import_files,
+        import_guessed,
+    )
     from damper_estimator.workflows.improvement import (
         ImprovementResults,
         improve,
@@ -45,6 +52,7 @@ if TYPE_CHECKING:
     from damper_estimator.workflows.joint_fitting import CHANNELS, JointlyFitted, fit_jointly
     from damper_estimator.workflows.judging import Case, Judging, judging_of
     from damper_estimator.workflows.models import ModelLike, model_for, models_for
+    from damper_estimator.workflows.planning import RIG, PlanResults, plan
     from damper_estimator.workflows.reading import Reader, opened, read, signal_map_of
     from damper_estimator.workflows.recording import Recording, in_words, no_force
     from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, replay_bag, replay_to
@@ -54,6 +62,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CHANNELS",
+    "RIG",
     "Case",
     "CharacterizationResults",
     "ComparisonResults",
@@ -62,6 +71,7 @@ __all__ = [
     "DiagnosisResults",
     "FitOptions",
     "FitResults",
+    "Guessed",
     "Imported",
     "ImprovementResults",
     "Inspection",
@@ -69,6 +79,7 @@ __all__ = [
     "Judging",
     "ModelLike",
     "ModelsCompared",
+    "PlanResults",
     "Reader",
     "Recording",
     "ReplayOptions",
@@ -76,6 +87,8 @@ __all__ = [
     "ReplaySetup",
     "Tally",
     "Tare",
+    "WrittenC",
+    "WrittenFmu",
     "asked",
     "characterize",
     "compare",
@@ -85,7 +98,9 @@ __all__ = [
     "fit_jointly",
     "fit_record",
     "fit_with",
+    "guess_files",
     "import_files",
+    "import_guessed",
     "improve",
     "improve_case",
     "improvement_record",
@@ -98,6 +113,7 @@ __all__ = [
     "opened",
     "output_paths",
     "page_title",
+    "plan",
     "read",
     "replay",
     "replay_bag",

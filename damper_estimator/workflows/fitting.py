@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
+from damper_estimator.diagnosis import with_misfit
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.identification import Fit, FittedParameter, Front, Wishes
@@ -176,6 +177,7 @@ def fit_with(recording: Recording, model: ModelLike, options: FitOptions, tell: 
             start, measurements, options.free, options.fix, options.method, options.seed,
             wishes=options.wishes(tell), limits=options.limits,
         )  # fmt: skip
+        fitted = replace(fitted, model=with_misfit(fitted.model, measurements))
         found[damper] = ModelFitted(start, fitted, measurements)
     return FitResults({"bags": list(recording.names), "model": model_name(model)}, found)
 

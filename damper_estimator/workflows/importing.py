@@ -9,7 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings import Part, load_column_maps, planned_paths, read_parts, write_part
+from damper_estimator.files import write_text
+from damper_estimator.recordings import (
+    Guess,
+    Part,
+    column_map_of,
+    guess_columns,
+    load_column_maps,
+    planned_paths,
+    read_parts,
+    write_part,
+)
+from damper_estimator.report import import_page
 
 
 @dataclass(frozen=True)
@@ -62,6 +73,67 @@ def import_files(
         tell(f"{path}: {len(found)} part{'s' if len(found) > 1 else ''}")
         parts += found
         templates += [rules.name] * len(found)
+    return _written(parts, templates, output)
+
+
+@dataclass(frozen=True)
+class Guessed:
+    """A bench file whose column map was guessed.
+
+    Attributes:
+        columns, page: files with the map and its preview.
+        parts: as read by the guessed map; none where it cannot be read.
+    """
+
+    guess: Guess
+    columns: Path
+    page: Path
+    parts: tuple[Part, ...]
+
+
+def guess_files(paths: Sequence[Path], output: Path) -> tuple[Guessed, ...]:
+    """Guesses the column map of each file and writes it beside ``output``, with a page that shows what it makes of it.
+
+    Raises:
+        InputError: for files that cannot be read, and where nothing can be written.
+    """
+    folder = output.parent if output.suffix == ".mcap" else output
+    _make_folder(output)
+    found = []
+    for path in paths:
+        guess = guess_columns(path)
+        parts = _readable(guess)
+        columns, page = (folder / f"{path.stem}_{name}" for name in ("columns.yaml", "preview.html"))
+        write_text(columns, guess.map_text())
+        write_text(page, import_page(guess, parts))
+        found.append(Guessed(guess, columns, page, parts))
+    return tuple(found)
+
+
+def import_guessed(guessed: Sequence[Guessed], output: Path) -> tuple[Imported, ...]:
+    """Writes the recordings of guessed files.
+
+    Raises:
+        InputError: where a guess has doubts, names the map that is to be corrected; and where nothing can be written.
+    """
+    doubted = [own for own in guessed if own.guess.doubts]
+    if doubted:
+        first = doubted[0]
+        what = "; ".join(first.guess.doubts)
+        remedy = f"look at {first.page}, correct {first.columns}, and import with --columns {first.columns}"
+        raise InputError(f"{first.guess.path}: not imported: {what}; {remedy}")
+    parts = [part for own in guessed for part in own.parts]
+    return _written(parts, [None] * len(parts), output)
+
+
+def _readable(guess: Guess) -> tuple[Part, ...]:
+    try:
+        return tuple(read_parts(guess.path, column_map_of(guess.content(), str(guess.path))))
+    except InputError:
+        return ()
+
+
+def _written(parts: list[Part], templates: list[str | None], output: Path) -> tuple[Imported, ...]:
     targets = planned_paths(parts, templates, output)
     _make_folder(output)
     for part, path in zip(parts, targets, strict=True):

@@ -4,16 +4,9 @@ import numpy as np
 import pytest
 from faults import changed, halves
 
-from damper_estimator.diagnosis.attempt import (
-    attempt,
-    derivatives,
-    first_order,
-    near_derivatives,
-    null,
-    sketch,
-    slot_size,
-)
+from damper_estimator.diagnosis.attempt import attempt, sketch
 from damper_estimator.diagnosis.candidates import candidates
+from damper_estimator.diagnosis.null import derivatives, first_order, near_derivatives, null, slot_size
 from damper_estimator.diagnosis.pool import attempts
 from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.diagnosis.report import parameters_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.cli.main import main
-from damper_estimator.diagnosis.attempt import null
+from damper_estimator.diagnosis.null import null
 from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.scene import scene

@@ -1,0 +1,105 @@
+"""Puts a finding into the model, or into the signal map, and says what that gives on unseen data.
+
+``diagnose`` promises these numbers, ``improve`` and the studio deliver them: they all come from here.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from damper_estimator.diagnosis.mend import mended, mended_signals
+from damper_estimator.diagnosis.settle import settled
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.errors import InputError
+from damper_estimator.identification import fit as identify
+from damper_estimator.identification import pooled_error
+from damper_estimator.model import DamperModel, Element
+from damper_estimator.signals import Measurement
+
+_DELIVERED = 0.5  # of what a finding promises
+
+
+@dataclass(frozen=True)
+class Standpoint:
+    """A model with its recordings, between two steps.
+
+    Attributes:
+        fit, unseen: recordings, read with the signal map as it is now.
+        added: effects that were added, in order.
+        note: how the model was identified, where that is not the ordinary way.
+    """
+
+    model: DamperModel
+    fit: tuple[Measurement, ...]
+    unseen: tuple[Measurement, ...]
+    rmse_fit_n: float
+    rmse_unseen_n: float
+    added: tuple[str, ...] = ()
+    note: str = ""
+
+    def with_model(self, model: DamperModel, note: str = "") -> "Standpoint":
+        """Another model on the same recordings."""
+        errors = pooled_error(model, self.fit)[0], pooled_error(model, self.unseen)[0]
+        return replace(self, model=model, rmse_fit_n=errors[0], rmse_unseen_n=errors[1], note=note)
+
+    def delivers(self, promised: float, before: "Standpoint") -> bool:
+        """Whether the mean squared error (N^2) falls by a good part of what was promised, or by as much as an effect
+        must explain to be found."""
+        fall = before.rmse_unseen_n**2 - self.rmse_unseen_n**2
+        return fall > 0.0 and fall >= min(_DELIVERED * promised, limits().gain * before.rmse_unseen_n**2)
+
+    def better_than(self, other: "Standpoint") -> bool:
+        """Whether the unseen error is lower by a share that counts."""
+        return self.rmse_unseen_n < (1.0 - limits().least_fall) * other.rmse_unseen_n
+
+
+def standpoint(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> Standpoint:
+    """The model as given."""
+    return Standpoint(model, tuple(fit), tuple(unseen), 0.0, 0.0).with_model(model)
+
+
+def identified_first(place: Standpoint, mode: str) -> Standpoint:
+    """A model from the library without a record of a fit says nothing of this damper: it is identified before its error
+    is read. With mode ``kept``, and where it cannot be identified, it stays as it is.
+    """
+    if place.model.fit or mode == "kept":
+        return place
+    try:
+        model = identify(place.model, place.fit).model
+    except InputError:
+        return place
+    return place.with_model(model, "the model had no record of a fit")
+
+
+def adopted(before: Standpoint, element: Element, mode: str, promised: float) -> Standpoint:
+    """With a finding in its place: a fault of the measurement chain in the signal map, an effect in the model.
+
+    All parameters are identified together; if those of added effects alone do better on unseen data (what fits one
+    drive may spoil parameters that were right for all), the others are kept. With mode ``kept`` they always are.
+
+    Args:
+        promised: N^2, by how much the search says that the mean squared error on unseen data falls.
+    """
+    if element.effect.mend is not None:
+        signals = mended_signals(before.fit[0].signals, element)
+        fit, unseen = (tuple(mended(m, signals) for m in group) for group in (before.fit, before.unseen))
+        return replace(before, fit=fit, unseen=unseen).with_model(before.model, "goes to the signal map")
+    name = element.effect.name
+    after = replace(before, added=(*before.added, name))
+    changed = before.model.with_effect(element)
+    found = []
+    if mode != "kept":
+        found.append(after.with_model(identified(after, changed)))
+    if mode != "refit" and not (found and found[0].delivers(promised, before)):
+        found.append(after.with_model(identified(after, changed, keep=True), "the other parameters are kept"))
+    return min(found, key=lambda one: one.rmse_unseen_n)
+
+
+def identified(place: Standpoint, model: DamperModel, keep: bool = False) -> DamperModel:
+    """The model identified from its values; with ``keep`` only the parameters of added effects."""
+    if keep and not place.added:
+        return model
+    choice: dict[str, Sequence[str]] = {"fix": ["*"], "free": list(place.added)} if keep else {}
+    try:
+        return settled(model, place.fit, **choice)
+    except InputError:
+        return model

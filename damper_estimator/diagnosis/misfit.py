@@ -1,0 +1,147 @@
+"""What a model already got wrong when it was identified, without assuming a form, kept in its record of the fit.
+
+A model that lacks the oil's compressibility errs on every recording in the same way. Without knowing that, whatever
+changes later is looked for beneath an error that is no news. The joint solution of the atlas's tests on the recordings
+of the identification predicts the old error on new ones:
+
+    F_measured - F_model ~ sum_k c_k term_k(x, v, a, F_model)
+
+It is kept only if it predicts the last part of those recordings from the first, and it never becomes part of the model.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from damper_estimator.diagnosis.atlas_terms import TESTS, Columns, View, view_of
+from damper_estimator.diagnosis.scene import ranges_of, targets, weights
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.effects.trial import Ranges
+from damper_estimator.identification import rows_of, usable
+from damper_estimator.identification.rows import Rows, excerpts
+from damper_estimator.model import DamperModel
+from damper_estimator.numerics import normal_equations
+from damper_estimator.signals import Measurement
+
+_KEPT = ("curve", "friction step", "travel", "shift", "series", "lags", "history")
+_FIRST = 0.6  # of each recording
+_DIGITS = 5
+_SAMPLES = 100_000  # of long recordings, in excerpts
+_EXCERPT = 20.0  # s
+KEY = "misfit"
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """Coefficients of the tests in N per unit of their columns, and the ranges that lay the columns out."""
+
+    ranges: Ranges
+    coefficients: Mapping[str, tuple[float, ...]]
+
+    def force(self, model: DamperModel, measurement: Measurement) -> np.ndarray:
+        """(n,) N, by how much the measured force is predicted to differ from the model's."""
+        view = view_of(model, measurement, self.ranges)
+        total = np.zeros(len(measurement.kinematics))
+        for test in _tests():
+            for column, coefficient in zip(test.columns(view), self.coefficients.get(test.name, ()), strict=True):
+                total += coefficient * column
+        return total
+
+    def record(self) -> dict[str, object]:
+        """For the model file."""
+        return {
+            "compression": _rounded(self.ranges.compression),
+            "extension": _rounded(self.ranges.extension),
+            "speed": _rounded(self.ranges.speed),
+            "newtons": {name: [_rounded(c) for c in values] for name, values in self.coefficients.items()},
+        }
+
+
+def misfit_of(record: Mapping[str, Any]) -> Misfit | None:
+    """What a model's record of its fit holds; None where it holds nothing of the kind, or something else."""
+    kept = record.get(KEY)
+    try:
+        coefficients = {str(name): tuple(float(c) for c in own) for name, own in kept["newtons"].items()}
+        ranges = _ranges(*(float(kept[name]) for name in ("compression", "extension", "speed")))
+    except (TypeError, KeyError, ValueError, AttributeError):
+        return None
+    return Misfit(ranges, coefficients)
+
+
+def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
+    """The model with what it gets wrong on the recordings of its identification in its record."""
+    record = {name: value for name, value in model.fit.items() if name != KEY}
+    found = found_misfit(model, measurements)
+    return replace(model, fit=record | ({KEY: found.record()} if found else {}))
+
+
+def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Misfit | None:
+    """What a model gets wrong on recordings, where that predicts their last part from the first; else None."""
+    whole = [m.part(part.start, part.stop) for m in measurements for part in usable(model, m)]
+    total = sum(len(m.kinematics) for m in whole)
+    parts = [
+        m.part(p.start, p.stop)
+        for m in whole
+        for p in excerpts(m, max(round(_SAMPLES * len(m.kinematics) / total), 1), _EXCERPT)
+    ]
+    rows = [rows_of(m, weights(model, m), zero_free=True) for m in parts]
+    rows = [own for own in rows if own.picks.size > 100]
+    if not rows:
+        return None
+    ranges = ranges_of([own.measurement for own in rows])
+    first = [own.part(slice(0, round(_FIRST * len(own.measurement.kinematics)))) for own in rows]
+    last = [own.part(slice(round(_FIRST * len(own.measurement.kinematics)), None)) for own in rows]
+    columns, missing = _system(model, first, ranges)
+    solution = _solved(columns, missing, first)
+    columns, missing = _system(model, last, ranges)
+    if float(np.sum((missing - columns @ solution) ** 2)) > (1.0 - limits().predicts) * float(np.sum(missing**2)):
+        return None
+    columns, missing = _system(model, rows, ranges)
+    solution = _solved(columns, missing, rows)
+    view = view_of(model, rows[0].measurement, ranges)
+    sizes = [len(test.columns(view)) for test in _tests()]
+    each = np.split(solution, np.cumsum(sizes)[:-1])
+    return Misfit(ranges, {test.name: tuple(own.tolist()) for test, own in zip(_tests(), each, strict=True)})
+
+
+def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
+    """The measurement less what the model is known to get wrong: what is left to explain is news."""
+    known = misfit_of(model.fit)
+    if known is None or measurement.force is None:
+        return measurement
+    return replace(measurement, force=measurement.force - known.force(model, measurement))
+
+
+def _tests():
+    return [test for test in TESTS if test.name in _KEPT]
+
+
+def _system(model: DamperModel, rows: Sequence[Rows], ranges: Ranges) -> tuple[np.ndarray, np.ndarray]:
+    """(r, k) columns of all tests and (r,) the force that the model lacks."""
+    columns, missing = [], []
+    for own in rows:
+        view: View = view_of(model, own.measurement, ranges)
+        terms: Columns = [column for test in _tests() for column in test.columns(view)]
+        columns.append(np.stack([own.of(column) for column in terms], axis=1))
+        missing.append(own.target - own.of(np.nan_to_num(model.force(own.measurement.kinematics.block))))
+    return np.concatenate(columns), np.concatenate(missing)
+
+
+def _solved(columns: np.ndarray, missing: np.ndarray, rows: Sequence[Rows]) -> np.ndarray:
+    """(k,) coefficients; each column's share is held to the order of the force."""
+    scale = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.where(scale > 1e-9 * scale.max(), scale, np.inf)
+    normal, right = normal_equations(columns / scale, missing)
+    power = max(float(np.mean(targets(rows) ** 2)), 1e-300)
+    normal[np.diag_indices_from(normal)] += float(np.mean(missing**2)) / power * missing.size**0.5 + 1e-12
+    return np.linalg.solve(normal, right) / scale
+
+
+def _ranges(compression: float, extension: float, speed: float) -> Ranges:
+    return Ranges(compression, extension, speed, acceleration=1.0, force=1.0, seconds=1.0)
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")

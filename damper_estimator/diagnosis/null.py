@@ -1,0 +1,157 @@
+"""The model as it stands, before an effect is tried: its error, derivatives and form-free tests on both parts.
+
+What a common refit would do is told to first order, from the derivatives of the force by the model's parameters: cheap
+enough for every candidate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from damper_estimator.diagnosis.atlas import Terms, terms
+from damper_estimator.diagnosis.candidates import Candidate
+from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
+from damper_estimator.diagnosis.scene import Scene, force_rows, targets
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.identification.rows import Rows
+from damper_estimator.model import DamperModel
+from damper_estimator.model.element import labels, walk
+from damper_estimator.numerics import ROUGH, damped_step, stepped
+
+_HELD = 0.3  # of its size a parameter may move in a first-order refit before it is held back
+
+
+@dataclass(frozen=True)
+class Null:
+    """The model as it stands, on both parts of the scene.
+
+    Attributes:
+        residual_fit, residual_unseen: (r,) rows, modelled less measured.
+        base_fit, base_unseen: (r, p) derivatives by the model's parameters, each times the parameter's size.
+        found_fit, found_unseen: (r, f) the same by parameters of effects found before.
+    """
+
+    model: DamperModel
+    scene: Scene
+    residual_fit: np.ndarray
+    residual_unseen: np.ndarray
+    base_fit: np.ndarray
+    base_unseen: np.ndarray
+    found_fit: np.ndarray
+    found_unseen: np.ndarray
+
+    @cached_property
+    def frozen(self) -> tuple[DamperModel, Scene]:
+        """The model as one recorded force, with the scene that carries it."""
+        rows = {name: frozen_rows(self.model, getattr(self.scene, name)) for name in ("fit", "unseen")}
+        return frozen_model(self.model), replace(self.scene, **rows)
+
+    @cached_property
+    def tests(self) -> list[Terms]:
+        """The form-free tests that the recordings allow."""
+        return terms(self.model, self.scene)
+
+    @cached_property
+    def yields(self) -> bool:
+        """Whether there is a compliance in the model, so that running it is slow."""
+        return any(element.effect.kind == "series" for element in walk(self.model.effects))
+
+    @cached_property
+    def hints(self) -> dict[str, float]:
+        """By form-free test, the share of the squared error that it explains on the fitted rows, with the model's
+        parameters kept or refitted, whichever is more.
+        """
+        found: dict[str, float] = {}
+        for base in (self.base_fit[:, :0], self.base_fit):
+            known = np.hstack([self.found_fit, base])
+            before = _left(self.residual_fit, known)
+            for one in self.tests:
+                gain = 1.0 - _left(self.residual_fit, np.hstack([known, one.fit])) / max(before, 1e-300)
+                found[one.test.name] = max(gain, found.get(one.test.name, 0.0))
+        return found
+
+    def speaks_for(self, candidate: Candidate) -> bool:
+        """Whether one of the candidate's form-free tests explains enough for it to be tried; true without any."""
+        told = [self.hints[name] for name in candidate.effect.tests if name in self.hints]
+        return not told or max(told) >= limits().hint
+
+    def stage(self, kind: str) -> tuple[DamperModel, Scene]:
+        """The model and scene on which an effect of a kind is tried: what acts behind the model need not run it."""
+        behind = kind in ("modifier", "channel") or (kind == "source" and self.yields)
+        return self.frozen if behind else (self.model, self.scene)
+
+
+def null(model: DamperModel, scene: Scene, found: Sequence[int] = (), base: Sequence[int] | None = None) -> Null:
+    """The model on the scene.
+
+    Args:
+        found: positions in its slots of parameters that are never kept.
+        base: positions of those that a refit moves; all others that are free where left out.
+    """
+    if base is None:
+        base = [i for i, slot in enumerate(model.slots) if i not in found and not slot.fixed]
+    fit, unseen = force_rows(model, scene.fit), force_rows(model, scene.unseen)
+    return Null(
+        model,
+        scene,
+        fit - targets(scene.fit),
+        unseen - targets(scene.unseen),
+        near_derivatives(model, scene.fit, base, fit),
+        near_derivatives(model, scene.unseen, base, unseen),
+        derivatives(model, scene.fit, found, fit),
+        derivatives(model, scene.unseen, found, unseen),
+    )
+
+
+def derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], force: np.ndarray) -> np.ndarray:
+    """(r, k) derivatives of the force rows by parameters, times the parameters' sizes."""
+    columns = np.zeros((force.size, len(slots)))
+    vector = np.array([slot.value for slot in model.slots])
+    for k, i in enumerate(slots):
+        slot = model.slots[i]
+        size = slot_size(slot)
+        changed, step = stepped(vector, i, size, slot.parameter.lower, slot.parameter.upper, ROUGH)
+        columns[:, k] = np.nan_to_num((force_rows(model.with_vector(changed), rows) - force) * (size / step))
+    return columns
+
+
+def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], force: np.ndarray) -> np.ndarray:
+    """(r, k) derivatives by parameters times their sizes; those of a compliance's path as if it were rigid."""
+    rigid, origin = model, list(range(len(model.slots)))
+    while compliances := [label for label, e in labels(rigid.effects) if e.effect.kind == "series"]:
+        own = [slot.address.rpartition(".")[0] == compliances[0] for slot in rigid.slots]
+        origin = [i for i, inside in zip(origin, own, strict=True) if not inside]
+        rigid = rigid.without(compliances[0])
+    if rigid is model or not slots:
+        return derivatives(model, rows, slots, force)
+    columns = np.zeros((force.size, len(slots)))
+    stiff = [k for k, i in enumerate(slots) if i not in origin]
+    inner = [k for k, i in enumerate(slots) if i in origin]
+    columns[:, stiff] = derivatives(model, rows, [slots[k] for k in stiff], force)
+    columns[:, inner] = derivatives(rigid, rows, [origin.index(slots[k]) for k in inner], force_rows(rigid, rows))
+    return columns
+
+
+def slot_size(slot) -> float:
+    """How much of a parameter is much."""
+    declared = slot.parameter
+    return max(abs(slot.value), abs(declared.default), 1e-3 * min(declared.upper - declared.lower, 1e3))
+
+
+def _left(residual: np.ndarray, columns: np.ndarray) -> float:
+    return float(np.sum(first_order(residual, columns, residual[:0], columns[:0])[0] ** 2))
+
+
+def first_order(
+    residual: np.ndarray, columns: np.ndarray, residual_unseen: np.ndarray, columns_unseen: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (r,) of both parts after a linear refit by ``columns`` (r, k), each in sizes of its parameter.
+
+    A parameter that has to move by much more than a share of its size is held back: beyond, derivatives say little.
+    """
+    if not columns.shape[1]:
+        return residual, residual_unseen
+    step = damped_step(columns, residual, _HELD)
+    return residual + columns @ step, residual_unseen + columns_unseen @ step

@@ -1,0 +1,162 @@
+"""Every number that a diagnosis decides by, in one place: what it decides, and why it has this value.
+
+Numerical settings (iterations, steps, knots) are no decisions; they stay where they are used.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, fields, replace
+
+
+def _threshold(value: float, unit: str, decides: str, reason: str) -> float:
+    return field(default=value, metadata={"unit": unit, "decides": decides, "reason": reason})
+
+
+_SQUARE = "share of the squared error"
+_FORCE = "share of the force's rms"
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What decisions turn on."""
+
+    gain: float = _threshold(
+        0.25,
+        _SQUARE,
+        "an effect must explain it on unseen data to be found",
+        "errors of good recordings differ by up to a factor of two",
+    )
+    least_force: float = _threshold(
+        0.015, _FORCE, "an effect must be worth it", "gauges of this kind are calibrated to 1 or 2 %"
+    )
+    penalty: float = _threshold(
+        0.01, _SQUARE, "what an effect must explain more per parameter", "settles nested effects on unseen data"
+    )
+    at_bound: float = _threshold(
+        0.02, _SQUARE, "what an effect with a parameter at a limit must explain more", "it is not quite itself there"
+    )
+    form_free_margin: float = _threshold(
+        0.02, _SQUARE, "what a form-free test must explain more than an effect", "effects say more where both fit"
+    )
+    form_free_penalty: float = _threshold(
+        0.001, _SQUARE, "what a test must explain more per column", "columns found on some minutes of road cost little"
+    )
+    form: float = _threshold(
+        0.5,
+        "share of what the test explains",
+        "an effect must explain it for its test to count",
+        "a test that hardly resembles any effect of its phenomenon shows something else",
+    )
+    general_margin: float = _threshold(
+        0.05, _SQUARE, "what a general effect must explain more than a specific one", "it can take any shape"
+    )
+    own: float = _threshold(
+        0.2,
+        "share of what the simpler explanation leaves",
+        "what goes beyond it",
+        "tests that imitate each other differ by less in simulated dampers of other physics",
+    )
+    sharpness: float = _threshold(
+        6.0,
+        "1",
+        "how fast probability falls with the error that is left",
+        "the reliability diagram of the bench (make bench-diagnosis)",
+    )
+    tied: float = _threshold(0.1, "probability", "another phenomenon is a tie", "one wrong name in ten is too many")
+    hint: float = _threshold(
+        0.1, _SQUARE, "effects of a phenomenon whose tests explain less are not tried", "less than half of gain"
+    )
+    accounted: float = _threshold(
+        0.9, _SQUARE, "the old error of the model is set aside only if at most this is left", "else it predicts nothing"
+    )
+    predicts: float = _threshold(
+        0.2,
+        _SQUARE,
+        "the old error is kept with a model if its first part predicts the last by this much",
+        "less is noise of the identification",
+    )
+    least_fall: float = _threshold(
+        0.02, "share of the unseen error", "a step must bring it", "smaller changes differ from recording to recording"
+    )
+    needless: float = _threshold(
+        0.01, "share of the unseen error", "an effect without which it grows by less is taken out", "half of least_fall"
+    )
+    poor: float = _threshold(
+        0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
+    )
+    usual: float = _threshold(
+        0.5,
+        "share of the error",
+        "where identification left more, the parameters have no standing",
+        "the model was never much better",
+    )
+    pair: float = _threshold(
+        0.5,
+        "share of what the best single effect leaves",
+        "two effects together must leave less to be preferred to it",
+        "twice as good is more than a second parameter gives a wrong form",
+    )
+    second: float = _threshold(
+        0.05,
+        "share of what the first finding explained",
+        "a later finding must explain it",
+        "less is a flaw of the first one's form",
+    )
+    notable: float = _threshold(0.03, _FORCE, "smaller errors are left alone", "twice what an effect must be worth")
+    above: float = _threshold(
+        2.0,
+        "times the noise floor",
+        "an error with structure above it is unexplained",
+        "the floor itself is known to some ten percent",
+    )
+    far_above: float = _threshold(
+        3.0, "times the noise floor", "an error without structure above it is unexplained", "model form leaves as much"
+    )
+    structured: float = _threshold(
+        0.3, _SQUARE, "a picture must predict it on unseen data to be shown", "as for an effect"
+    )
+    refit_most: float = _threshold(
+        0.6,
+        "share of the explainable squared error",
+        "re-identification must take it to be enough",
+        "what is left is not larger than what was taken",
+    )
+    refit_better: float = _threshold(
+        0.75,
+        "share of the squared error after re-identification",
+        "new effects that leave less say more than it",
+        "a quarter better, as for an effect",
+    )
+    moved: float = _threshold(
+        3.0, "standard errors", "a parameter must move by it to be named", "one in 400 moves so far by chance"
+    )
+    moved_share: float = _threshold(0.05, "share of the value", "and by this much", "smaller changes matter to nobody")
+
+
+_DEFAULT = Thresholds()
+_in_force: ContextVar[Thresholds] = ContextVar("thresholds", default=_DEFAULT)
+
+
+def limits() -> Thresholds:
+    """The thresholds that are in force."""
+    return _in_force.get()
+
+
+@contextmanager
+def using(**values: float) -> Iterator[Thresholds]:
+    """Other values for as long as the context lasts, to see how sensitive verdicts are: ``with using(gain=0.3):``.
+
+    Raises:
+        TypeError: for a name that is none.
+    """
+    token = _in_force.set(replace(limits(), **values))
+    try:
+        yield limits()
+    finally:
+        _in_force.reset(token)
+
+
+def documented() -> list[dict[str, object]]:
+    """A row for each: name, value, unit, what it decides, reason."""
+    return [{"name": one.name, "value": getattr(limits(), one.name), **one.metadata} for one in fields(Thresholds)]

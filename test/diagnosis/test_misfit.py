@@ -1,0 +1,63 @@
+"""What a model already got wrong when it was identified is no news."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from faults import changed, halves
+
+from damper_estimator.diagnosis import diagnose, with_misfit
+from damper_estimator.diagnosis.misfit import KEY, misfit_of, without_misfit
+from damper_estimator.identification import fit
+from damper_estimator.model import load_model, parse_model
+from damper_estimator.model.files import model_yaml
+
+
+@pytest.fixture(scope="module")
+def rough(base):
+    """A straight line for a damper with a curve, gas, friction and soft oil, and the recording it was made on."""
+    first, other = halves(base)
+    model = fit(load_model("linear_viscous"), [first], starts=1).model
+    return with_misfit(model, [first]), first, other
+
+
+def error(model, measurement):
+    left = measurement.in_band(model.force(measurement.kinematics.block) - measurement.force)
+    return float(np.std(left[measurement.judged]))
+
+
+def test_the_old_error_is_predicted_on_a_recording_that_was_not_seen(rough):
+    model, _, other = rough
+    assert error(model, without_misfit(model, other)) < 0.3 * error(model, other)
+
+
+def test_it_survives_the_model_file(rough):
+    import yaml
+
+    model, _, other = rough
+    again = parse_model(yaml.safe_load(model_yaml(model)), model.name)
+    first, second = (without_misfit(one, other).force for one in (model, again))
+    np.testing.assert_allclose(first, second, rtol=1e-4, atol=1e-3)
+
+
+def test_a_model_that_errs_by_noise_only_keeps_nothing(user_model, base):
+    block = base.kinematics.block
+    noise = np.random.default_rng(3).normal(0.0, 20.0, block.shape[1])
+    noisy = replace(base, force=user_model.force(block) + noise)
+    assert KEY not in with_misfit(user_model, [noisy]).fit
+
+
+@pytest.mark.parametrize("broken", [None, 3, {}, {"newtons": {"curve": ["x"]}}, {"newtons": {}, "speed": 1.0}])
+def test_a_record_that_is_something_else_counts_as_none(user_model, broken):
+    assert misfit_of({KEY: broken}) is None
+
+
+def test_what_came_since_is_found_beneath_a_larger_old_error(rough):
+    """The straight line errs by more than is hidden, and in other ways."""
+    model, _, other = rough
+    fitted, unseen = halves(changed(other, lambda k: 1.2 * k.acceleration))
+    hidden = float(np.std(other.in_band(1.2 * other.kinematics.acceleration)))
+    assert error(model, other) > 2.0 * hidden
+    found = diagnose(model, [fitted], [unseen])
+    assert found.verdict == "missing"
+    assert found.findings[0].phenomenon == "inertia"
