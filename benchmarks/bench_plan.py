@@ -1,0 +1,147 @@
+"""Does a planned test break the ties that a diagnosis leaves, as often as it says?
+
+    python benchmarks/bench_plan.py --ties 6                 # until six ties were judged; goes on where it stopped
+    python benchmarks/bench_plan.py --seed 7 --ties 60 --workers 2
+
+Dampers, effects, drives, sensors and users' models are drawn at random (benchmarks/population). Where a diagnosis of
+one recording ends in a tie that holds the truth, a test is planned on a servo-hydraulic rig, driven on the plant with
+the effect and diagnosed together with the old recording; so is a random road of the same length. Where the plan says
+that nothing within the limits separates, several random roads are tried. Every case runs in a process of its own, one
+line in OUT/SEED/results.jsonl.
+"""
+
+import argparse
+import json
+import resource
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from itertools import islice
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from page_tables import write_tables
+from population.cases import Card, deck
+from population.scoring import wilson
+
+OUT = Path("out/plan")
+BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
+Record = dict[str, Any]
+
+
+def judged(card: Card, seed: int, folder: Path, random_drives: int, limit: float) -> Record:
+    """The record of one card; what fails is a record as well."""
+    resource.setrlimit(resource.RLIMIT_CPU, (round(limit), round(limit) + 60))
+    from population.ties import record
+
+    try:
+        return record(card, seed, folder, random_drives)
+    except Exception as fault:  # a broken case is counted, and must not end the run
+        return {"name": card.name, "tie": False, "failed": f"{type(fault).__name__}: {fault}"}
+
+
+def done(place: Path) -> dict[str, Record]:
+    """Records of an earlier run by name."""
+    lines = place.read_text(encoding="utf-8").splitlines() if place.exists() else []
+    return {own["name"]: own for own in (json.loads(text) for text in lines if text.endswith("}"))}
+
+
+def share(hits: int, count: int) -> str:
+    """Hits of a count, with the 90 % interval."""
+    if not count:
+        return "-"
+    low, high = wilson(hits, count)
+    return f"{hits} of {count}: {100.0 * hits / count:.0f} % ({100.0 * low:.0f}-{100.0 * high:.0f})"
+
+
+def report(records: Sequence[Record], seed: int) -> str:
+    """The tables, as Markdown."""
+    ties = [own for own in records if own["tie"]]
+    able = [own for own in ties if own["best"] >= 0.5]
+    hopeless = [own for own in ties if own["best"] < 0.5]
+    failed = sum("failed" in own for own in records)
+    rows = ["| test | right | wrong | tie stays |", "|---|---|---|---|"]
+    said = {"planned": [own["planned"]["said"] for own in able],
+            "random road": [one["said"] for own in able for one in own["random"][:1]]}  # fmt: skip
+    for name, own in said.items():
+        counts = [sum(one in kinds for one in own) for kinds in (("right",), ("wrong",), ("tied", "nothing"))]
+        rows.append(f"| {name} | {' | '.join(share(count, len(own)) for count in counts)} |")
+    lines = [
+        f"Seed {seed}: {len(records)} cases, {len(ties)} ties that hold the truth, {failed} failed.", "",
+        f"Ties that the plan says can be broken ({len(able)}):", "", *rows, "",
+        "| predicted P(right) | mean | achieved |", "|---|---|---|",
+    ]  # fmt: skip
+    for low, high in zip(BINS, BINS[1:], strict=False):
+        own = [one for one in ties if low <= one["right"] < high]
+        if own:
+            hits = sum(one["planned"]["said"] == "right" for one in own)
+            mean = float(np.mean([one["right"] for one in own]))
+            lines.append(f"| {low:.2f} to {min(high, 1.0):.2f} | {mean:.2f} | {share(hits, len(own))} |")
+    broken = sum(any(one["said"] == "right" for one in (own["planned"], *own["random"])) for own in hopeless)
+    tried = sum(len(own["random"]) for own in hopeless)
+    lines += ["", f"Said to be inseparable: {len(hopeless)}; no drive separated (the plan's and {tried} random roads): "
+              f"{share(len(hopeless) - broken, len(hopeless))}."]  # fmt: skip
+    if ties:
+        longest = max(own["plan_seconds"] for own in ties)
+        lines.append(
+            f"A plan took {np.median([o['plan_seconds'] for o in ties]):.0f} s (median), {longest:.0f} s at most."
+        )
+    return "\n".join(lines)
+
+
+def line(own: Record) -> str:
+    """A case in one line."""
+    if "failed" in own:
+        return f"{own['name']}: FAILED {own['failed']}"
+    if not own["tie"]:
+        return f"{own['name']}: no tie ({own['old']}), {own['all_seconds']:.0f} s"
+    random = "/".join(one["said"] for one in own["random"])
+    return (
+        f"{own['name']} ({own['family']}, {own['model']}): {own['old'][0]}, predicted {own['right']:.2f} right "
+        f"{own['wrong']:.3f} wrong in {own['minutes']:.1f} min; planned {own['planned']['said']} "
+        f"{own['planned']['groups']}; random {random}; plan {own['plan_seconds']:.0f} s, all {own['all_seconds']:.0f} s"
+    )
+
+
+def main() -> None:
+    """Runs cases until enough ties were judged, and prints the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--ties", type=int, default=60, metavar="N", help="to be judged (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", nargs="+", default=[], metavar="PHENOMENON")
+    parser.add_argument("--random-drives", type=int, default=20, metavar="N", help="where nothing is said to separate")
+    parser.add_argument("--workers", type=int, default=1, metavar="N")
+    parser.add_argument("--limit", type=float, default=1800.0, metavar="S", help="processor's time of a case")
+    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--report", action="store_true", help="only the tables of what is there")
+    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page that gets the tables")
+    arguments = parser.parse_args()
+    folder = arguments.out / str(arguments.seed)
+    folder.mkdir(parents=True, exist_ok=True)
+    place = folder / "results.jsonl"
+    records = done(place)
+    cards = (card for card in deck(arguments.seed, False) if card.kind == "hidden")
+    cards = (card for card in cards if not arguments.only or card.hidden[0] in arguments.only)
+    left = (card for card in cards if card.name not in records)
+    context = get_context("spawn")
+    while not arguments.report and sum(own["tie"] for own in records.values()) < arguments.ties:
+        batch = list(islice(left, arguments.workers))
+        with ProcessPoolExecutor(arguments.workers, mp_context=context) as pool:
+            waiting = [
+                pool.submit(judged, card, arguments.seed, folder, arguments.random_drives, arguments.limit)
+                for card in batch
+            ]
+            for own in (future.result() for future in as_completed(waiting)):
+                records[own["name"]] = own
+                with place.open("a", encoding="utf-8") as stream:
+                    stream.write(json.dumps(own) + "\n")
+                print(line(own), flush=True)
+    text = report(list(records.values()), arguments.seed)
+    print(text)
+    if arguments.output:
+        write_tables(arguments.output, text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,251 @@
+"""Designs the test that separates tied explanations, or that sharpens a model's parameters."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.diagnosis import Explanations, explanations
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel
+from damper_estimator.planning.criterion import Criterion, Errors, criterion, errors_of
+from damper_estimator.planning.limits import Limits, limits_of
+from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
+from damper_estimator.planning.rig import Rig
+from damper_estimator.planning.search import Choice, Tell, chosen
+from damper_estimator.planning.sharpening import sharpening
+from damper_estimator.planning.simulated import Simulated, simulated
+from damper_estimator.planning.steps import Step, steps_of
+from damper_estimator.planning.widened import Widened, widenings
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND, TEMPERATURE
+from damper_estimator.validation import compare
+
+LONGEST = 10.0  # minutes, where none are asked for
+_PATIENCE = 10  # steps that may add next to nothing
+_PROGRESS = 0.005, 0.05  # least gain over them, of the probability and of the search's score
+_NEARLY = 0.99  # of the probability that is reached: a test that gets so far is long enough
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """What a search works on."""
+
+    found: Explanations
+    rig: Rig
+    limits: Limits
+    steps: list[Step]
+    on: Simulated
+    like: Measurement
+
+
+def plan(
+    model: DamperModel,
+    measurements: Sequence[Measurement],
+    phenomena: Sequence[str],
+    rig: Rig,
+    *,
+    minutes: float | None = None,
+    longest: float = LONGEST,
+    progress: Tell | None = None,
+) -> Plan:
+    """The test that tells apart which of these phenomena is missing; without phenomena, the one that sharpens the
+    model's parameters.
+
+    Args:
+        model: that was diagnosed.
+        measurements: the recordings of the diagnosis.
+        phenomena: two or more tied ones, or none.
+        rig: with its limits.
+        minutes: length of the test; None for the shortest that is sure.
+        longest: minutes that this one may take.
+        progress: is told what goes on and its share.
+
+    Raises:
+        InputError: where the recordings cannot show a phenomenon, or the limits leave nothing to drive.
+    """
+    tell = progress or (lambda text, share: None)
+    if len(phenomena) == 1:
+        raise InputError(f"{phenomena[0]}: is tied with nothing; a plan needs two phenomena to tell apart, or none")
+    if minutes is not None and not 0.2 <= minutes <= 120.0:
+        raise InputError(f"{minutes:g} minutes: a test lasts from 0.2 to 120 minutes")
+    tell("fitting the hypotheses", 0.0)
+    found = explanations(model, measurements, phenomena)
+    tell("simulating steps", 0.3)
+    stage = _stage(found, rig, limits_of(rig, found.ranges, measurements[0].band), measurements[0])
+    if not phenomena:
+        return _sharpening(stage, measurements, minutes, tell)
+    return _separating(stage, measurements, minutes, longest, tell)
+
+
+def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> _Stage:
+    steps = steps_of(rig, limits, *(_matters(found, row, like) for row in (COMMAND, TEMPERATURE)))
+    on = simulated(found.hypotheses, steps, like) if steps else None
+    if on is None or (on.largest > limits.force).all():
+        raise InputError(
+            f"rig {rig.name}: no step obeys its limits (speed {limits.speed:g} m/s, acceleration "
+            f"{limits.acceleration:g} m/s^2, force {limits.force:g} N, {limits.frequency[0]:g} to "
+            f"{limits.frequency[1]:g} Hz); widen them"
+        )
+    inside = on.largest <= limits.force
+    if not inside.all():
+        steps = [step for step, good in zip(steps, inside, strict=True) if good]
+        on = simulated(found.hypotheses, steps, like)
+    return _Stage(found, rig, limits, steps, on, like)
+
+
+def _matters(found: Explanations, row: int, like: Measurement) -> bool:
+    """Whether any hypothesis depends on a slow channel that was recorded."""
+    block = np.ascontiguousarray(like.kinematics.block[:, :2000])
+    if np.isnan(block[row]).all():
+        return False
+    other = block.copy()
+    other[row] = block[row] + 1.0
+    return any(
+        not np.array_equal(own.model.force(block), own.model.force(other), equal_nan=True) for own in found.hypotheses
+    )
+
+
+def _separating(
+    stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, longest: float, tell: Tell
+) -> Plan:
+    own = stage.found.hypotheses
+    best = min(own, key=lambda one: float(np.sum(one.residual**2)))
+    errors = errors_of(stage.found, compare(best.model, *measurements).noise_floor_n)
+    judge = criterion(stage.found, stage.on, len(stage.steps), errors)
+    seconds = np.array([step.seconds for step in stage.steps])
+    most = 60.0 * (minutes or longest) - sum(REST)
+    past: list[tuple[float, float]] = []
+
+    def enough(counts: np.ndarray) -> bool:
+        """Whether the shortest test is sure, or further steps have long added nothing."""
+        if minutes is not None:
+            return False
+        past.append((judge.chances(counts).right, judge.score(counts)))
+        stalled = len(past) > _PATIENCE and all(
+            now - then < least for now, then, least in zip(past[-1], past[-1 - _PATIENCE], _PROGRESS, strict=True)
+        )
+        return past[-1][0] >= SURE or stalled
+
+    choice = chosen(judge.score, seconds, most, enough, _scaled(tell, 0.5, 0.85))
+    if not choice.order:
+        choice = Choice((int(np.argmin(seconds)),)) if seconds.min() <= most else Choice(())
+    if not choice.order:
+        raise InputError(f"{minutes:g} minutes: are too short for any step; the shortest takes {seconds.min():.0f} s")
+    curve = _curve(judge, choice, seconds)
+    if minutes is None:
+        last = int(np.flatnonzero(curve.right >= _NEARLY * curve.right[-1])[0]) + 1
+        choice, curve = Choice(choice.order[:last]), curve.until(last)
+    chances = judge.chances(choice.counts(seconds.size))
+    sure = np.flatnonzero(curve.right >= SURE)
+    shortest = float(curve.minutes[sure[0]]) if sure.size else None
+    would: tuple[str, ...] = ()
+    if chances.right < SURE:
+        tell("looking for what would separate", 0.86)
+        would = _would(stage, errors, most, chances.right)
+    draft = _drafted(stage, choice, judge, errors)
+    sentence = sentence_of(draft.phenomena, chances, draft.minutes, shortest)
+    tell("done", 1.0)
+    return replace(draft, sentence=sentence, chances=chances, curve=curve, shortest=shortest, would=would)
+
+
+def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str, ...]:
+    """Limits that, widened one at a time, would let a test separate; then what the effects themselves ask for."""
+
+    def chance(wide: Widened) -> float:
+        try:
+            other = _stage(stage.found, wide.rig, wide.limits, stage.like)
+        except InputError:
+            return 0.0
+        judge = criterion(other.found, other.on, len(other.steps), errors)
+        seconds = np.array([step.seconds for step in other.steps])
+        short = min(most, 180.0)
+        choice = chosen(judge.score, seconds, short, lambda counts: judge.chances(counts).right >= SURE, _silent)
+        return judge.chances(choice.counts(seconds.size)).right
+
+    return widenings(stage.rig, stage.limits, stage.found, chance, now)
+
+
+def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, tell: Tell) -> Plan:
+    (own,) = stage.found.hypotheses
+    errors = errors_of(stage.found, compare(own.model, *measurements).noise_floor_n)
+    judge = sharpening(stage.found, stage.on, len(stage.steps), errors)
+    seconds = np.array([step.seconds for step in stage.steps])
+    most = 60.0 * (minutes or 2.0) - sum(REST)
+    choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(tell, 0.5, 0.95))
+    if not choice.order:
+        raise InputError(f"{minutes:g} minutes: are too short for any step; the shortest takes {seconds.min():.0f} s")
+    before, after = (judge.standard_errors(c) for c in (np.zeros(seconds.size), choice.counts(seconds.size)))
+    parameters = tuple(
+        Sharpened(*values) for values in zip(judge.addresses, judge.values.tolist(), before.tolist(), after.tolist(),
+                                             strict=True)
+    )  # fmt: skip
+    fall = float(np.exp(np.mean(np.log(after / before))))
+    draft = _drafted(stage, choice, None, errors)
+    sentence = (
+        f"{draft.minutes:.1f} minutes bring the standard errors of {len(parameters)} parameters to "
+        f"{100.0 * fall:.0f} % of what they are, on average."
+    )
+    tell("done", 1.0)
+    return replace(draft, sentence=sentence, parameters=parameters)
+
+
+def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Errors) -> Plan:
+    """The plan with its drive and its most telling step, without predictions."""
+    order = _in_halves(choice.order)
+    steps = tuple(stage.steps[i] for i in order)
+    rate = stage.limits.rate
+    rest = [np.full(round(own * rate), stage.limits.home) for own in REST]
+    drive = np.concatenate([rest[0], *(step.displacement for step in steps), rest[1]])
+    telling = _telling(choice, judge, stage)
+    part = slice(*np.searchsorted(stage.on.step, [telling, telling + 1]))
+    picks = stage.on.rows.picks[part]
+    kinematics = stage.on.rows.measurement.kinematics
+    force = stage.on.force[:, part]
+    variance = errors.noise + errors.form * float(force[0].var())
+    own = stage.found.hypotheses
+    return Plan(
+        phenomena=tuple(one.phenomenon for one in own if one.phenomenon),
+        effects=tuple(one.effect for one in own if one.effect),
+        sentence="", rig=stage.rig, limits=stage.limits, steps=steps, chances=None,
+        curve=Curve(np.zeros(0), np.zeros(0), np.zeros(0)), shortest=None, would=(), parameters=(),
+        untestable=tuple((name, why, all_effects()[name].separate) for name, why in stage.found.untestable.items()),
+        displacement=drive, time=kinematics.time[picks] - kinematics.time[picks[0]], force=force,
+        velocity=kinematics.velocity[picks], band_n=2.0 * float(np.sqrt(variance)),
+        telling=stage.steps[telling].words,
+    )  # fmt: skip
+
+
+def _telling(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
+    """The chosen step whose refitted difference is largest over the error expected on it."""
+    if judge is None:
+        return choice.order[0]
+    counts = choice.counts(len(stage.steps))
+    each = np.mean([pair.differences(counts)[1][:, 0] for pair in judge.pairs], axis=0)
+    share = np.where(counts > 0, each / np.maximum(judge.expected.mean(axis=0), 1e-300), -1.0)
+    return int(np.argmax(share))
+
+
+def _in_halves(order: Sequence[int]) -> list[int]:
+    """Every second step first: a diagnosis judges on the last part of a recording, which must tell as much."""
+    return [*order[1::2], *order[::2]]
+
+
+def _curve(judge: Criterion, choice: Choice, seconds: np.ndarray) -> Curve:
+    minutes, rights, wrongs = [], [], []
+    for first in range(1, len(choice.order) + 1):
+        counts = choice.counts(seconds.size, first)
+        chances = judge.chances(counts)
+        minutes.append((float(counts @ seconds) + sum(REST)) / 60.0)
+        rights.append(chances.right)
+        wrongs.append(chances.wrong)
+    return Curve(np.array(minutes), np.array(rights), np.array(wrongs))
+
+
+def _scaled(tell: Tell, begin: float, end: float) -> Tell:
+    return lambda text, share: tell(text, begin + (end - begin) * share)
+
+
+def _silent(text: str, share: float) -> None:
+    """Tells nobody."""

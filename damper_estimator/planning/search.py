@@ -1,0 +1,83 @@
+"""Chooses steps: the one that raises the criterion most per second, again and again, then exchanges."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+Score = Callable[[np.ndarray], float]
+Tell = Callable[[str, float], None]
+
+_EXCHANGES = 2  # passes over the chosen steps
+_MOST_EXCHANGED = 24  # chosen steps up to which exchanges pay
+_STALLED = 1e-6
+_MOST = 6  # times a step may be driven
+_KEPT = 40  # of the steps are gone on with, those that help most at one time or another
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Steps by position, in the order in which they were chosen."""
+
+    order: tuple[int, ...]
+
+    def counts(self, steps: int, first: int | None = None) -> np.ndarray:
+        """(steps,) how often each is driven in the ``first`` of the order; all without."""
+        return np.bincount(np.array(self.order[:first], int), minlength=steps).astype(float)
+
+
+def chosen(score: Score, seconds: np.ndarray, most: float, enough: Callable[[np.ndarray], bool], tell: Tell) -> Choice:
+    """Steps for a test of at most ``most`` seconds.
+
+    Args:
+        score: of counts (s,); larger is better.
+        seconds: (s,) of each step.
+        enough: whether counts need nothing more; the search then ends early.
+    """
+    counts, order, spent, now = np.zeros(seconds.size), [], 0.0, score(np.zeros(seconds.size))
+    alive = np.arange(seconds.size)
+    while True:
+        fits = alive[(spent + seconds[alive] <= most + 1e-9) & (counts[alive] < _MOST)]
+        if not fits.size or (order and enough(counts)):
+            break
+        gains = np.array([score(_more(counts, i)) - now for i in fits]) / seconds[fits]
+        best = int(fits[int(np.argmax(gains))])
+        if gains.max() <= _STALLED / most:
+            break
+        if len(order) in (2, 6) and fits.size > _KEPT:  # what helps nothing early seldom helps late
+            alive = np.union1d(fits[np.argsort(-gains, kind="stable")[:_KEPT]], np.unique(order))
+        counts, spent = _more(counts, best), spent + seconds[best]
+        order.append(best)
+        now = score(counts)
+        tell("choosing steps", min(spent / most, 1.0))
+    if len(order) <= _MOST_EXCHANGED:
+        order = _exchanged(order, score, seconds, most, alive)
+    return Choice(tuple(order))
+
+
+def _exchanged(order: Sequence[int], score: Score, seconds: np.ndarray, most: float, alive: np.ndarray) -> list[int]:
+    """Each chosen step against every other one that fits into the time (Fedorov's exchange)."""
+    order = list(order)
+    counts = np.bincount(order, minlength=seconds.size).astype(float) if order else np.zeros(seconds.size)
+    now = score(counts)
+    for _ in range(_EXCHANGES):
+        before = now
+        for place, own in enumerate(order):
+            less = counts.copy()
+            less[own] -= 1.0
+            spent = float(less @ seconds)
+            # An exchange may not make the test longer: the shortest one counts as well.
+            fits = [i for i in alive if seconds[i] <= seconds[own] + 1e-9 and spent + seconds[i] <= most + 1e-9]
+            scores = [score(_more(less, i)) for i in fits]
+            if scores and max(scores) > now + _STALLED:
+                order[place] = int(fits[int(np.argmax(scores))])
+                counts, now = _more(less, order[place]), max(scores)
+        if now <= before + _STALLED:
+            break
+    return order
+
+
+def _more(counts: np.ndarray, step: int) -> np.ndarray:
+    more = counts.copy()
+    more[step] += 1.0
+    return more

@@ -1,0 +1,64 @@
+"""How well a test determines parameters: D-optimality.
+
+    log det (M / s_M + sum_i n_i J_i'J_i / s_i^2)
+
+with M of the old recordings: the volume of the parameters' common confidence region becomes smallest. Source: Wald
+1943; Fedorov 1972, Theory of Optimal Experiments. As in the criterion between hypotheses, s_i^2 are long-run variances.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from damper_estimator.diagnosis import Explanations
+from damper_estimator.planning.criterion import Errors, information
+from damper_estimator.planning.simulated import Simulated
+
+
+@dataclass(frozen=True)
+class Sharpening:
+    """What each step says about the parameters.
+
+    Attributes:
+        prior: (k + 1, k + 1) information of the old recordings, parameters in sizes, the gauge's zero last.
+        each: (s, k + 1, k + 1) of each step.
+        addresses, sizes, values: of the parameters (k,).
+    """
+
+    prior: np.ndarray
+    each: np.ndarray
+    addresses: tuple[str, ...]
+    sizes: np.ndarray
+    values: np.ndarray
+
+    def score(self, counts: np.ndarray) -> float:
+        """Half the logarithm of the determinant, less that of the old recordings alone."""
+        return 0.5 * float(np.linalg.slogdet(self._known(counts))[1] - np.linalg.slogdet(self.prior)[1])
+
+    def standard_errors(self, counts: np.ndarray) -> np.ndarray:
+        """(k,) after a test that drives step i ``counts[i]`` times, old and new recordings together."""
+        return np.sqrt(np.diag(np.linalg.inv(self._known(counts)))[:-1]) * self.sizes
+
+    def _known(self, counts: np.ndarray) -> np.ndarray:
+        return self.prior + np.tensordot(counts, self.each, 1)
+
+
+def sharpening(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Sharpening:
+    """The criterion of one model that was simulated on some number of steps."""
+    (own,) = found.hypotheses
+    variance = float(np.mean(own.residual**2)) * errors.memory
+    columns, force = on.sensitivity[0], on.force[0]
+    each = np.zeros((steps, columns.shape[1], columns.shape[1]))
+    for k in range(steps):
+        part = slice(*np.searchsorted(on.step, [k, k + 1]))
+        if part.stop > part.start:
+            row = (errors.noise + errors.form * float(errors.powers(force[None], [part])[0, 0])) * errors.memory
+            each[k] = columns[part].T @ columns[part] / row
+    slots = [own.model.slots[i] for i in own.free]
+    return Sharpening(
+        information(own, variance) / variance,
+        each,
+        tuple(slot.address for slot in slots),
+        own.sizes,
+        np.array([slot.value for slot in slots]),
+    )

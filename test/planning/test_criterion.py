@@ -1,0 +1,97 @@
+"""The criterion's laws: refitting takes away, steps add, repeats average noise alone."""
+
+import numpy as np
+import pytest
+
+from damper_estimator.planning.criterion import Criterion, Pair, ratio
+from damper_estimator.planning.search import chosen
+
+
+def pair(rng, difference, columns, prior=1e-9, left=100.0):
+    """A pair whose steps are given as rows: difference (s, r) and columns (s, r, k)."""
+    k = columns.shape[-1]
+    return Pair(
+        0, 1, np.einsum("srk,srl->skl", columns, columns), np.einsum("srk,sr->sk", columns, difference)[..., None],
+        np.sum(difference**2, axis=1)[:, None], prior * np.eye(k), (left, left),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(3)
+
+
+def test_a_difference_that_the_rival_can_take_over_is_worth_nothing(rng):
+    columns = rng.standard_normal((4, 50, 3))
+    own = pair(rng, columns @ np.array([1.0, -2.0, 0.5]), columns)
+    assert own.differences(np.ones(4))[0][0] < 1e-6 * own.square.sum()
+
+
+def test_what_is_left_is_the_residual_of_least_squares(rng):
+    columns, difference = rng.standard_normal((4, 50, 3)), rng.standard_normal((4, 50))
+    own = pair(rng, difference, columns)
+    counts = np.array([1.0, 2.0, 0.0, 1.0])
+    rows = np.repeat(np.arange(4), counts.astype(int))
+    design, target = columns[rows].reshape(-1, 3), difference[rows].ravel()
+    residual = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+    assert own.differences(counts)[0][0] == pytest.approx(float(residual @ residual), rel=1e-6)
+
+
+def test_more_steps_never_take_difference_away(rng):
+    own = pair(rng, rng.standard_normal((5, 40)), rng.standard_normal((5, 40, 4)), prior=2.0)
+    counts, last = np.zeros(5), 0.0
+    for step in (2, 0, 0, 4, 1):
+        counts[step] += 1.0
+        now = own.differences(counts)[0][0]
+        assert now >= last - 1e-9
+        last = now
+
+
+def test_knowledge_from_old_recordings_holds_the_rival_back(rng):
+    difference, columns = rng.standard_normal((3, 40)), rng.standard_normal((3, 40, 6))
+    free, held = (pair(rng, difference, columns, prior).differences(np.ones(3))[0][0] for prior in (1e-6, 1e6))
+    assert free < held <= np.sum(difference**2) * (1.0 + 1e-9)
+
+
+def judge(own, expected, form, noise):
+    one = np.ones((1, own.square.shape[0]))
+    return Criterion((own,), ("a", "b"), expected * one, form * one, noise * one)
+
+
+def test_a_large_difference_is_decided_rightly_and_none_stays_a_tie(rng):
+    columns = rng.standard_normal((1, 200, 2))
+    for size, low, high in ((30.0, 0.99, 1.0), (1e-3, 0.0, 0.01)):
+        own = judge(pair(rng, size * rng.standard_normal((1, 200)), columns), 200.0, 0.5, 0.5)
+        chances = own.chances(np.ones(1))
+        assert low <= chances.right <= high
+        assert 0.0 <= chances.wrong <= 0.02 and chances.right + chances.wrong + chances.tied == pytest.approx(1.0)
+
+
+def test_repeats_average_noise_but_not_what_the_form_gets_wrong(rng):
+    columns, difference = rng.standard_normal((1, 200, 2)), 1.2 * rng.standard_normal((1, 200))
+    counts = np.array([6.0])
+    noisy, formed = (
+        judge(pair(rng, difference, columns, left=1e-3), 200.0, *errors).chances(counts).right
+        for errors in ((0.0, 8.0), (8.0, 0.0))
+    )
+    assert noisy >= formed
+
+
+def test_the_factor_of_a_decision_follows_from_the_diagnosis():
+    assert ratio() == pytest.approx(9.0 ** (1.0 / 6.0), rel=1e-6)
+
+
+def test_the_search_finds_what_helps_and_keeps_to_the_time():
+    worth, seconds = np.array([1.0, 5.0, 0.5, 4.0]), np.array([2.0, 3.0, 1.0, 2.5])
+
+    def score(counts):
+        return float(np.sum(worth * np.sqrt(counts)))
+
+    found = chosen(score, seconds, 6.0, lambda counts: False, lambda text, share: None)
+    counts = found.counts(4)
+    assert counts @ seconds <= 6.0 and counts[1] >= 1 and counts[3] >= 1
+
+
+def test_the_search_ends_where_nothing_more_is_needed():
+    found = chosen(np.sum, np.ones(3), 100.0, lambda counts: counts.sum() >= 2, lambda text, share: None)
+    assert len(found.order) == 2

@@ -1,0 +1,96 @@
+"""Every motion obeys every limit, begins and ends at rest, and joins any other."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from damper_estimator.planning import KINDS, Limits, acceleration_of, load_rig, motion, speed_of, steps_of
+
+ROUNDING = 1.0 + 1e-6
+
+
+@st.composite
+def limits(draw):
+    low = -draw(st.floats(0.002, 0.1))
+    high = draw(st.floats(0.002, 0.1))
+    top = draw(st.floats(2.0, 25.0))
+    return Limits(
+        low=low,
+        high=high,
+        home=draw(st.floats(0.8 * low, 0.8 * high)),
+        speed=draw(st.floats(0.02, 2.0)),
+        acceleration=draw(st.floats(0.5, 300.0)),
+        force=1e4,
+        frequency=(draw(st.floats(0.05, 1.0)), top),
+        rate=draw(st.sampled_from([100.0, 200.0, 500.0, 1000.0])),
+        mean_positions=draw(st.booleans()),
+    )
+
+
+@st.composite
+def wanted(draw):
+    low = draw(st.floats(0.1, 5.0))
+    return {
+        "frequency": low,
+        "to": low * draw(st.floats(1.5, 4.0)),
+        "amplitude": draw(st.floats(1e-4, 0.3)),
+        "speed": draw(st.floats(0.005, 3.0)),
+        "offset": draw(st.floats(-0.2, 0.2)),
+        "seconds": draw(st.floats(1.0, 6.0)),
+        "seed": float(draw(st.integers(0, 99))),
+    }
+
+
+def obeys(x, own):
+    """Whether samples stay inside displacement, speed and acceleration."""
+    tiny = 1e-9
+    return (
+        own.low - tiny <= x.min()
+        and x.max() <= own.high + tiny
+        and np.abs(speed_of(x, own.rate)).max() <= ROUNDING * own.speed
+        and np.abs(acceleration_of(x, own.rate)).max() <= ROUNDING * own.acceleration + 1e-6
+    )
+
+
+@pytest.mark.parametrize("kind", sorted(set(KINDS) - {"crank"}))
+@settings(max_examples=60, deadline=None)
+@given(own=limits(), values=wanted())
+def test_every_motion_obeys_its_limits_from_rest_to_rest(kind, own, values):
+    if kind == "triangle":
+        values = values | {"amplitude": min(values["amplitude"], values["speed"] * 2.0)}
+    x = motion(kind, values, own)
+    assert np.isfinite(x).all()
+    assert abs(x[0] - own.home) < 1e-12 and abs(x[-1] - own.home) < 1e-12
+    assert obeys(np.concatenate([x, x]), own)
+
+
+@settings(max_examples=20, deadline=None)
+@given(own=limits(), data=st.data())
+def test_every_step_of_a_rig_obeys_the_limits(own, data):
+    rig = load_rig(data.draw(st.sampled_from(["servo_hydraulic", "four_post", "track"])))
+    for step in steps_of(rig, own, currents=False, temperatures=False):
+        assert obeys(step.displacement, own), step.words
+        if step.kind == "sine":
+            assert own.frequency[0] <= step.values["frequency"] <= own.frequency[1]
+
+
+def test_a_crank_has_one_amplitude():
+    rig = load_rig("crank")
+    own = Limits(-0.025, 0.025, 0.0, 1.0, 80.0, 1e4, (0.1, 8.0), 1000.0, amplitude=0.025)
+    steps = steps_of(rig, own, currents=False, temperatures=False)
+    assert len(steps) > 3
+    for step in steps:
+        assert step.kind == "crank" and obeys(step.displacement, own)
+        assert np.abs(step.displacement).max() == pytest.approx(0.025, rel=0.02)
+
+
+def test_levels_of_current_and_temperature_multiply_the_steps():
+    rig = load_rig("crank")
+    own = Limits(
+        -0.025, 0.025, 0.0, 1.0, 80.0, 1e4, (0.1, 8.0), 1000.0, amplitude=0.025, temperature=(20.0, 60.0),
+        current=(0.0, 1.0, 2.0),
+    )  # fmt: skip
+    plain, all_ = (steps_of(rig, own, currents=both, temperatures=both) for both in (False, True))
+    assert len(all_) == 6 * len(plain)
+    assert any("at 2 A" in step.words and "at 60 deg C" in step.words for step in all_)
