@@ -18,8 +18,8 @@ DEPTH = 100
 class Commanding:
     """The publishers of commands, and their messages; final."""
 
-    def __init__(self, node: Node, keep: Callable[[str, str, bytes], None]) -> None:
-        """``keep`` takes topic, type and bytes of every message that is published."""
+    def __init__(self, node: Node, keep: Callable[[Publisher, str, bytes], None]) -> None:
+        """``keep`` takes publisher, type and bytes of every message that is published."""
         self._node, self._keep = node, keep
         self._currents = CommandOutputs(node)
         self._messages = CommandMessages()
@@ -39,16 +39,16 @@ class Commanding:
         """Publishes currents, and says what they answer."""
         for command in commands:
             message = float_message(command.current)
-            topic = self._currents.publish(command.damper, message)
-            if topic:
-                self._keep(topic, "std_msgs/msg/Float64", message)
+            publisher = self._currents.publish(command.damper, message)
+            if publisher is not None:
+                self._keep(publisher, "std_msgs/msg/Float64", message)
         self.state(commands)
 
     def state(self, commands: Sequence[Command]) -> None:
         """Says with stamp and source what is commanded, without commanding it."""
         for message in self._messages.of(commands):
             self._statement.publish(message)
-            self._keep(self._statement.topic_name, COMMAND_TYPE, message)
+            self._keep(self._statement, COMMAND_TYPE, message)
 
     def settle(self, last: Sequence[Command] = ()) -> None:
         """Waits, but not long, until what was published has arrived; ``last`` is what could not be published, because

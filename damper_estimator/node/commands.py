@@ -15,6 +15,7 @@ import numpy as np
 
 from damper_estimator.control import InverseModel, checked_limits, usable_limits
 from damper_estimator.errors import InputError
+from damper_estimator.node.current import Current
 from damper_estimator.runtime import EXTRAPOLATING, GOOD, STALE, Deployed
 from damper_estimator.signals.layout import COMMAND, ROWS
 
@@ -28,6 +29,7 @@ class Rules(Protocol):
     safe_current: float
     wish_timeout: float
     command_extrapolating: bool
+    command_lag: float
     horizon: float
     lead: float
 
@@ -56,14 +58,14 @@ class CommandTally:
     """What became of one damper's desired forces since the start; counts only ever grow.
 
     Attributes:
-        wishes: desired forces that came.
+        desired: desired forces that came.
         followed: commands whose force the desired one is.
         limited: commands at the nearest force that can be reached.
         old, not_good, unanswered: safe currents, because the desired force was old, the estimate not trusted, the
             inverse without an answer.
     """
 
-    wishes: int = 0
+    desired: int = 0
     followed: int = 0
     limited: int = 0
     old: int = 0
@@ -82,6 +84,7 @@ class Follower:
         wanted: N, the last desired force; NaN before the first.
         sent: the last command, in the unit of the command's messages; NaN before the first.
         sent_at: steady time of it, s.
+        current: what its driver reports, held against the commands.
     """
 
     def __init__(self, name: str, deployed: Deployed, rules: Rules) -> None:
@@ -95,10 +98,11 @@ class Follower:
         self._sample = np.zeros(ROWS)
         self._deployed = deployed
         try:
-            checked_limits(deployed.model, channel.value_limits)
+            low, high = checked_limits(deployed.model, channel.value_limits)
         except InputError as error:
-            self.refusal = str(error)
+            self.refusal, self.current = str(error), Current(float("nan"), 0.0)
             return
+        self.current = Current(high - low, rules.command_lag)
         limits, narrowed = usable_limits(name, deployed, rules.command_extrapolating)
         self.warnings = (*self.check_safe_current(rules.safe_current), *narrowed)
         self._inverse = InverseModel(deployed.model, limits, rules.horizon, rules.lead)
@@ -140,7 +144,7 @@ class Follower:
     def ask(self, force: float, now: float) -> None:
         """Takes a desired force in N (NaN takes the last one back) at the steady time ``now``, s."""
         self.wanted, self._asked = force, now if np.isfinite(force) else float("-inf")
-        self.tally.wishes += 1
+        self.tally.desired += 1
         self._is_followed = True
 
     def drop_desired_force(self) -> None:
@@ -149,20 +153,27 @@ class Follower:
 
     def is_due(self) -> bool:
         """Asked once per sample: whether the sample is answered without waiting for a desired force."""
-        due = self.tally.wishes > 0 and not self._is_followed
+        due = self.tally.desired > 0 and not self._is_followed
         self._is_followed = False
         return due and not self.refusal
 
     def command(self, status: int, stamp: int, now: float, rules: Rules) -> Command | None:
-        """The command for the last sample; None where the model has no inverse.
+        """The command for the last sample; None where the model has no inverse. Arguments as `_answer`."""
+        if self.refusal:
+            return None
+        command = self._answer(status, stamp, now, rules)
+        self.current.command(float(self._channel.value(command.current)), now)
+        return command
+
+    def _answer(self, status: int, stamp: int, now: float, rules: Rules) -> Command:
+        """The command for the last sample.
 
         Args:
             status: by which the damper may be commanded (``DisplacementInput.trusted``).
             stamp: ns, of the sample.
             now: steady time, s.
+            rules: at present.
         """
-        if self.refusal:
-            return None
         tally, self.sent_at = self.tally, now
         if not 0.0 <= now - self._asked <= rules.wish_timeout:
             tally.old += 1
@@ -182,11 +193,11 @@ class Follower:
 
     def safe(self, stamp: int, rules: Rules) -> Command | None:
         """The safe current; None where this damper was never commanded."""
-        return None if self.refusal or not self.tally.wishes else self._safe(stamp, rules, SAFE_STOPPED)
+        return None if self.refusal or not self.tally.desired else self._safe(stamp, rules, SAFE_STOPPED)
 
     def idle(self, stamp: int, rules: Rules) -> Command | None:
         """What holds before the first desired force, for drivers that want to hear from the node; None after it."""
-        if self.refusal or self.tally.wishes:
+        if self.refusal or self.tally.desired:
             return None
         return Command(self.name, stamp, rules.safe_current, float("nan"), float("nan"), IDLE)
 

@@ -53,7 +53,7 @@ class ControllerNode(Node):
         self._before: dict[str, CornerTally] = {}
         self._currents = CommandOutputs(self)
         # By table the force is published only for those who judge it.
-        topic = "damper_estimator/desired_force" if self._table is None else "~/wished_force"
+        topic = "damper_estimator/desired_force" if self._table is None else "~/desired_force"
         self._desired = self.create_publisher(JointState, topic, OUTPUT_DEPTH)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", OUTPUT_DEPTH)
         self.create_subscription(DamperForces, "damper_estimator/force", self._take_estimates, qos_profile_sensor_data)

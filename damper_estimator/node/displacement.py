@@ -1,19 +1,20 @@
 """One displacement topic: serialised messages in, serialised forces out. Knows no ROS."""
 
-import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from damper_estimator.node.commands import Command, Follower, Rules
+from damper_estimator.node.current import Current
 from damper_estimator.node.stamp_age import StampAge
-from damper_estimator.node.wire import NANOSECONDS, ForcesTemplate, MalformedMessage, names_and_frame, reader_of
+from damper_estimator.node.wire import ForcesTemplate, MalformedMessage, names_and_frame, reader_of
 from damper_estimator.runtime import FIELDS, SLOW, STALE, Deployed, Line
 from damper_estimator.signals import Channel, DamperSignals
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
-_STAMP = slice(4, 12)
+_SHORTEST = 12  # bytes of a message that has a stamp
 _REACH = slice(FIELDS.index("force_min"), FIELDS.index("dforce_dcurrent") + 1)
 _MOST_TEMPLATES = 256
 
@@ -27,6 +28,23 @@ class Estimator:
     deployed: Deployed
 
 
+class Arrival(NamedTuple):
+    """When and how a message came.
+
+    Attributes:
+        now: steady time, s.
+        clock: ROS time, ns, and ``received`` the same, when the middleware had it.
+        suspect: whether its sender is in doubt.
+        is_simulated: whether ``clock`` is simulated.
+    """
+
+    now: float
+    clock: int = 0
+    received: int = 0
+    suspect: bool = False
+    is_simulated: bool = False
+
+
 class DisplacementInput:
     """Filter and model of all dampers on one topic; final.
 
@@ -35,7 +53,6 @@ class DisplacementInput:
         followers: what turns desired forces for them into currents.
         missing: (k,) int64, messages that did not hold the damper.
         last_good: (k,) steady time of the last sample that was used, s; NaN before the first.
-        stamps: (k,) int64 ns of the last sample that was used; 0 before the first.
         age: of the stamps on arrival.
         stamp: of the last message, ns.
     """
@@ -47,36 +64,39 @@ class DisplacementInput:
         self.followers: tuple[Follower, ...] = ()
         self._rules = rules
         self._leading: list[tuple[int, Follower]] = []
+        self._driven: list[tuple[int, Current]] = []  # the dampers whose force depends on a current
         self.line = Line()
         self.missing = np.zeros(0, np.int64)
         self.last_good = np.zeros(0)
         self.age = StampAge()
-        self.stamps = np.zeros(0, np.int64)
         self._templates: dict[tuple[bytes, bytes], ForcesTemplate] = {}
         self.stamp = 0
         self._frame = b""
-        for one in estimators:
-            self.line.add(one.name, one.deployed)
         self._grow(estimators)
 
     def add(self, one: Estimator) -> None:
         """Takes one more damper; the others' states stay."""
-        self.line.add(one.name, one.deployed)
         self._grow([one])
 
     def _grow(self, more: Sequence[Estimator]) -> None:
         self.estimators = (*self.estimators, *more)
+        for one in more:
+            channel = one.signals.displacement
+            scaling = (channel.scale, channel.offset) if channel.table is None else (1.0, 0.0)
+            self.line.add(one.name, one.deployed, *scaling)
         self.followers += tuple(Follower(one.name, one.deployed, self._rules) for one in more)
         self._leading = [(d, follower) for d, follower in enumerate(self.followers) if not follower.refusal]
+        self._driven = [
+            (d, follower.current)
+            for d, (one, follower) in enumerate(zip(self.estimators, self.followers, strict=True))
+            if one.deployed.memories["command"] is not None
+        ]
+        self._whole = np.ones(len(self.estimators), bool)
         channels = [one.signals.displacement for one in self.estimators]
         self._reader = reader_of("displacement", JOINT_STATE, channels)
-        self._scale = np.array([channel.scale for channel in channels])
-        self._offset = np.array([channel.offset for channel in channels])
         self._tables = [(d, channel) for d, channel in enumerate(channels) if channel.table is not None]
-        self._values = np.zeros(len(channels))
         self.missing = np.append(self.missing, np.zeros(len(more), np.int64))
         self.last_good = np.append(self.last_good, np.full(len(more), np.nan))
-        self.stamps = np.append(self.stamps, np.zeros(len(more), np.int64))
         self._templates.clear()
 
     def held(self, data: bytes) -> frozenset[str]:
@@ -85,48 +105,52 @@ class DisplacementInput:
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
-        present = self._reader.present(data)
+        present = self._reader.place(data).present
         return frozenset(one.name for one, there in zip(self.estimators, present.tolist(), strict=True) if there)
 
-    def take(
-        self, data: bytes, now: float, clock: int = 0, max_age: float = 0.0, suspect: bool = False
-    ) -> bytes | None:
+    @property
+    def stamps(self) -> np.ndarray:
+        """(k,) int64 ns of the last sample that was used; 0 before the first."""
+        return self.line.records["last"]
+
+    def take(self, data: bytes, arrival: Arrival, max_age: float = 0.0) -> bytes | None:
         """The answer to one message, None where it gives no estimate.
 
         Args:
             data: serialised JointState.
-            now: steady time, s.
-            clock: ROS time, ns, against which the age of the stamp is judged.
-            max_age: s, 0 to judge no age.
-            suspect: whether the sender is in doubt.
+            arrival: when and how it came.
+            max_age: s after its stamp from which on a sample is too old; 0 to judge no age.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
-        reading = self._reader.read(data)
-        values = np.multiply(reading.values, self._scale, out=self._values)
-        values += self._offset
+        place = self._reader.place(data)
+        raw, stamp = place.values(data), place.stamp(data)
         for d, channel in self._tables:
-            values[d] = channel.value(reading.values[d])
-        if not reading.is_whole:
-            self.missing += ~reading.present
-        self.stamp = reading.stamp
-        is_late = self.age.is_late(reading.stamp, clock, max_age)
-        count = self.line.step(reading.stamp, values, reading.present, suspect or is_late)
+            raw[d] = channel.value(raw[d])
+        if not place.is_whole:
+            self.missing += ~place.present
+        self.stamp = stamp
+        is_late = self.age.is_late(stamp, arrival.clock, max_age, arrival.is_simulated)
+        if self._driven:
+            self._doubt_currents(stamp, max_age > 0.0 and self.age.is_related)
+        count = self.line.step(stamp, raw, place.present, is_late or arrival.suspect)
         if not count:
             return None
-        stamp, self._frame = _head(data)
+        self._frame = data[place.frame]
         answered = self.line.answered
-        numbers, status = answered.numbers[0], answered.status[0]
         for d, follower in self._leading:
             if self.line.is_good(d):
-                numbers[_REACH, d] = follower.look(self.line.sample(d))
-        if count == values.size:
-            self.last_good[:], self.stamps[:] = now, reading.stamp
-            return self._template(None).message(stamp, numbers, status)
-        chosen = self.line.is_good(slice(None))
-        self.last_good[chosen], self.stamps[chosen] = now, reading.stamp
-        return self._template(chosen).message(stamp, numbers[:, chosen], status[chosen])
+                answered.numbers[0, _REACH, d] = follower.look(self.line.sample(d))
+        chosen = self._whole if count == self._whole.size else self.line.is_good(slice(None))
+        self.last_good[chosen] = arrival.now
+        return self._template(chosen).message(stamp, answered.numbers[0], answered.status[0], chosen)
+
+    def _doubt_currents(self, stamp: int, judges_age: bool) -> None:
+        """Tells the line which dampers' currents cannot be those that flowed at the sample."""
+        fastest = self.age.fastest if judges_age else float("inf")
+        for d, current in self._driven:
+            self.line.doubted[d] = current.is_contradicted or current.is_ahead(stamp, fastest)
 
     def due(self, now: float, after: float, rules: Rules) -> list[Command]:
         """Commands that the last message brings about by itself; arguments as `trusted`, and the present rules."""
@@ -155,9 +179,8 @@ class DisplacementInput:
         messages = []
         for stamp in np.unique(self.stamps[silent]):
             chosen = silent & (self.stamps == stamp)
-            status = np.full(int(np.count_nonzero(chosen)), STALE, np.uint8)
-            numbers = self.line.answered.numbers[0][:, chosen]
-            messages.append(self._template(chosen).message(_stamp_bytes(int(stamp)), numbers, status))
+            status = np.full(chosen.size, STALE, np.uint8)
+            messages.append(self._template(chosen).message(int(stamp), self.line.answered.numbers[0], status, chosen))
         return messages
 
     def rewind(self, now: float) -> None:
@@ -166,29 +189,15 @@ class DisplacementInput:
         for follower in self.followers:
             follower.drop_desired_force()
 
-    def _template(self, chosen: np.ndarray | None) -> ForcesTemplate:
-        key = (self._frame, b"" if chosen is None else chosen.tobytes())
+    def _template(self, chosen: np.ndarray) -> ForcesTemplate:
+        key = (self._frame, chosen.tobytes())
         found = self._templates.get(key)
         if found is None:
             if len(self._templates) >= _MOST_TEMPLATES:
                 self._templates.clear()
-            names = [one.name for d, one in enumerate(self.estimators) if chosen is None or chosen[d]]
+            names = [one.name for d, one in enumerate(self.estimators) if chosen[d]]
             found = self._templates[key] = ForcesTemplate(names, self._frame.rstrip(b"\0").decode("utf-8", "replace"))
         return found
-
-
-def _stamp_bytes(stamp: int) -> bytes:
-    seconds, nanoseconds = divmod(stamp, NANOSECONDS)
-    return struct.pack("<iI", seconds, nanoseconds)
-
-
-def _head(data: bytes) -> tuple[bytes, bytes]:
-    """Stamp (8 bytes, little endian) and frame of a message that the reader accepted."""
-    if data[1]:
-        size = int.from_bytes(data[12:16], "little")
-        return data[_STAMP], data[16 : 16 + size]
-    size = int.from_bytes(data[12:16], "big")
-    return struct.pack("<iI", *struct.unpack_from(">iI", data, _STAMP.start)), data[16 : 16 + size]
 
 
 def names_in(data: bytes) -> list[str]:
@@ -197,7 +206,7 @@ def names_in(data: bytes) -> list[str]:
     Raises:
         MalformedMessage: where the bytes are none.
     """
-    if len(data) < _STAMP.stop or data[0] != 0 or data[1] > 1:
+    if len(data) < _SHORTEST or data[0] != 0 or data[1] > 1:
         raise MalformedMessage("it is not plain CDR")
     return names_and_frame(data)[0]
 
@@ -210,7 +219,7 @@ class AccelerationInput:
         self._reader = reader_of("acceleration", type_name, [channel])
         self._channel, self._line, self._damper = channel, line, damper
 
-    def take(self, data: bytes) -> None:
+    def take(self, data: bytes, now: float, received: int) -> None:
         """Holds value and stamp of one message."""
         reading = self._reader.read(data)
         if reading.is_whole:
@@ -222,15 +231,24 @@ class AccelerationInput:
 class HeldInput:
     """A slow channel of one damper: its value reaches the line as it arrives; final."""
 
-    def __init__(self, role: str, type_name: str, channel: Channel, line: Line, damper: int) -> None:
-        """Of the damper of this number on the line; raises InputError where the field path does not fit the type."""
+    def __init__(
+        self, role: str, type_name: str, channel: Channel, line: Line, damper: int, current: Current | None
+    ) -> None:
+        """Of the damper of this number on the line; ``current`` where it is one that the node may command.
+
+        Raises:
+            InputError: where the field path does not fit the type.
+        """
+        self._current = current
         self._reader = reader_of(role, type_name, [channel])
         self._channel, self._line, self._row, self._damper = channel, line, SLOW.index(role), damper
 
-    def take(self, data: bytes) -> None:
-        """Holds the value of one message."""
+    def take(self, data: bytes, now: float, received: int) -> None:
+        """Holds the value of one message that came at the steady time ``now`` in s, ``received`` in ns of the clock."""
         reading = self._reader.read(data)
         if reading.is_whole:
-            arrived = self._line.arrived
-            arrived.slow[0, self._row, self._damper] = float(self._channel.value(float(reading.values[0])))
+            arrived, value = self._line.arrived, float(self._channel.value(float(reading.values[0])))
+            arrived.slow[0, self._row, self._damper] = value
             arrived.heard[0, self._row, self._damper] += 1
+            if self._current is not None:
+                self._current.take(value, now, received)

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from damper_estimator.numerics import rank_correlation
+
 REFERENCE, RECENT = 3, 3  # windows
 _LEAST_GROWTH = 0.02
 _RELEASE = 0.8
@@ -143,17 +145,3 @@ class Drift:
 
 def _median(values: list[float]) -> float:
     return float(np.median(values)) if values else float("nan")
-
-
-def rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
-    """Spearman's coefficient of two series (n,); 0 where one is constant."""
-    ranks = [_ranks(values) for values in (a, b)]
-    deviations = [rank - rank.mean() for rank in ranks]
-    scale = np.sqrt((deviations[0] @ deviations[0]) * (deviations[1] @ deviations[1]))
-    return float(deviations[0] @ deviations[1] / scale) if scale > 0.0 else 0.0
-
-
-def _ranks(values: np.ndarray) -> np.ndarray:
-    """(n,): 1 for the lowest; equal values share the mean of their places."""
-    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
-    return (np.cumsum(count) - 0.5 * (count - 1))[place]

@@ -11,6 +11,7 @@ from damper_estimator.node.commands import Command, Follower
 from damper_estimator.node.displacement import (
     JOINT_STATE,
     AccelerationInput,
+    Arrival,
     DisplacementInput,
     Estimator,
     HeldInput,
@@ -23,7 +24,7 @@ from damper_estimator.node.wire import reader_of
 from damper_estimator.runtime import SLOW
 from damper_estimator.signals import Channel, default_signals
 
-WISH = "~/desired_force"
+DESIRED = "~/desired_force"
 
 SLOW_TYPES = {
     "command": "std_msgs/msg/Float64",
@@ -114,7 +115,8 @@ class Estimation:
         damper = source.line.names.index(one.name)
         for role in SLOW:
             channel = getattr(one.signals, role)
-            held = HeldInput(role, SLOW_TYPES[role], channel, source.line, damper)
+            current = source.followers[damper].current if role == "command" else None
+            held = HeldInput(role, SLOW_TYPES[role], channel, source.line, damper, current)
             self._hear(one.name, role, channel, held)
         if one.deployed.fusion is not None:
             channel = one.signals.acceleration
@@ -126,10 +128,10 @@ class Estimation:
         self._subscribe(channel.topic, SLOW_TYPES[role], channel.given)
 
     def _measure(self) -> None:
-        """The gauges of all dampers, and the wishes for them."""
-        wishes = [Channel(WISH, f"effort[{name}]") for name in self.names]
-        self._wishes = reader_of("desired force", JOINT_STATE, wishes)
-        self._subscribe(WISH, JOINT_STATE, True)
+        """The gauges of all dampers, and the forces desired of them."""
+        desired = [Channel(DESIRED, f"effort[{name}]") for name in self.names]
+        self._desired = reader_of("desired force", JOINT_STATE, desired)
+        self._subscribe(DESIRED, JOINT_STATE, True)
         by_topic: dict[str, list[Estimator]] = {}
         for own in self.displacement.values():
             for one in own.source.estimators:
@@ -149,36 +151,30 @@ class Estimation:
         """The dampers to which currents can be sent."""
         return [own.name for one in self.displacement.values() for own in one.source.followers if not own.refusal]
 
-    def take(self, topic: str, data: bytes, now: float, clock: int = 0, suspect: bool = False) -> Answer:
-        """Takes one message.
-
-        Args:
-            topic: on which it came; ``data``: serialised.
-            now: steady time, s.
-            clock: ROS time, ns.
-            suspect: whether its sender is in doubt.
+    def take(self, topic: str, data: bytes, arrival: Arrival) -> Answer:
+        """Takes one message, serialised, that came on a topic.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
-        own, settings = self.displacement.get(topic), self.settings
+        own, settings, now = self.displacement.get(topic), self.settings, arrival.now
         if own is None:
             for _, _, held in self.slow.get(topic, ()):
-                held.take(data)
+                held.take(data, now, arrival.received)
             if topic in self._gauges:
                 self._gauges[topic][1].take(data)
-            return Answer(commands=self._ask(data, now)) if topic == WISH else Answer()
+            return Answer(commands=self._ask(data, now)) if topic == DESIRED else Answer()
         grown = self.roster.template is not None and self._admit(own.source, data)
         if topic in self._gauges:
             self._gauges[topic][1].take(data)
-        answer = own.source.take(data, now, clock, settings.max_age, suspect)
+        answer = own.source.take(data, arrival, settings.max_age)
         if own.comparison.is_measured:
             own.comparison.collected.keep(own.source.stamp)
         return Answer(answer, own.source.due(now, settings.stale_after, settings), grown)
 
     def _ask(self, data: bytes, now: float) -> list[Command]:
         """Takes a message of desired forces; the commands that answer them."""
-        reading, commands, number = self._wishes.read(data), [], 0
+        reading, commands, number = self._desired.read(data), [], 0
         for own in self.displacement.values():
             for d, follower in enumerate(own.source.followers):
                 if reading.present[number]:
@@ -199,7 +195,7 @@ class Estimation:
         after, rules = self.settings.stale_after, self.settings
 
         def command(follower: Follower, source: DisplacementInput, d: int) -> Command | None:
-            if not follower.tally.wishes or now - follower.sent_at <= period:
+            if not follower.tally.desired or now - follower.sent_at <= period:
                 return None
             return follower.command(source.trusted(d, now, after), int(source.stamps[d]), now, rules)
 
@@ -237,7 +233,8 @@ class Estimation:
         """The residual messages that can now be told."""
         measured = {}
         for names, gauge in self._gauges.values():
-            measured |= dict(zip(names, gauge.taken(), strict=True))
+            if gauge.has_samples:
+                measured |= dict(zip(names, gauge.taken(), strict=True))
         return [message for own in self.displacement.values() for message in own.comparison.compare(measured)]
 
     def stale(self, now: float) -> list[bytes]:

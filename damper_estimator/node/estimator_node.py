@@ -43,7 +43,7 @@ class EstimatorNode(RefusingLifecycleNode):
     """Runs filter and model of every damper at the rate of the input; final.
 
     Publishes one ``DamperForces`` per displacement message, with its header, for those dampers whose sample was good,
-    and currents for those dampers for which forces are wished.
+    and currents for those dampers for which forces are desired.
     *Configured* is: everything loaded, checked and subscribed; *active* is: publishing.
 
     Attributes:
@@ -157,7 +157,7 @@ class EstimatorNode(RefusingLifecycleNode):
     def _use(self, estimation: Estimation) -> None:
         """From the next message on."""
         if self.is_active and estimation.roster is not self.estimation.roster:
-            self.commanding.publish(self.estimation.safe())  # the new one begins without wishes
+            self.commanding.publish(self.estimation.safe())  # the new one begins without desired forces
         self.estimation = estimation
         self.inputs.look_at_clock()
         self._watch_every(min(0.5 * estimation.settings.stale_after, LONGEST_WATCH))
@@ -255,11 +255,11 @@ class EstimatorNode(RefusingLifecycleNode):
         """Publishes and records serialised forces."""
         self.forces.publish(message)
         self._reporter.published += 1
-        self._keep(self.forces.topic_name, "damper_msgs/msg/DamperForces", message)
+        self._keep(self.forces, "damper_msgs/msg/DamperForces", message)
 
-    def _keep(self, topic: str, type_name: str, message: bytes) -> None:
+    def _keep(self, publisher: Publisher, type_name: str, message: bytes) -> None:
         if self.recorder is not None:
-            self.recorder.keep(topic, type_name, message)
+            self.recorder.keep(publisher.topic_name, type_name, message)
 
     def _compare(self) -> None:
         if not self.is_active:
@@ -268,7 +268,7 @@ class EstimatorNode(RefusingLifecycleNode):
         if self.residuals.get_subscription_count() or self.recorder is not None:
             for message in messages:
                 self.residuals.publish(message)
-                self._keep(self.residuals.topic_name, "sensor_msgs/msg/JointState", message)
+                self._keep(self.residuals, "sensor_msgs/msg/JointState", message)
 
     def _tell_health(self) -> None:
         self.inputs.look_at_clock()

@@ -21,6 +21,7 @@ from damper_estimator.runtime import (
     NOT_FINITE,
     SILENT,
     SLOW,
+    STUCK,
     SUSPECT,
     WARMING_UP,
 )
@@ -175,7 +176,8 @@ def damper_status(prefix: str, now: DamperNow, before: DamperNow, cutoff: float,
         "estimates: warming up": counts[BY_STATUS + WARMING_UP],
         "estimates: extrapolating": counts[BY_STATUS + EXTRAPOLATING],
         "estimates: degraded": counts[BY_STATUS + DEGRADED],
-        "samples in doubt (age, sender)": counts[SUSPECT],
+        "samples in doubt (age, sender, current)": counts[SUSPECT],
+        "samples while stuck": counts[STUCK],
         **{f"{role}: values that cannot be": counts[IMPLAUSIBLE + row] for row, role in enumerate(SLOW)},
         **{f"{role}: samples while silent": counts[SILENT + row] for row, role in enumerate(SLOW)},
         "noise of the velocity [m/s]": f"{now.noise:.3g}",
@@ -209,7 +211,8 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
     told += [f"{missing} messages did not hold this damper"] if missing else []
     told += [f"{new[JUMPS]} jumps of the displacement"] if new[JUMPS] else []
     told += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
-    told += [f"{new[SUSPECT]} samples were too old or from a doubtful sender"] if new[SUSPECT] else []
+    told += ["the displacement stands still, although its sensor is noisy"] if new[STUCK] else []
+    told += [f"{new[SUSPECT]} samples in doubt: their age, sender or current"] if new[SUSPECT] else []
     told += _judge_slow(now, new)
     told += [] if now.is_identified else ["the model was never identified: fit it to recordings of this damper"]
     if now.drift is not None and now.drift.is_alarm:
@@ -241,19 +244,20 @@ class CommandNow:
     tally: CommandTally
     wanted: float
     sent: float
+    complaint: str = ""
 
 
 def command_status(prefix: str, now: CommandNow, before: CommandTally) -> DiagnosticStatus:
-    """Health of the commands for one damper for which forces are wished; ``before`` is the tally of a period ago."""
+    """Health of the commands for one damper for which forces are desired; ``before`` is the tally of a period ago."""
     tally = now.tally
     values = {
-        "wishes": tally.wishes,
-        "commands: wish reached": tally.followed,
+        "desired forces": tally.desired,
+        "commands: desired force reached": tally.followed,
         "commands: nearest force": tally.limited,
-        "safe current: wish too old": tally.old,
+        "safe current: desired force too old": tally.old,
         "safe current: estimate not good": tally.not_good,
         "safe current: no answer": tally.unanswered,
-        "last wish [N]": f"{now.wanted:.4g}",
+        "last desired force [N]": f"{now.wanted:.4g}",
         "last command": f"{now.sent:.4g}",
     }
     return status(f"{prefix}: {now.name} command", *_judge_command(now, before), values)
@@ -261,19 +265,21 @@ def command_status(prefix: str, now: CommandNow, before: CommandTally) -> Diagno
 
 def _judge_command(now: CommandNow, before: CommandTally) -> tuple[bytes, str]:
     if now.refusal:
-        return WARN, f"wishes cannot be followed: {now.refusal}"
+        return WARN, f"desired forces cannot be followed: {now.refusal}"
     tally = now.tally
     causes = {
-        "the wish was too old": tally.old - before.old,
+        "the desired force was too old": tally.old - before.old,
         "the estimate was not good": tally.not_good - before.not_good,
         "the inverse had no answer": tally.unanswered - before.unanswered,
     }
     told = [f"{cause} ({count} commands)" for cause, count in causes.items() if count]
     if told:
-        return WARN, "safe current: " + "; ".join(told)
-    if tally.wishes == before.wishes:
-        return WARN, "wishes have stopped; the safe current is commanded"
-    return OK, "following wishes"
+        return WARN, "; ".join(["safe current: " + "; ".join(told), *filter(None, [now.complaint])])
+    if now.complaint:
+        return WARN, now.complaint
+    if tally.desired == before.desired:
+        return WARN, "desired forces have stopped; the safe current is commanded"
+    return OK, "following desired forces"
 
 
 def output_status(prefix: str, values: Mapping[str, object], incompatible: int) -> DiagnosticStatus:

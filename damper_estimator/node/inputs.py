@@ -2,6 +2,7 @@
 
 import time
 import traceback
+from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import replace
 from importlib import import_module
@@ -12,9 +13,9 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.estimation import Estimation
+from damper_estimator.node.estimation import Arrival, Estimation
 from damper_estimator.node.health import InputTally
-from damper_estimator.node.message_info import with_number
+from damper_estimator.node.message_info import with_info
 from damper_estimator.node.quality import OVERRIDABLE
 from damper_estimator.node.rclpy_private import RCLError, take
 from damper_estimator.node.senders import DoubleSenders, Losses
@@ -116,37 +117,67 @@ class Inputs:
         longest, self._longest = self._longest, 0.0
         return longest
 
-    def snapshot(self) -> dict[str, InputTally]:
-        """A copy of the counts."""
-        return {topic: replace(tally) for topic, tally in self.tallies.items()}
+    def snapshot(self, topics: Iterable[str]) -> dict[str, InputTally]:
+        """A copy of the counts of these topics."""
+        return {topic: replace(self.tallies[topic]) for topic in topics}
 
     def _subscription(self, topic: str, type_name: str) -> Subscription:
         node = self._node
-        tally = self.tallies[topic] = InputTally(node.resolve_topic_name(topic))
-        losses, senders = Losses(), DoubleSenders()
+        tally, losses = InputTally(node.resolve_topic_name(topic)), Losses()
+        self.tallies[topic] = tally
+        answer = self._answering(topic, type_name, tally)
 
-        def receive(data: bytes, number: int | None) -> None:
+        def receive(data: bytes, number: int | None, received: int) -> None:
             begin = time.monotonic()
+            if node.is_active:
+                answer(data, number, received, begin)
+            # The answer has gone; what is only told once a second comes after it.
             tally.messages += 1
             tally.last = begin
+            self.data[topic] = data
             if number is not None:
                 losses.take(number)
                 tally.lost = losses.lost
-            self.data[topic] = data
-            if not node.is_active:
-                return
+            took = time.monotonic() - begin
+            self.busy += took
+            if took > self._longest:
+                self._longest = took
+
+        return node.create_subscription(
+            message_type(type_name),
+            topic,
+            with_info(receive),
+            copy(self._quality),  # overrides are written into it
+            event_callbacks=_events(tally, losses),
+            qos_overriding_options=OVERRIDABLE,
+            raw=True,
+        )
+
+    def _answering(
+        self, topic: str, type_name: str, tally: InputTally
+    ) -> Callable[[bytes, int | None, int, float], None]:
+        """What answers a message on this topic; arguments as in `with_info`, and the steady time, s."""
+        node, senders = self._node, DoubleSenders()
+
+        def answer(data: bytes, number: int | None, received: int, now: float) -> None:
             if node.recorder is not None:
                 node.recorder.keep(tally.topic, type_name, data)
             try:
-                now = self.now() if self.is_simulated else begin
-                clock = round(now * 1e9) if self.is_simulated else time.time_ns()
-                suspect = number is not None and self._is_suspect(topic, senders, data, number, now)
-                answer = node.estimation.take(topic, data, now, clock, suspect)
-                if answer.forces is not None:
-                    node.publish_forces(answer.forces)
-                if answer.commands:
-                    node.commanding.publish(answer.commands)
-                if answer.has_grown:
+                is_simulated = self.is_simulated
+                if is_simulated:
+                    now = self.now()
+                clock = round(now * 1e9) if is_simulated else time.time_ns()
+                suspect = tally.publishers > 1 and number is not None and self._is_suspect(
+                    topic, senders, data, number, now
+                )  # fmt: skip
+                if is_simulated or not received:
+                    received = clock
+                told = node.estimation.take(topic, data, Arrival(now, clock, received, suspect, is_simulated))
+                if told.forces is not None:
+                    node.publish_forces(told.forces)
+                if told.commands:
+                    node.commanding.publish(told.commands)
+                if told.has_grown:
                     self.check(node.estimation)
                     self.subscribe(node.estimation)
                     node.commanding.offer(node.estimation.commanded)
@@ -159,26 +190,14 @@ class Inputs:
                 node.get_logger().error(
                     f"message on {topic}: {traceback.format_exc()}", throttle_duration_sec=LOG_PERIOD
                 )
-            took = time.monotonic() - begin
-            self.busy += took
-            if took > self._longest:
-                self._longest = took
 
-        return node.create_subscription(
-            message_type(type_name),
-            topic,
-            with_number(receive),
-            copy(self._quality),  # overrides are written into it
-            event_callbacks=_events(tally, losses),
-            qos_overriding_options=OVERRIDABLE,
-            raw=True,
-        )
+        return answer
 
     def _is_suspect(self, topic: str, senders: DoubleSenders, data: bytes, number: int, now: float) -> bool:
         """Whether another publisher may have sent the same damper as this message of this sequence number."""
         tally, estimation = self.tallies[topic], self._node.estimation
         displacement = estimation.displacement.get(topic)
-        if tally.publishers < 2 or displacement is None:
+        if displacement is None:
             return False
         suspect = senders.take(number, displacement.source.held(data), now, estimation.settings.max_gap)
         tally.doubled = senders.confirmed

@@ -107,18 +107,18 @@ class Driver:
         }
         self._currents = self._answers = 0
         self._current = 0.0
-        self._wanted, self._wished_at = float("nan"), 0
+        self._wanted, self._desired_at = float("nan"), 0
         self._node.create_subscription(Float64, f"suspension/{DAMPER}/current_command", self._take_current, quality)
-        for topic in ("damper_estimator/desired_force", "damper_controller/wished_force"):
-            self._node.create_subscription(JointState, topic, self._take_wish, quality)
+        for topic in ("damper_estimator/desired_force", "damper_controller/desired_force"):
+            self._node.create_subscription(JointState, topic, self._take_desired, quality)
 
     def _take_current(self, message: Float64) -> None:
         self._current = message.data
         self._answers += 1
 
-    def _take_wish(self, message: JointState) -> None:
+    def _take_desired(self, message: JointState) -> None:
         self._wanted = message.effort[0]
-        self._wished_at = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
+        self._desired_at = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
 
     def drive(self, scenario: Scenario, processes: Sequence[subprocess.Popen]) -> Ride:
         """The ride, once estimator and controller answer.
@@ -136,7 +136,7 @@ class Driver:
     def _stand(self, processes: Sequence[subprocess.Popen]) -> int:
         """Stands at rest until samples are answered; the stamp of the ride's first one."""
         stamp, end = START, time.monotonic() + STARTING
-        while not self._answers or self._wished_at < stamp - STEP:
+        while not self._answers or self._desired_at < stamp - STEP:
             self._check(processes, end)
             self._send(stamp, 0.0, 0.0, 0.0)
             self._listen(FIRST_PAUSE)
@@ -163,7 +163,7 @@ class Driver:
     def _answer(self, processes: Sequence[subprocess.Popen]) -> Action:
         end = time.monotonic() + PATIENCE
         count, stamp = self._awaited
-        while self._answers < count or self._wished_at < stamp:
+        while self._answers < count or self._desired_at < stamp:
             self._check(processes, end)
             self._executor.spin_once(timeout_sec=0.05)
         return Action(self._wanted, self._current)
@@ -240,7 +240,7 @@ def offline(scenario: Scenario) -> Ride:
 
 
 def main() -> int:
-    """Drives live and off line, and says how both tracked the wished force."""
+    """Drives live and off line, and says how both tracked the desired force."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("-m", "--model", required=True, help="model with a command")
     parser.add_argument("--table", type=Path, help="force_velocity.csv: currents by table instead of by the inverse")
@@ -263,7 +263,7 @@ def main() -> int:
         told = ride_measures(own, attainable(corner.damper, own.travel, LIMITS, own.step), REST)
         print(
             f"{arguments.corner}, {surface.name}, {name}: force errs by {told.tracking_n:.1f} N rms of "
-            f"{told.wanted_n:.0f} N wished; body {told.weighted_acceleration:.3f} m/s^2 (Wk), tyre load "
+            f"{told.wanted_n:.0f} N desired; body {told.weighted_acceleration:.3f} m/s^2 (Wk), tyre load "
             f"{100 * told.tyre_load:.1f} %, stroke {1e3 * told.stroke:.1f} mm rms"
         )
     return 0

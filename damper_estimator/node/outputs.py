@@ -1,5 +1,6 @@
 """The topics on which currents are commanded, one per damper whose force depends on one."""
 
+import sys
 import time
 from collections.abc import Iterable, Sequence
 
@@ -15,7 +16,7 @@ from damper_estimator.node.rclpy_private import RCLError
 DEPTH = 10
 ACKNOWLEDGED = 0.5  # s, longest wait for the last commands to be acknowledged
 ON_THE_WAY = 0.05  # s for subscriptions that acknowledge nothing
-DISCOVERED = 2.0  # s, longest wait for the drivers to be found by another context
+DISCOVERED = 5.0  # s, longest wait for the drivers to be found by another context
 
 
 class CommandOutputs:
@@ -39,13 +40,12 @@ class CommandOutputs:
                 reason = str(error).partition(", at ")[0]
                 self._node.get_logger().warning(f"{name}: no currents can be commanded on {topic}: {reason}")
 
-    def publish(self, name: str, data: bytes) -> str | None:
-        """Publishes a serialised command; the topic, None where there is none."""
+    def publish(self, name: str, data: bytes) -> Publisher | None:
+        """Publishes a serialised command; on what, None where the damper has no topic."""
         publisher = self._publishers.get(name)
-        if publisher is None:
-            return None
-        publisher.publish(data)
-        return publisher.topic_name
+        if publisher is not None:
+            publisher.publish(data)
+        return publisher
 
     def last(self, commands: Iterable[tuple[str, bytes]]) -> list[tuple[Publisher, bytes]]:
         """For `settle`: commands (name of the damper, serialised) with their publishers."""
@@ -95,6 +95,13 @@ def _send_from_another_context(last: Sequence[tuple[Publisher, bytes]]) -> None:
         for own, data in last:
             publishers[own].publish(data)
         _let_arrive(list(publishers.values()))
+        alone = [own.topic_name for own, publisher in publishers.items() if not publisher.get_subscription_count()]
+        if alone:
+            print(
+                f"the context was shut down, and nobody was found on {', '.join(alone)} within {DISCOVERED:g} s to send "
+                "the safe current to; the driver's deadline has to act",
+                file=sys.stderr,
+            )
     finally:
         node.destroy_node()
         context.try_shutdown()

@@ -68,7 +68,7 @@ class Reporter:
             reason = node.refusal or "not configured"
             return [health.status(f"{prefix}: node", health.WARN, reason, {"state": "unconfigured"})]
         told, now = [], time.monotonic()
-        inputs = node.inputs.snapshot()
+        inputs = node.inputs.snapshot(estimation.displacement)
         known = set(estimation.names)
         for topic, own in estimation.displacement.items():
             tally = inputs[topic]
@@ -77,7 +77,7 @@ class Reporter:
             told.append(health.input_status(prefix, tally, before, now, known))
             for d, one in enumerate(own.source.estimators):
                 told.append(self._damper(prefix, topic, estimation, d, one.name))
-            told += [self._command(prefix, follower) for follower in own.source.followers if follower.tally.wishes]
+            told += [self._command(prefix, follower) for follower in own.source.followers if follower.tally.desired]
         self._inputs = inputs
         told.append(health.output_status(prefix, self._output(), self._incompatible))
         if node.recorder is not None:
@@ -126,8 +126,8 @@ class Reporter:
         before = self._commands.get(own.name, CommandTally())
         tally = self._commands[own.name] = replace(own.tally)
         # Counts begin anew where a change of parameters did.
-        before = before if before.wishes <= tally.wishes else CommandTally()
-        now = health.CommandNow(own.name, own.refusal, tally, own.wanted, own.sent)
+        before = before if before.desired <= tally.desired else CommandTally()
+        now = health.CommandNow(own.name, own.refusal, tally, own.wanted, own.sent, own.current.complaint())
         return health.command_status(prefix, now, before)
 
     def _output(self) -> dict[str, object]:

@@ -44,6 +44,11 @@ class GaugeInput:
             self._present[self._count] = reading.present
             self._count += 1
 
+    @property
+    def has_samples(self) -> bool:
+        """Whether any came since the last comparison."""
+        return self._count > 0
+
     def taken(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Stamps (n,) ns and SI values (n,) by damper since the last call."""
         count, self._count = self._count, 0

@@ -9,6 +9,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
 from damper_estimator.node.displacement import Estimator
 from damper_estimator.node.settings import Settings
+from damper_estimator.node.wire import ForcesTemplate
 from damper_estimator.runtime import Deployed, Line, deployed
 from damper_estimator.signals import DamperSignals, SignalMap, default_signals, delay_seconds, load_signal_map
 
@@ -83,3 +84,4 @@ def _warm_up(own: Deployed) -> None:
     line.add("", own)
     for millisecond in range(2):
         line.step(millisecond * 1_000_000, np.zeros(1), np.ones(1, bool))
+    ForcesTemplate([""], "").message(0, line.answered.numbers[0], line.answered.status[0], np.ones(1, bool))

@@ -102,7 +102,8 @@ def _spin(executor: Executor, node: Ending, stop: Stop) -> None:
     stop.is_orderly = True
     # EventsExecutor.spin() delivers nothing in some builds; spin_once() does in all.
     worked = time.monotonic()
-    while rclpy.ok() and not stop.is_requested:
+    context = node.context
+    while context.ok() and not stop.is_requested:
         try:
             executor.spin_once(timeout_sec=WAKE_UP)
             worked = time.monotonic()
@@ -112,5 +113,5 @@ def _spin(executor: Executor, node: Ending, stop: Stop) -> None:
             # A request that rclpy itself stumbles over must not end the estimates.
             if time.monotonic() - worked > BROKEN:
                 raise
-            if rclpy.ok():
+            if context.ok():
                 node.get_logger().error(traceback.format_exc(), throttle_duration_sec=1.0)

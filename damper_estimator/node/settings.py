@@ -42,10 +42,18 @@ DECLARATIONS: dict[str, Declaration] = {
     "stale_after": Declaration(0.1, "s without a good sample until STALE is published", low=0.005, high=3600.0),
     "drift_window": Declaration(60.0, "s over which the error against the gauge is averaged", low=1.0, high=3600.0),
     "drift_factor": Declaration(2.0, "growth of that error that raises the alarm", low=1.1, high=100.0),
-    "safe_current": Declaration(0.0, "commanded without a fresh wish or a good estimate", low=-1e3, high=1e3),
+    "safe_current": Declaration(0.0, "commanded without a fresh desired force or a good estimate", low=-1e3, high=1e3),
     "wish_timeout": Declaration(0.1, "s after which a desired force no longer counts", low=0.002, high=10.0),
-    "command_extrapolating": Declaration(False, "follow wishes outside the region of the model's fit as well"),
-    "horizon": Declaration(HORIZON, "s ahead at which a command is to have reached the wish", low=1e-4, high=1.0),
+    "command_extrapolating": Declaration(False, "follow desired forces outside the region of the model's fit as well"),
+    "command_lag": Declaration(
+        0.05,
+        "s within which a driver follows its command and reports the current; 0 compares nothing",
+        low=0.0,
+        high=10.0,
+    ),
+    "horizon": Declaration(
+        HORIZON, "s ahead at which a command is to have reached the desired force", low=1e-4, high=1.0
+    ),
     "lead": Declaration(LEAD, "s ahead at which the inverse sees the motion", low=0.0, high=1.0),
     "record": Declaration("", "folder for recordings of inputs and estimates; '' is none", CONFIGURING),
     "record_size": Declaration(256, "MB per file of a recording", CONFIGURING, 1, 1_000_000),
@@ -79,6 +87,7 @@ class Settings:
     safe_current: float
     wish_timeout: float
     command_extrapolating: bool
+    command_lag: float
     horizon: float
     lead: float
     record: str

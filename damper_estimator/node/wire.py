@@ -7,11 +7,12 @@ keep their structure (names, lengths of arrays); a message that does not fit its
 
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 
+from damper_estimator.compiled import compiled
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import encode, parse_path
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
@@ -25,18 +26,22 @@ __all__ = ["ForcesTemplate", "MalformedMessage", "NumbersReader", "Reading"]
 FORCES_TYPE = "damper_msgs/msg/DamperForces"
 NANOSECONDS = 1_000_000_000
 _STAMP = slice(4, 12)
+# The numbers of eight bytes in a message begin four bytes off; in a copy that is moved so far they are aligned.
+_SHIFT = 4
+_FRAME = 16  # first byte of the header's frame_id, behind its length
+_NUMBER = np.dtype("<f8")
+_STAMP_PARTS = struct.Struct("<iI")
 _FLOAT = struct.Struct("<4sd")
 _STAMP_PATHS = ("header.stamp.sec", "header.stamp.nanosec")
 _MOST_PLACES = 64  # structures that are remembered; a publisher of ever new names must not fill the memory
 
 
-@dataclass(frozen=True, eq=False)
-class Reading:
+class Reading(NamedTuple):
     """What one message says.
 
     Attributes:
         stamp: ns; 0 where the type has none.
-        values: (k,) one per path, valid where ``present``; reused by the next message.
+        values: (k,) one per path, valid where ``present``; may be reused by the next message.
         present: (k,) bool.
         is_whole: whether all are present.
     """
@@ -47,8 +52,13 @@ class Reading:
     is_whole: bool
 
 
-class _Place:
-    """Where the numbers lie in messages of one structure; final."""
+class Place:
+    """Where the numbers lie in messages of one structure; final.
+
+    Attributes:
+        present: (k,) bool, which paths these messages hold; ``is_whole``: whether all.
+        frame: where the header's frame_id lies; empty where the type has none.
+    """
 
     def __init__(self, data: bytes, layout: Layout, width: int, stamped: bool) -> None:
         """``width`` paths, and those of the stamp behind them where ``stamped``."""
@@ -56,16 +66,26 @@ class _Place:
         self._end, self._allowed = layout.end, layout.allowed
         self._structure = itemgetter(*_runs(layout.structural))  # one call for all stretches
         self._expected = self._structure(data)
-        self._stamp = struct.Struct(("<" if data[1] else ">") + "iI") if stamped else None
+        order = "<" if data[1] else ">"
+        self._stamp = struct.Struct(f"{order}iI") if stamped else None
+        size = struct.unpack_from(f"{order}I", data, _FRAME - 4)[0] if stamped else 0
+        self.frame = slice(_FRAME, _FRAME + size)
         self.present = np.array([leaf is not None for leaf in leaves])
         self.is_whole = bool(self.present.all())
+        copy = np.zeros(layout.end + _SHIFT, np.uint8)
+        self._copy = memoryview(copy)[_SHIFT:]
         there = [leaf for leaf in leaves if leaf is not None]
-        self._leaves = [(slot, leaf) for slot, leaf in enumerate(leaves) if leaf is not None]
-        self._block = None
-        if there and self.is_whole and {leaf.dtype.str for leaf in there} == {"<f8"}:
-            first = there[0].offset
-            if [leaf.offset for leaf in there] == list(range(first, first + 8 * len(there), 8)):
-                self._block = first
+        first = there[0].offset if there else 0
+        is_block = self.is_whole and {leaf.dtype.str for leaf in there} == {"<f8"}
+        if is_block and [leaf.offset for leaf in there] == list(range(first, first + 8 * width, 8)):
+            self._values, self._loose = np.ndarray(width, _NUMBER, copy, first + _SHIFT), []
+        else:
+            self._values = np.full(width, np.nan)
+            self._loose = [
+                (slot, np.ndarray(1, leaf.dtype, copy, leaf.offset + _SHIFT))
+                for slot, leaf in enumerate(leaves)
+                if leaf is not None
+            ]
 
     def fits(self, data: bytes) -> bool:
         """Whether a message has this structure."""
@@ -73,13 +93,15 @@ class _Place:
             return False
         return self._structure(data) == self._expected
 
-    def read(self, data: bytes, values: np.ndarray) -> int:
-        """Fills in the values (k,); the stamp in ns."""
-        if self._block is not None:
-            values[:] = np.frombuffer(data, "<f8", values.size, self._block)
-        else:
-            for slot, leaf in self._leaves:
-                values[slot] = np.frombuffer(data, leaf.dtype, 1, leaf.offset)[0]
+    def values(self, data: bytes) -> np.ndarray:
+        """(k,) one per path, NaN where it is not present; reused by the next message."""
+        self._copy[:] = data[: self._end]
+        for slot, number in self._loose:
+            self._values[slot] = number[0]
+        return self._values
+
+    def stamp(self, data: bytes) -> int:
+        """ns; 0 where the type has none."""
         if self._stamp is None:
             return 0
         seconds, nanoseconds = self._stamp.unpack_from(data, _STAMP.start)
@@ -110,8 +132,7 @@ class NumbersReader:
         self._stamped = any(name == "header" for name, _ in self._definition.fields(type_name))
         self._request = request_tree([*parsed, *map(parse_path, _STAMP_PATHS)] if self._stamped else parsed)
         self._width = len(parsed)
-        self._values = np.full(self._width, np.nan)
-        self._places: list[_Place] = []
+        self._places: list[Place] = []
 
     def knows(self, data: bytes) -> bool:
         """Whether a message of this structure was read lately."""
@@ -123,18 +144,15 @@ class NumbersReader:
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
-        place = self._place(data)
-        return Reading(place.read(data, self._values), self._values, place.present, place.is_whole)
+        place = self.place(data)
+        return Reading(place.stamp(data), place.values(data), place.present, place.is_whole)
 
-    def present(self, data: bytes) -> np.ndarray:
-        """Which paths (k,) one message holds.
+    def place(self, data: bytes) -> Place:
+        """Where the numbers of one message lie.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
         """
-        return self._place(data).present
-
-    def _place(self, data: bytes) -> _Place:
         for number, place in enumerate(self._places):
             if place.fits(data):
                 if number:
@@ -142,7 +160,7 @@ class NumbersReader:
                 return place
         slots = self._width + (2 if self._stamped else 0)
         layout = layout_of(data, self._definition, self._request, slots)
-        place = _Place(data, layout, self._width, self._stamped)
+        place = Place(data, layout, self._width, self._stamped)
         self._places = [place, *self._places[: _MOST_PLACES - 1]]
         return place
 
@@ -205,16 +223,30 @@ class ForcesTemplate:
         definition = definition_of(builtin_schema(FORCES_TYPE))
         arrays = {field: np.full((1, k), np.nan) for field in FIELDS} | {"status": np.zeros((1, k), np.uint8)}
         (plain,) = encode(FORCES_TYPE, 1, {"header.frame_id": frame, "name": list(names), **arrays})
-        self._buffer = bytearray(plain)
+        buffer = np.zeros(len(plain) + _SHIFT, np.uint8)
+        self._message = memoryview(buffer)[_SHIFT:]
+        self._message[:] = plain
         paths = [parse_path(f"{field}[0]") for field in (*FIELDS, "status")]
         leaves = layout_of(plain, definition, request_tree(paths), len(paths)).leaves
         first, second = leaves[0].offset, leaves[1].offset
-        self._numbers = np.ndarray((len(FIELDS), k), "<f8", self._buffer, first, (second - first, 8))
-        self._status = np.ndarray((k,), np.uint8, self._buffer, leaves[-1].offset)
+        self._numbers = np.ndarray((len(FIELDS), k), _NUMBER, buffer, first + _SHIFT, (second - first, 8))
+        self._status = np.ndarray((k,), np.uint8, buffer, leaves[-1].offset + _SHIFT)
 
-    def message(self, stamp: bytes, numbers: np.ndarray, status: np.ndarray) -> bytes:
-        """The message: ``stamp`` (8 bytes as in the input), ``numbers`` (9, k) by FIELDS, ``status`` (k,)."""
-        self._buffer[_STAMP] = stamp
-        self._numbers[:] = numbers
-        self._status[:] = status
-        return bytes(self._buffer)
+    def message(self, stamp: int, numbers: np.ndarray, status: np.ndarray, chosen: np.ndarray) -> bytes:
+        """The message: ``stamp`` in ns, ``numbers`` (9, n) by FIELDS and ``status`` (n,), of which those of the
+        ``chosen`` (n,) are its k dampers."""
+        _STAMP_PARTS.pack_into(self._message, _STAMP.start, *divmod(stamp, NANOSECONDS))
+        _fill(numbers, status, chosen, self._numbers, self._status)
+        return bytes(self._message)
+
+
+@compiled
+def _fill(numbers, status, chosen, own_numbers, own_status):
+    """Copies the chosen columns; by numpy each copy would take as long as this."""
+    j = 0
+    for d in range(chosen.size):
+        if chosen[d]:
+            for field in range(numbers.shape[0]):
+                own_numbers[field, j] = numbers[field, d]
+            own_status[j] = status[d]
+            j += 1

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from launched import car, launch, package  # noqa: F401  (fixtures)
 
 ROOT = Path(__file__).resolve().parents[2]
 EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"

@@ -35,7 +35,7 @@ def semi_active_parameters(folder: Path, dampers: tuple[str, ...] = DAMPERS) -> 
     (folder / "map.yaml").write_text(yaml.safe_dump(signals))
     return {
         "model": str(models), "signals": str(folder / "map.yaml"), "safe_current": SAFE, "wish_timeout": 10.0,
-        "stale_after": 0.2,
+        "stale_after": 0.2, "command_lag": 0.0,  # the car reports one current, whatever is commanded
     }  # fmt: skip
 
 

@@ -149,7 +149,7 @@ def test_an_acceleration_that_is_never_a_number_is_too_old_as_usual(start_contro
 
 def test_by_table_the_safe_current_is_commanded_where_there_is_nothing_to_act_on(start_controller, rig, tmp_path):
     start_controller(law="groundhook", damping=20000.0, table=by_table(tmp_path), safe_current=SAFE, timeout=1.0)
-    estimator = Estimates(rig, "/damper_controller/wished_force")
+    estimator = Estimates(rig, "/damper_controller/desired_force")
     commands = estimator.commands
     estimator.tell(0.3)
     rig.wait(lambda: commands and commands[-1] == SAFE, "the safe current before the body is felt")

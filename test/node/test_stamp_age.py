@@ -71,3 +71,28 @@ def test_a_recording_that_starts_again_and_a_clock_that_drifts_are_no_delay():
 
 def test_nothing_is_judged_where_no_age_is_set():
     assert not judged([NOW], [NOW + 100 * SECOND], 0.0)[0].any()
+
+
+def test_the_fastest_sample_follows_a_small_step_of_the_clock_within_a_second_but_not_a_pause():
+    age, now = StampAge(), 10**18
+    for _ in range(500):
+        age.is_late(now - 5_000_000, now, 0.5)
+        now += 2_000_000
+    for _ in range(500):  # the sender's clock is set back by 50 ms
+        age.is_late(now - 55_000_000, now, 0.5)
+        now += 2_000_000
+    assert 0.05 < age.fastest <= 0.055 + 1e-9
+    now += 2_000_000_000  # nothing came for two seconds, and now all at once
+    age.is_late(now - 2_000_000_000, now, 0.5)
+    assert age.fastest < 0.07
+
+
+def test_a_sample_that_overtakes_the_message_of_a_simulated_clock_says_nothing_about_later_ones():
+    stamps = 1000 * SECOND + np.arange(1000) * SECOND // 100
+    stamps[300:] += SECOND
+    clock = stamps.copy()
+    clock[0], clock[300] = 0, stamps[299]
+    age = StampAge()
+    late = [age.is_late(int(s), int(c), 0.5, is_simulated=True) for s, c in zip(stamps, clock, strict=True)]
+    assert not any(late) and age.is_related and age.fastest == 0.0
+    assert age.is_late(int(stamps[-1]), int(stamps[-1]) + SECOND, 0.5, is_simulated=True)

@@ -4,7 +4,7 @@ import signal
 import time
 
 import numpy as np
-from rig import MS, joint_state
+from rig import MS, PATIENCE, joint_state
 
 GOOD, DEGRADED, STALE = 0, 3, 4
 SECOND = 1000 * MS
@@ -21,10 +21,17 @@ def drive_now(rig, seconds: float) -> list:
     return [m for m in rig.forces[before:] if STALE not in m.status]
 
 
+def good_again(rig) -> None:
+    """Drives until an answer is GOOD: on a busy machine samples of this moment are old as well now and then."""
+    end = time.monotonic() + PATIENCE
+    while drive_now(rig, 0.5)[-1].status[0] != GOOD:
+        assert time.monotonic() < end, "the estimate was not GOOD again"
+
+
 def test_samples_that_waited_longer_than_the_allowed_age_are_not_good(start, identified, rig):
     process = start(model=identified("coulomb"), dampers="[left]", max_age=0.4, stale_after=30.0, qos_depth=400)
     rig.ready()
-    assert drive_now(rig, 1.0)[-1].status[0] == GOOD
+    good_again(rig)
     process.send_signal(signal.SIGSTOP)
     before = len(rig.forces)
     for i in range(100):
@@ -34,8 +41,8 @@ def test_samples_that_waited_longer_than_the_allowed_age_are_not_good(start, ide
     rig.wait(lambda: len(rig.forces) >= before + 100, "the answers")
     waited = rig.forces[before : before + 100]
     assert {m.status[0] for m in waited[:40]} == {DEGRADED}
-    assert drive_now(rig, 0.8)[-1].status[0] == GOOD
-    assert int(rig.fresh_values(": left")["samples in doubt (age, sender)"]) >= 40
+    good_again(rig)
+    assert int(rig.fresh_values(": left")["samples in doubt (age, sender, current)"]) >= 40
 
 
 def test_a_damper_that_is_stale_keeps_its_last_stamp_though_others_go_on(start, identified, rig):

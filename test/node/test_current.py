@@ -1,0 +1,75 @@
+"""Whether a reported current can be the one that flowed: against the node's commands, and the sample's age."""
+
+import numpy as np
+import pytest
+
+from damper_estimator.node.current import Current
+
+LAG, STEP = 0.02, 0.002  # s
+WIDTH = 1.6  # A
+CODED = {"stuck": lambda i, own: 0.9, "thousandth": lambda i, own: own[i] / 1000.0, "dead": lambda i, own: 0.0}
+
+
+def driven(report, lag: float = LAG, seconds: float = 2.0, coil: float = 0.003) -> list[bool]:
+    """Whether each report is contradicted: commands that swing, a coil that follows, and what ``report`` makes of the
+    currents (n,) at sample i."""
+    time = np.arange(0.0, seconds, STEP)
+    commands = 0.8 + 0.7 * np.sin(12.0 * time) * np.sign(np.sin(31.0 * time))
+    current, own, found = Current(WIDTH, lag), [commands[0]], []
+    for i, (now, command) in enumerate(zip(time, commands, strict=True)):
+        own.append(own[-1] + (1.0 - np.exp(-STEP / coil)) * (command - own[-1]))
+        current.take(report(i, own), now, 1)
+        found.append(current.is_contradicted)
+        current.command(command, now)
+    return found
+
+
+@pytest.mark.parametrize("coil", [0.001, 0.003, 0.006])
+def test_a_driver_that_follows_within_the_lag_is_believed(coil):
+    random = np.random.default_rng(1)
+    assert not any(driven(lambda i, own: own[i] + 0.01 * random.standard_normal(), coil=coil))
+
+
+@pytest.mark.parametrize("fault", CODED)
+def test_a_current_that_cannot_follow_from_the_commands_is_found_again_and_again(fault):
+    found = np.flatnonzero(driven(CODED[fault]))
+    assert found.size > 100
+    # The status lasts 0.2 s: the estimate is never trusted again for long.
+    assert np.diff(found).max() * STEP < 0.3 and found[0] * STEP < 0.3
+
+
+def test_a_current_that_is_later_than_the_lag_is_found():
+    assert sum(driven(lambda i, own: own[max(i - 25, 0)])) > 50
+
+
+def test_no_lag_compares_nothing():
+    assert not any(driven(CODED["stuck"], lag=0.0))
+
+
+def test_nothing_is_said_of_a_damper_that_the_node_does_not_command():
+    current = Current(WIDTH, LAG)
+    current.take(5.0, 0.0, 1)
+    assert not current.is_contradicted
+    for i in range(100):
+        current.command(0.2, i * STEP)
+    current.take(1.0, 0.2, 1)
+    assert current.is_contradicted and "command_lag" in current.complaint()
+    current.take(1.0, 1.0, 1)  # commands have stopped since
+    assert not current.is_contradicted and not current.complaint()
+
+
+def test_what_was_commanded_before_is_known_only_after_the_lag():
+    current = Current(WIDTH, LAG)
+    current.command(1.0, 0.0)
+    current.take(0.2, 0.01, 1)
+    assert not current.is_contradicted
+    current.take(0.2, 0.03, 1)
+    assert current.is_contradicted
+
+
+def test_a_current_that_came_long_after_the_sample_is_not_its_own():
+    current = Current(WIDTH, LAG)
+    current.take(1.0, 0.0, 1_000_000_000)
+    assert not current.is_ahead(960_000_000, 0.0) and current.is_ahead(940_000_000, 0.0)
+    assert not current.is_ahead(940_000_000, 0.02)  # all samples take so long
+    assert not current.is_ahead(0, float("inf"))  # another clock: nothing is judged
