@@ -16,6 +16,7 @@ import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -217,19 +218,21 @@ def bench(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
 def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     """Messages as the node takes them, with names that come and go."""
     from damper_estimator.model import load_model
-    from damper_estimator.node.displacement import DisplacementInput, Estimator, names_in
+    from damper_estimator.node.displacement import Arrival, DisplacementInput, Estimator, names_in
     from damper_estimator.recordings import joint_states
     from damper_estimator.recordings.layout import MalformedMessage
     from damper_estimator.runtime import deployed
     from damper_estimator.signals import default_signals
 
     own = deployed(load_model("coulomb"), 60.0, 0.1)
-    source = DisplacementInput([Estimator(name, default_signals(name), own) for name in ("a", "b")])
+    rules = SimpleNamespace(safe_current=0.0, wish_timeout=0.1, command_extrapolating=False, command_lag=0.0,
+                            horizon=0.02, lead=0.0)  # fmt: skip
+    source = DisplacementInput([Estimator(name, default_signals(name), own) for name in ("a", "b")], rules)
 
     def run(data: bytes) -> None:
         try:
             names_in(data)
-            source.take(data, 0.0)
+            source.take(data, Arrival(0.0))
         except MalformedMessage:
             return
         force = source.line.answered.numbers[0, 3]

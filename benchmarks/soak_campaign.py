@@ -8,17 +8,19 @@ import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 from soak_counters import Counters
-from soak_faults import WAITED, Fault, Kind
+from soak_faults import Fault, Kind
 from soak_judge import MEMORY, Judge
-from soak_node import DISPLACEMENT, FORCE, WISH, SoakedNode
+from soak_node import DISPLACEMENT, SoakedNode
 from soak_plant import AMBIENT, NAMES, SAFE, STEP, WARMING, Corner, Driver, Sample, Sensors, damper
 from soak_rounds import Rounds
+from soak_rule import COMMAND_LAG
+from soak_slow import Slow
 from soak_truth import Filter, Undisturbed
-from soak_wire import SECOND, States, commands_in, forces_in, joint_state, number, number_in, stamped
+from soak_wire import SECOND, States, commands_in, forces_in, number_in
 
 CUTOFF = 60.0  # Hz
 WINDOW = 40  # displacement messages that may be unanswered
-BEHIND = 0.15  # s that we may be late before the stamps leap
+BEHIND = 0.03  # s that we may be late before the stamps leap
 QUIET = 1.4  # s without fault after every round
 CHECK_EVERY = 15  # rounds between two looks at the counters
 RESTARTS = 0.3  # share of the time in which the process may end, so that memory is seen to grow in the rest
@@ -44,6 +46,7 @@ class Campaign:
         self._rate, self._steps, self.step_ns = rate, round(1.0 / rate / STEP), round(SECOND / rate)
         self.node = SoakedNode({
             "model": str(models / "models"), "signals": str(models / "plain.yaml"), "safe_current": SAFE,
+            "command_lag": COMMAND_LAG,
             "dampers": f"[{', '.join(NAMES)}]", "qos_reliability": "reliable", "qos_depth": 4000, "record": str(folder),
             "record_size": 20, "record_files": 2,
         })  # fmt: skip
@@ -56,6 +59,7 @@ class Campaign:
         self.judge = Judge(self.step_ns, self._undisturbed.heeds_temperature, self._undisturbed.stddev)
         self.time, self.shift, self.stamp, self.is_held = 0.0, 0, 0, False
         self.active: list[Fault] = []
+        self._slow = Slow(self.node, self.judge, self.active, self.sensors, self._noise)
         self._recent: list[tuple[str, float]] = []
         self._next, self.sent, self.behind = 1.5, 0, 0
         self._answered, self._heard_at = 0.0, time.monotonic()
@@ -67,6 +71,8 @@ class Campaign:
     def run(self, seconds: float) -> None:
         """Drives for so many seconds of wall time."""
         print(f"seed {self.seed}", flush=True)
+        samples = [self._drive(k) for k in range(len(NAMES))]  # compiles what would halt the first samples
+        self._undisturbed.take(0, *np.zeros((2, len(NAMES))).tolist(), samples, [0.0] * len(NAMES))
         self.restart()
         begin, said = time.monotonic(), 0.0
         while (passed := time.monotonic() - begin) < seconds or self.active:
@@ -113,7 +119,8 @@ class Campaign:
         undisturbed, _ = self._undisturbed.take(round(self.time * SECOND), displacement, current, samples, felt)
         self.truth = force if self._undisturbed.is_fused else filtered
         self._advance_faults()
-        self._send_slow(current, samples, felt, force)
+        is_felt = felt if self._undisturbed.is_fused else None
+        self._slow.send(self._index, self.time, self.stamp, self.drivers, samples, current, is_felt, force)
         messages = [States(list(NAMES), displacement, self.stamp, truth=self.truth, undisturbed=undisturbed)]
         for fault in self.active:
             if fault.kind.role == "displacement":
@@ -165,49 +172,6 @@ class Campaign:
         else:
             publish(data)
 
-    def _send_slow(self, current: list[float], samples: list[Sample], felt: list[float], force: np.ndarray) -> None:
-        """All that is no displacement, before it."""
-        stamp, now, noise = self.stamp, self.time, self._noise
-        is_tenth, is_fifth = self._index % 25 == 0, self._index % 5 == 0
-        for k, name in enumerate(NAMES):
-            topic = f"/suspension/{name}"
-            for value in self._altered("current", k, current[k]) if self.drivers[k].is_on else ():
-                self.node.publish(f"{topic}/current", number(value))
-            if self._undisturbed.is_fused:
-                for value in self._altered("acceleration", k, felt[k]):
-                    self.node.publish(f"{topic}/acceleration", stamped(stamp, 0.0, 0.0, value, 0.0, 0.0, 0.0))
-            if is_tenth:
-                warm = samples[k].temperature + self.sensors.temperature * noise.standard_normal()
-                for value in self._altered("temperature", k, warm):
-                    self.node.publish(f"{topic}/temperature", stamped(stamp, value, 0.0))
-                for value in self._altered("pressure", k, samples[k].pressure):
-                    self.node.publish(f"{topic}/pressure", stamped(stamp, value, 0.0))
-        if is_fifth:
-            gauge = force + self.sensors.gauge * noise.standard_normal(len(NAMES))
-            self._send_efforts(FORCE, "gauge", gauge)
-            wish = -330.0 + 450.0 * np.sin(4.0 * now + np.arange(4.0)) + 250.0 * np.sin(19.0 * now + np.arange(4.0))
-            for k in self._send_efforts(WISH, "wish", wish):
-                self.judge.wished[k] = now
-
-    def _altered(self, role: str, k: int, value: float) -> list[float]:
-        values = [value]
-        for fault in self.active:
-            if fault.kind.role == role and k in fault.dampers:
-                values = [changed for v in values for changed in fault.kind.act(fault, v, k)]
-        for changed in values:
-            self.judge.hear_slow(role, k, changed, self.time)
-        return values
-
-    def _send_efforts(self, topic: str, role: str, values: np.ndarray) -> list[int]:
-        """The dampers whose last value is finite."""
-        altered = [self._altered(role, k, float(value)) for k, value in enumerate(values)]
-        for i in range(max(map(len, altered))):
-            there = [k for k, own in enumerate(altered) if i < len(own)]
-            self.node.publish(
-                topic, joint_state([NAMES[k] for k in there], self.stamp, (), [altered[k][i] for k in there])
-            )
-        return [k for k, own in enumerate(altered) if own and np.isfinite(own[-1])]
-
     def _take(self) -> bool:
         """Takes and judges what has come; whether there was anything."""
         if not self.node.poll():
@@ -224,6 +188,7 @@ class Campaign:
         while self.node.commands:
             name, data = self.node.commands.popleft()
             k, value = NAMES.index(name), number_in(data)
+            self.judge.currents[k].command(value, self.time)
             self.judge.command(k, value, max(self._answered, self.time - 0.05))
             self.drivers[k].take(value, self.time)
         while self.node.stamped_commands:
@@ -269,7 +234,7 @@ class Campaign:
         for fault in list(self.active):
             fault.is_last = self.time >= fault.until
             if fault.kind.excuse and self.time - fault.began <= fault.kind.excused_for:
-                for k in range(len(NAMES)) if fault.kind.excuse == WAITED else fault.dampers:
+                for k in fault.dampers:
                     self.judge.excuse(k, fault.kind.excuse, self.time + MEMORY)
             if fault.kind.is_unsure:
                 self.judge.expect_nothing(fault.dampers, self.time)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from soak_plant import NAMES
+from soak_rule import RACE, STILL
 from soak_wire import States
 
 
@@ -122,10 +123,10 @@ for _name, _value in {"NaN": np.nan, "infinite": np.inf, "huge": 1e300, "wild": 
         return _changed(fault, m, lambda x: value) if fault.chance(rate) else [m]
 
 
-FROZEN = "a value that stands still is what a standing car gives"
+FROZEN = "for a moment a value that stands still is what the noise may give"
 
 
-@on_states("stuck", 0.1, 1.0, excuse=FROZEN)
+@on_states("stuck", 0.1, 1.0, excuse=FROZEN, excused_for=STILL + RACE)
 def _(fault: Fault, m: States) -> list[States]:
     held = fault.once("held", lambda: dict(zip(m.names, m.values, strict=False)))
     values = list(m.values)
@@ -135,7 +136,8 @@ def _(fault: Fault, m: States) -> list[States]:
     return [replace(m, values=values)]
 
 
-@on_states("jump", 0.1, 1.0)
+# The offset lies outside the region of the fit as long as it lasts.
+@on_states("jump", 0.1, 1.0, is_unsure=True)
 def _(fault: Fault, m: States) -> list[States]:
     offset = fault.once("offset", lambda: fault.random.choice([-1, 1]) * fault.random.uniform(0.012, 0.3))
     return _changed(fault, m, lambda x: x + offset)
@@ -221,7 +223,7 @@ def _(fault: Fault, m: States) -> list[States]:
 @on_states("truncated")
 def _(fault: Fault, m: States) -> list[States]:
     data = m.data()
-    cut = replace(m, raw=data[: fault.random.integers(4, len(data) - 8)], fits=False)
+    cut = replace(m, raw=data[: fault.random.integers(4, max(len(data) - 8, 5))], fits=False)
     return [cut] if fault.chance(0.1) and m.raw is None else [m]
 
 
@@ -235,17 +237,14 @@ def _(fault: Fault, m: States) -> list[States]:
     return [replace(m, is_big=True)]
 
 
-WAITED = "a sample that waited less than max_age meets the current of now, which has no stamp"
-
-
-@on_states("late", 0.65, 1.5, excuse=WAITED)
+@on_states("late", 0.65, 1.5)
 def _(fault: Fault, m: States) -> list[States]:
     held = fault.once("held", list)
     held.append(m)
     return held if fault.is_last else []
 
 
-@on_states("burst", 0.02, 0.08, excuse=WAITED)
+@on_states("burst", 0.02, 0.08)
 def _(fault: Fault, m: States) -> list[States]:
     held = fault.once("held", list)
     held.append(m)

@@ -1,5 +1,6 @@
 """The node that is soaked: its process, its services, what is published to it, and what it says; polled."""
 
+import ctypes
 import os
 import resource
 import signal
@@ -26,8 +27,15 @@ TYPES = {
 TOPICS = {f"/suspension/{name}/{role}": kind for role, kind in TYPES.items() for name in NAMES} | {
     FORCE: STATES, WISH: STATES, DISPLACEMENT: STATES,
 }  # fmt: skip
+PR_SET_PDEATHSIG = 1  # of prctl(2)
 PATIENCE = 120.0  # s, for a busy machine
 DEPTH = 4000
+
+
+def _alone() -> None:
+    """In the node's process: it hears SIGHUP, also under nohup, and ends with the soak, however that ends."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def message_type(name: str) -> type:
@@ -74,11 +82,18 @@ class SoakedNode:
         self._polled.append((heard, raw, take))
 
     def start(self) -> None:
-        """Starts the process and waits until both sides know of each other."""
+        """Starts the process and waits until both sides know of each other.
+
+        Raises:
+            RuntimeError: where a node of an earlier run, which was killed, still answers in this domain.
+        """
+        if self.process is None and self._publishers[DISPLACEMENT].get_subscription_count():
+            raise RuntimeError("another estimator answers in this domain; end it")
         words = [word for name, value in self.parameters.items() for word in ("-p", f"{name}:={value}")]
         self.process = subprocess.Popen(
-            [EXECUTABLE, "--ros-args", "--log-level", "fatal", "--disable-rosout-logs", *words], start_new_session=True
-        )
+            [EXECUTABLE, "--ros-args", "--log-level", "fatal", "--disable-rosout-logs", *words], start_new_session=True,
+            preexec_fn=_alone,
+        )  # fmt: skip
         self.find()
 
     def find(self) -> None:

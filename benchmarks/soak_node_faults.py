@@ -5,11 +5,12 @@ import time
 from collections.abc import Iterator
 
 import numpy as np
-from soak_faults import WAITED, Fault, on_node
+from soak_faults import Fault, on_node
 from soak_node import DISPLACEMENT, WISH
 from soak_plant import NAMES, SAFE
 from soak_wire import States, joint_state
 
+WAITED = "the node stood still, and what waited comes in no order"
 DISCOVERY = 0.2  # s from a new publisher to its first message
 HEARTBEAT = 3.0  # s, of the middleware
 CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4

@@ -4,12 +4,14 @@ It is an upper bound. Where two topics race, or a threshold is close, it says no
 be GOOD nor that it has to be.
 
     a start, a gap above max_gap or a step back by more: not GOOD for 0.2 s
-    a sample that is no number, older than one before, a jump, or several steps late: not GOOD for 0.2 s
+    a sample that is no number, older than one before, a jump, or several usual steps late: not GOOD for 0.2 s
     a stamp that is older than max_age when the sample is handed over: that sample, and 0.2 s after
+    the same number for longer than its noise makes possible: not GOOD
     a channel that the damper's force depends on is silent beyond its age, or its last value cannot be: not GOOD
+    a current that the commands of the driver's lag do not allow: not GOOD
 """
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from math import isfinite
 
@@ -18,9 +20,15 @@ MAX_GAP = 100_000_000  # ns
 MAX_AGE = 0.5  # s
 LARGEST = 1e6  # m; beyond, a displacement counts as no number
 JUMP, SPEED = 0.001, 5.0  # m, and m/s beyond which it is one
-LATE = 7  # usual steps; the node counts from three on, of a step that it learns
+LONGEST = 10_000_000_000  # ns
+LATE = 7  # usual steps; the node counts from three on, of a step that it learns as well
+RECENT, LONGEST_ONES = 100, 20  # steps that the node may have learned from, and those whose mean bounds what it learned
 RACE = 0.03  # s by which messages of two topics may overtake each other
-COMMAND_AGE = 0.5  # s, longest; a command that comes often is silent sooner
+COMMAND_AGE, FELT_AGE = 0.05, 0.02  # s, of channels that come with every sample
+COMMAND_LAG = 0.03  # s that the node is told for the drivers
+AHEAD = 0.05  # s that a sample may have waited where a current came since
+LEARNING = 10.0  # s from which on a sensor's noise is known
+STILL = 0.1  # s for which the noisy displacement can give equal values
 
 
 @dataclass
@@ -31,8 +39,19 @@ class Displacement:
     counts: Counter[str] = field(default_factory=Counter)
     last: int | None = None
     value: float = 0.0
+    changed: int = 0
     forbidden_until: int = -(2**62)
     reason: str = ""
+    since: int = 0  # ns, when the node began to learn the sensor's noise
+    is_unknown: bool = False  # whether it stands still before that is known
+    steps: deque[int] = field(default_factory=lambda: deque(maxlen=RECENT))  # ns, the last ones
+
+    @property
+    def usual(self) -> float:
+        """ns, the longest step that the node may take as usual: more than the nominal one where this machine is too
+        slow, and stamps leap all the time; anything before the first step."""
+        longest = sorted(self.steps)[-LONGEST_ONES:]
+        return sum(longest) / len(longest) if longest else float("inf")
 
     def take(self, stamp: int, value: float) -> bool:
         """One sample; whether it is answered."""
@@ -56,27 +75,80 @@ class Displacement:
                 self.forbidden_until = stamp
                 self.last = stamp
                 self.forbid("reset")
-            elif step > LATE * self.step:
+                self.steps.clear()
+            elif step > LATE * self.step and step > LATE * self.usual:
                 self.last = stamp
                 self.forbid("late")
             elif abs(value - self.value) > max(JUMP, SPEED * step / 1e9):
                 self.last = stamp
                 self.forbid("jump")
+            if 0 < step <= MAX_GAP:
+                self.steps.append(step)
         else:
             self.last = stamp
             self.forbid("start")
         counts["estimates"] += 1
+        if value != self.value or not 0 <= stamp - self.changed <= LONGEST:
+            self.changed = stamp
         self.last, self.value = stamp, value
+        is_still, self.since = stamp - self.changed > STILL * 1e9, self.since or stamp
+        self.is_unknown = is_still and stamp - self.since < LEARNING * 1e9
+        if is_still and not self.is_unknown:
+            self.forbid("stands still")
         return True
+
+    def relearn(self) -> None:
+        """The node may have forgotten what it learned of the sensor."""
+        self.since = 0
+        self.steps.clear()
 
     def forbid(self, reason: str) -> None:
         """From the last good sample on."""
         if self.last is not None:
             self.forbidden_until, self.reason = max(self.forbidden_until, self.last + SETTLING), reason
 
-    def verdict(self, stamp: int) -> str:
-        """Why a sample must not be GOOD, "" where it may be."""
-        return self.reason if stamp < self.forbidden_until else ""
+    def verdict(self, stamp: int, race: float = 0.0) -> str:
+        """Why a sample must not be GOOD, "" where it may be; ``race`` in s, by which the node may have heard the cause
+        earlier than it was sent."""
+        return self.reason if stamp + round(race * 1e9) < self.forbidden_until else ""
+
+
+@dataclass
+class Current:
+    """What a driver reports against what it is commanded; A, and times of the campaign in s."""
+
+    low: float
+    high: float
+    commands: deque[tuple[float, float]] = field(default_factory=deque)
+    since: float | None = None
+    handed: deque[int] = field(default_factory=lambda: deque(maxlen=5000))
+
+    def command(self, value: float, now: float) -> None:
+        """A command that the driver has heard."""
+        self.commands.append((now, value))
+        while len(self.commands) > 1 and self.commands[1][0] <= now - COMMAND_LAG - RACE:
+            self.commands.popleft()
+
+    def came_after(self, stamp: int, clock: int) -> float:
+        """s after a stamp at which the newest report was sent that no race of two topics holds back at a clock; both
+        in ns."""
+        while len(self.handed) > 1 and self.handed[1] <= clock - RACE * 1e9:
+            self.handed.popleft()
+        is_old = bool(self.handed) and self.handed[0] <= clock - RACE * 1e9
+        return (self.handed[0] - stamp) / 1e9 if is_old else float("-inf")
+
+    def take(self, value: float, now: float, clock: int = 0) -> None:
+        """One report, sent at a clock in ns."""
+        self.handed.append(clock)
+        allowed, slack = [command for _, command in self.commands], 0.15 * (self.high - self.low)
+        is_right = not allowed or min(allowed) - slack <= value <= max(allowed) + slack
+        self.since = None if is_right else now if self.since is None else self.since
+
+    def is_contradicted(self, now: float) -> bool:
+        """Whether the reports have contradicted the commands for so long that it must be known."""
+        return self.since is not None and now - self.since > RACE and bool(self.commands) and (
+            now - self.commands[-1][0] <= RACE
+        )  # fmt: skip
 
 
 @dataclass

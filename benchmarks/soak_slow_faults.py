@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 from soak_faults import Fault, on_slow
 
-UNSTAMPED = "the current has no stamp, and what it says could flow"
 SLOW_KINDS = {
     "silent": lambda v: [],
     "NaN": lambda v: [np.nan],
@@ -33,19 +32,19 @@ def _(fault: Fault, value: float, k: int) -> list[float]:
     return [np.nan] if fault.chance(0.1) else [value]
 
 
-@on_slow("current", "stuck", excuse=UNSTAMPED)
+@on_slow("current", "stuck")
 def _(fault: Fault, value: float, k: int) -> list[float]:
     return [fault.once(f"held {k}", lambda: value)]
 
 
-@on_slow("current", "late", excuse=UNSTAMPED)
+@on_slow("current", "late")
 def _(fault: Fault, value: float, k: int) -> list[float]:
     queue = fault.once(f"queue {k}", list)
     queue.append(value)
     return [queue.pop(0)] if len(queue) > 25 else []
 
 
-@on_slow("current", "another unit", excuse=UNSTAMPED)
+@on_slow("current", "another unit")
 def _(fault: Fault, value: float, k: int) -> list[float]:
     return [1000.0 * value if fault.once("scale", lambda: fault.chance(0.5)) else 0.001 * value]
 

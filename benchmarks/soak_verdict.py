@@ -10,10 +10,10 @@ def verdict(campaign) -> str:
     growth = [max(own[len(own) // 4 :]) / own[len(own) // 4] - 1.0 for own in campaign.memory if len(own) >= FEWEST]
     if growth and max(growth) > GROWTH:
         judge.violate(f"memory grew by {100 * max(growth):.1f} %", (), campaign.time)
-    lines = [f"{'kind':36} rounds    GOOD  worst  beyond 3  excused  worst excused  violations"]
+    lines = [f"{'kind':36} rounds    GOOD  worst  excused  worst excused  violations"]
     for name, own in sorted(judge.tallies.items()):
         lines.append(
-            f"{name:36} {own.rounds:6} {own.good:7} {own.worst:6.1f} {own.beyond:9} {own.excused:8} "
+            f"{name:36} {own.rounds:6} {own.good:7} {own.worst:6.1f} {own.excused:8} "
             f"{own.worst_excused:14.1f} {own.violations:11}"
         )
     lines.append("GOOD: estimates marked so during the fault and a second after it; errors in force_stddev")

@@ -5,7 +5,7 @@ import pickle
 from math import isnan
 from types import SimpleNamespace
 
-import bench_diagnosis
+import bench_hidden
 import hidden_cases
 import hidden_plans
 import hidden_tables
@@ -170,14 +170,14 @@ def test_a_run_goes_on_with_verdicts_of_the_same_code_alone(tmp_path):
     ]
     place = tmp_path / "results.jsonl"
     place.write_text("".join(json.dumps(own) + "\n" for own in lines))
-    assert list(bench_diagnosis.kept_results(place, "now")) == ["kept"]
-    assert bench_diagnosis.kept_results(tmp_path / "none.jsonl", "now") == {}
+    assert list(bench_hidden.kept_results(place, "now")) == ["kept"]
+    assert bench_hidden.kept_results(tmp_path / "none.jsonl", "now") == {}
 
 
 def test_the_balanced_bench_has_the_cases_that_it_says():
     counts = {
-        level: sum(bench_diagnosis._count(name, wanted) for name in PHENOMENA)
-        for level, wanted in bench_diagnosis.LEVELS.items()
+        level: sum(bench_hidden._count(name, wanted) for name in PHENOMENA)
+        for level, wanted in bench_hidden.LEVELS.items()
     }
     assert counts == {"medium": 72, "weak": 24, "strong": 24}
 

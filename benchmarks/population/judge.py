@@ -1,0 +1,173 @@
+"""One case from its card to its record: recordings, the user's model, what the product says, what truth says of it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from resource import RUSAGE_SELF, getrusage
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+import damper_estimator as de
+from damper_estimator.model import DamperModel
+from population import best, cases, real, store, users
+from population.cases import Card, Case
+from population.sensors import Samples
+from population.users import DAMPER
+
+
+def record(card: Card, seed: int, folder: Path, improving: bool) -> dict[str, Any]:
+    """What one line of the results holds."""
+    kept = store.saved(folder, card.name)
+    if kept is None:
+        kept = prepared(card, seed)
+        store.save(folder, card.name, kept)
+    return kept.facts | judged(kept, improving) | {"all_cpu": process_time()}
+
+
+def prepared(card: Card, seed: int) -> store.Kept:
+    """The case of a card with its user's model."""
+    return _real(card, seed) if card.kind == "real" else _simulated(card, seed)
+
+
+def _simulated(card: Card, seed: int) -> store.Kept:
+    began = perf_counter()
+    case = cases.made(card, seed)
+    simulated = perf_counter()
+    rng = np.random.default_rng([seed, 3, card.number])
+    signals = users.signal_map(case.chain)
+    recordings = {role: (getattr(case, role),) for role in store.RECORDINGS}
+    base, twin = (users.recording(recordings[role], signals) for role in ("base", "twin"))
+    moving = case.family == "magneto" and case.base.current is not None and np.ptp(case.base.current) > 0.1
+    way = users.drawn_way(rng, case.family, bool(moving and "current" not in card.hidden))
+    if card.kind == "nothing" and way[0] == "fit":  # what a rough model lacks is missing in truth
+        way = ("fit", "hand_made") if rng.random() < 0.4 else ("improve", str(rng.choice(users.IMPROVED)))
+    model, how = users.made(way, base, twin, users.hand_made(base, card.hidden, rng), hidden_rms(case))
+    facts = _facts(card) | {
+        "family": case.family,
+        "drive": list(case.drive),
+        "seconds": round(case.seconds, 1),
+        "rate": case.chain.rate,
+        "coil_over": case.chain.spring > 0.0,
+        "forms": [own.form for own in case.effects],
+        "sizes": [own.size for own in case.effects],
+        "strengths": [own.strength for own in case.effects],
+        "shown": case.shown,
+        "true_skew": case.skew,
+        "model": how,
+        "attempts": case.attempts,
+        "simulate_seconds": simulated - began,
+        "model_seconds": perf_counter() - simulated,
+    }
+    return store.Kept(facts, case.chain, recordings, model)
+
+
+def _facts(card: Card) -> dict[str, Any]:
+    names = ("name", "number", "kind", "level", "against")
+    return {name: getattr(card, name) for name in names} | {"hidden": list(card.hidden)}
+
+
+def _real(card: Card, seed: int) -> store.Kept:
+    began = perf_counter()
+    case = real.made(card, seed)
+    simulated = perf_counter()
+    signals = users.signal_map(case.chain)
+    base, twin = (users.recording(case.recordings[role], signals) for role in ("base", "twin"))
+    ranking = best.ranked(base, twin)
+    model, facts = ranking[0][1], _facts(card) | {"hidden": list(case.hidden)}
+    how, form = f"fit {model.name}", case.form
+    if card.hidden == ("ablation",):
+        less = best.ablated(ranking, base, twin, np.random.default_rng([seed, 5, card.number]))
+        model, how, form = less.model, f"fit {less.model.name} without {less.effect}", "ablation"
+        facts |= {"hidden": [less.phenomenon], "whole": less.error}
+    facts |= {
+        "family": case.setting,
+        "drive": ["real", "real"],
+        "seconds": round(sum(float(np.ptp(own.time)) for own in case.recordings["fit"]), 1),
+        "rate": case.chain.rate,
+        "coil_over": False,
+        "forms": [form] if form else [],
+        "sizes": [case.size],
+        "strengths": [case.strength],
+        "shown": case.shown,
+        "true_skew": case.skew,
+        "model": how,
+        "attempts": 0,
+        "simulate_seconds": simulated - began,
+        "model_seconds": perf_counter() - simulated,
+    }
+    return store.Kept(facts, case.chain, case.recordings, model)
+
+
+def hidden_rms(case: Case) -> float:
+    """N, of what is hidden on the fit recording; where nothing is, of what a weak effect would be."""
+    spread = float(case.base.truth.std())
+    return spread * max((own.strength for own in case.effects), default=0.04)
+
+
+def judged(kept: store.Kept, improving: bool) -> dict[str, Any]:
+    """What the product says of a case, and how good its model is.
+
+    ``improve`` begins with a diagnosis of its own, which then counts; two of three cases do without another one.
+    """
+    signals = users.signal_map(kept.chain)
+    heard = {role: users.recording(own, signals) for role, own in kept.recordings.items()}
+    own: dict[str, Any] = {}
+    improving = improving and bool(kept.facts["hidden"])
+    if improving:
+        better, taken = timed(lambda: de.improve(heard["fit"], kept.model, validate=heard["unseen"]), "improve")
+        own |= taken | _improved(kept, heard, better)
+        diagnosis = better.improvement.first
+    if not improving or kept.facts["number"] % 3 == 0:
+        found, taken = timed(lambda: de.diagnose(heard["fit"], kept.model, validate=heard["unseen"]), "diagnose")
+        own |= taken
+        diagnosis = found.diagnosis
+    return own | {
+        "verdict": diagnosis.verdict,
+        "sentence": diagnosis.sentence,
+        "findings": [_finding(one) for one in diagnosis.findings],
+        "moved": [one.name for one in diagnosis.moved],
+        "skew": _skew(diagnosis.signals) - _skew(signals.dampers[DAMPER]),
+        "before": users.error(kept.model, heard["unseen"]),
+        "base": kept.facts.get("whole") or users.error(kept.model, heard["twin"]),
+        "own_base": users.error(kept.model, heard["base"]),
+        "force_rms": float(np.concatenate([one.truth for one in kept.recordings["unseen"]]).std()),
+        "noise_floor": diagnosis.noise_floor_n,
+        "memory_mb": getrusage(RUSAGE_SELF).ru_maxrss / 1024.0,
+    }
+
+
+def timed(work: Callable[[], Any], name: str) -> tuple[Any, dict[str, float]]:
+    """What some work gives, and the seconds that it took: on the clock, and of the processor."""
+    began, worked = perf_counter(), process_time()
+    given = work()
+    return given, {f"{name}_seconds": perf_counter() - began, f"{name}_cpu": process_time() - worked}
+
+
+def _improved(kept: store.Kept, heard: Mapping[str, de.Recording], better: de.ImprovementResults) -> dict[str, Any]:
+    unseen = users.recording(kept.recordings["unseen"], better.corrected_map())
+    return {
+        "steps": [[step.action, step.effect, step.phenomenon] for step in better.steps],
+        "improve_verdict": better.verdict,
+        "after": users.error(better.model, unseen),
+        "bias": bias(better.model, heard["unseen"], kept.recordings["unseen"]),
+    }
+
+
+def bias(model: DamperModel, measured: de.Recording, several: Sequence[Samples]) -> float:
+    """Mean error in N of the model alone against the true force, in band, over the judged samples."""
+    errors = []
+    for own, samples in zip(measured.measurements[DAMPER], several, strict=True):
+        modelled = own.in_band(model.force(own.kinematics.block))
+        truth = np.interp(own.kinematics.time, samples.time - samples.time[0], samples.truth)
+        errors.append((modelled - truth)[own.judged])
+    return float(np.concatenate(errors).mean())
+
+
+def _finding(one: Any) -> dict[str, Any]:
+    names = ("phenomenon", "effect", "confidence", "gain", "low")
+    return {name: getattr(one, name) for name in names} | {"tied_with": list(one.tied_with)}
+
+
+def _skew(signals: Any) -> float:
+    return signals.force.skew - signals.displacement.skew

@@ -1,0 +1,68 @@
+"""Cases on the disk: recordings and user's model of a case that was made, so that a new diagnosis is judged at once."""
+
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import damper_estimator as de
+from damper_estimator.model import DamperModel
+from population.sensors import Chain, Samples
+from population.users import load
+
+RECORDINGS = ("base", "fit", "unseen", "twin")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A case with its user's model; ``facts`` is what truth knows, ready for a record."""
+
+    facts: dict[str, Any]
+    chain: Chain
+    recordings: dict[str, tuple[Samples, ...]]
+    model: DamperModel
+
+
+def save(folder: Path, name: str, kept: Kept) -> None:
+    """Writes the case beside and moves it into place."""
+    folder.mkdir(parents=True, exist_ok=True)
+    arrays = {}
+    for role, several in kept.recordings.items():
+        for number, own in enumerate(several):
+            for field in fields(own):
+                values = getattr(own, field.name)
+                if isinstance(values, np.ndarray):
+                    # Single precision keeps nanometres and millinewtons of what a logger gives.
+                    kind = float if field.name == "time" else np.float32
+                    arrays[f"{role}.{number}.{field.name}"] = values.astype(kind)
+    de.save_model(kept.model, folder / f"{name}.yaml")
+    (folder / f"{name}.json").write_text(json.dumps({"facts": kept.facts, "chain": kept.chain.__dict__}))
+    beside = folder / f"{name}.part.npz"
+    np.savez(beside, **arrays)
+    beside.rename(folder / f"{name}.npz")
+
+
+def saved(folder: Path, name: str) -> Kept | None:
+    """The case, where it was made before."""
+    place = folder / f"{name}.npz"
+    if not place.exists():
+        return None
+    content = json.loads((folder / f"{name}.json").read_text())
+    with np.load(place) as arrays:
+        recordings = {role: _samples(arrays, role) for role in RECORDINGS}
+    return Kept(content["facts"], Chain(**content["chain"]), recordings, load(folder / f"{name}.yaml"))
+
+
+def _samples(arrays: Any, role: str) -> tuple[Samples, ...]:
+    """The recordings of a role, in order."""
+    by_number: dict[int, dict[str, np.ndarray]] = {}
+    for key in arrays.files:
+        own, number, field = key.split(".")
+        if own == role:
+            by_number.setdefault(int(number), {})[field] = arrays[key].astype(float)
+    return tuple(
+        Samples(**{"name": f"{role} {number}", "temperature": None, "current": None, **by_number[number]})
+        for number in sorted(by_number)
+    )

@@ -1,0 +1,250 @@
+"""From records to Markdown."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from population.cases import PHENOMENA
+from population.scoring import (
+    Record,
+    alarm,
+    bootstrap,
+    both,
+    both_added,
+    calibration,
+    first,
+    groups,
+    named,
+    removed,
+    renamed,
+    rough,
+    skew_found,
+    tied,
+    unbiased,
+    wilson,
+)
+
+LEVELS = ("weak", "medium", "strong")
+
+
+def table(rows: Sequence[Sequence[object]]) -> str:
+    """Markdown; the first row is the head, columns but the first are numbers."""
+    head, *body = [[str(cell) for cell in row] for row in rows]
+    lines = [head, ["---", *["---:"] * (len(head) - 1)], *body]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def share(values: Sequence[bool]) -> str:
+    """``34 of 36: 94 % (86-98)``."""
+    if not values:
+        return "–"
+    hits, count = sum(values), len(values)
+    low, high = wilson(hits, count)
+    return f"{hits} of {count}: {100 * hits / count:.0f} % ({100 * low:.0f}-{100 * high:.0f})"
+
+
+def number(values: Sequence[float], figure: Callable = np.median, digits: int = 2) -> str:
+    """A figure with its interval."""
+    middle, low, high = bootstrap(values, figure)
+    return "–" if np.isnan(middle) else f"{middle:.{digits}f} ({low:.{digits}f}-{high:.{digits}f})"
+
+
+def report(records: Sequence[Record], seed: int) -> str:
+    """All tables."""
+    done = [one for one in records if "failed" not in one]
+    failed = [one for one in records if "failed" in one]
+    kinds = Counter(one["kind"] for one in done)
+    told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+    head = f"{len(done)} cases ({told}), seed {seed}; figures in brackets are 90 % intervals."
+    head += "".join(f"\n- failed: {one['name']}: {one['failed']}" for one in failed)
+    hidden = [one for one in done if one["kind"] == "hidden"]
+    fair = [one for one in hidden if not rough(one)]
+    sections = (
+        ("In short", summary(done)),
+        ("How far to trust a finding, phenomenon by phenomenon", by_phenomenon(fair)),
+        ("Confidence against truth", reliability([one for one in done if not rough(one)])),
+        ("By damper, model, drive and rate", by_condition(fair)),
+        ("Two at once", pairs([one for one in done if one["kind"] == "pair"])),
+        ("Real recordings", real([one for one in done if one["kind"] == "real"])),
+        ("Nothing hidden", alarms([one for one in done if not one["hidden"]])),
+        ("Every miss", misses(fair)),
+        ("Seconds", seconds(done)),
+    )
+    return "\n\n".join([head, *(f"### {title}\n\n{text}" for title, text in sections if text)])
+
+
+def summary(done: Sequence[Record]) -> str:
+    """The figures that the diagnosis is held to."""
+    every = [one for one in done if one["kind"] == "hidden"]
+    hidden = [one for one in every if not rough(one)]
+    by_level = [[one for one in hidden if one["level"] == level] for level in LEVELS]
+    by_level.append([one for one in hidden if one["level"] != "weak"])
+    rows: list[list[object]] = [["", *LEVELS, "medium and strong"]]
+
+    def add(words: str, figure: Callable[[Sequence[Record]], object]) -> None:
+        rows.append([words, *(figure(own) for own in by_level)])
+
+    add("hidden effect first", lambda own: share([first(one) for one in own]))
+    add("in the first tied group", lambda own: share([tied(one) for one in own]))
+    add("size of the group, mean", lambda own: number([len(groups(one)[0]) for one in own if groups(one)], np.mean))
+    add("renamed", lambda own: share([renamed(one) for one in own]))
+    add("called nothing_missing", lambda own: share([one["verdict"] == "nothing_missing" for one in own]))
+    add("share of the excess removed, median", lambda own: number([removed(one) for one in own if "after" in one]))
+    return table(rows) + "\n\n" + "\n".join(f"- {words}: {figure}" for words, figure in _more(done, every).items())
+
+
+def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
+    nothing = [one for one in done if not one["hidden"]]
+    pair = [one for one in done if one["kind"] == "pair" and not rough(one)]
+    against = [one for one in pair if one["against"]]
+    skews = [one for one in hidden if one["hidden"] == ["channel_skew"] and not rough(one)]
+    after = [one for one in done if "bias" in one and not set(one["hidden"]) & {"force_offset", "force_gain_error"}]
+    off = [one for one in hidden if rough(one)]
+    taken = [one for one in done if one["kind"] == "real" and one["forms"] == ["ablation"]]
+    put = [one for one in done if one["kind"] == "real" and one["hidden"] and one["forms"] != ["ablation"]]
+    return {
+        "false alarms, nothing hidden": share([alarm(one) for one in nothing]),
+        "... on real recordings": share([alarm(one) for one in nothing if one["kind"] == "real"]),
+        "both of two named by diagnose": share([both(one) for one in pair]),
+        "... put in by improve": share([both_added(one) for one in pair if "steps" in one]),
+        "... of those that act against each other, named": share([both(one) for one in against]),
+        "skew within 0.3 ms, or tied": share([skew_found(one) for one in skews]),
+        "hidden in real recordings and first": share([first(one) for one in put]),
+        "taken out of the best model of real recordings and first": share([first(one) for one in taken]),
+        "error of users' models made by improve, without the effect, share of the force, median": number(
+            [one["base"] / one["force_rms"] for one in done if "improve" in one["model"]], digits=3
+        ),
+        "expected calibration error": f"{calibration([one for one in done if not rough(one)])[1]:.3f}",
+        "improved model alone unbiased (mean error below 2 % of the force)": share([unbiased(one) for one in after]),
+        "left out above: the user's model is off by more than what is hidden; first all the same": share(
+            [first(one) for one in off]
+        ),
+    }
+
+
+def by_phenomenon(hidden: Sequence[Record]) -> str:
+    """One row per phenomenon that was hidden."""
+    rows: list[list[object]] = [["hidden", "first", "in group", "confidence, mean", "excess removed", "named instead"]]
+    for name in PHENOMENA:
+        own = [one for one in hidden if one["hidden"] == [name]]
+        if own:
+            sure = [one["findings"][0]["confidence"] for one in own if one["findings"]]
+            instead = Counter(named(one) for one in own if not first(one))
+            rows.append([
+                name, share([first(one) for one in own]), share([tied(one) for one in own]),
+                f"{np.mean(sure):.2f}" if sure else "–", number([removed(one) for one in own if "after" in one]),
+                ", ".join(f"{what} {count}" for what, count in instead.most_common()) or "–",
+            ])  # fmt: skip
+    return table(rows) if len(rows) > 1 else ""
+
+
+def reliability(done: Sequence[Record]) -> str:
+    """Mean confidence of first findings against the share that was right."""
+    rows, _ = calibration(done)
+    if not rows:
+        return ""
+    body = []
+    for mean, right, count in rows:
+        low, high = wilson(round(right * count), count)
+        body.append([f"{mean:.2f}", f"{right:.2f} ({low:.2f}-{high:.2f})", count])
+    return table([["confidence", "right", "findings"], *body])
+
+
+def misses(hidden: Sequence[Record]) -> str:
+    """Every miss of the first place."""
+    rows = [
+        f"- {one['hidden'][0]} ({', '.join(one['forms'])}; {one['level']}, {one['family']}, {'/'.join(one['drive'])}, "
+        f"{one['model']}): {said(one)}"
+        f"; base {one['base']:.1f}, with it {one['before']:.1f} N of {one['force_rms']:.0f} N"
+        for one in hidden
+        if not first(one)
+    ]
+    return "\n".join(rows)
+
+
+def said(one: Record) -> str:
+    """All findings with what they are tied with; the verdict where there are none."""
+    return "; ".join("/".join([own["phenomenon"], *own["tied_with"]]) for own in one["findings"]) or named(one)
+
+
+def by_condition(hidden: Sequence[Record]) -> str:
+    """First places under everything that was drawn."""
+    rows: list[list[object]] = [["", "first", "in group"]]
+    keys: dict[str, Callable[[Record], object]] = {
+        "damper": lambda one: one["family"],
+        "model by": lambda one: one["model"].rpartition(" ")[0],
+        "fit on": lambda one: one["drive"][0],
+        "judged on": lambda one: "the same kind" if one["drive"][0] == one["drive"][1] else "another kind",
+        "rate": lambda one: "up to 250 Hz" if one["rate"] <= 250 else "500 Hz" if one["rate"] == 500 else "1 to 3 kHz",
+        "length": lambda one: "up to 40 s" if one["seconds"] <= 40 else "longer",
+    }
+    for words, key in keys.items():
+        for value in sorted({key(one) for one in hidden}, key=str):
+            own = [one for one in hidden if key(one) == value]
+            rows.append([f"{words} {value}", share([first(o) for o in own]), share([tied(o) for o in own])])
+    return table(rows) if len(rows) > 1 else ""
+
+
+def pairs(own: Sequence[Record]) -> str:
+    """Every pair."""
+    rows: list[list[object]] = [["hidden", "forms", "named", "both"]]
+    for one in own:
+        words = " against " if one["against"] else " + "
+        rows.append([words.join(one["hidden"]), ", ".join(one["forms"]), said(one), "yes" if both(one) else "no"])
+    return table(rows) if own else ""
+
+
+def real(own: Sequence[Record]) -> str:
+    """Every case on real recordings that has something to find."""
+    rows: list[list[object]] = [["hidden", "how", "recordings", "model", "named", "error without it, with it"]]
+    for one in own:
+        if one["hidden"]:
+            errors = f"{one['base']:.1f}, {one['before']:.1f} N"
+            rows.append([one["hidden"][0], one["forms"][0], one["family"], one["model"], said(one), errors])
+    return table(rows) if len(rows) > 1 else ""
+
+
+def alarms(own: Sequence[Record]) -> str:
+    """Every false alarm."""
+    return "\n".join(
+        f"- {one['family']}, {'/'.join(one['drive'])}, {one['model']}: {one['verdict']} "
+        f"{named(one) if one['findings'] else ', '.join(one['moved'][:3])}; error {one['before']:.1f} N, "
+        f"on the base {one['own_base']:.1f} N, of {one['force_rms']:.0f} N"
+        for one in own
+        if alarm(one)
+    )
+
+
+def seconds(done: Sequence[Record]) -> str:
+    """Median and longest; of the processor where the machine may have had other work."""
+    rows = [["", "cases", "median", "90 % below", "longest"]]
+    for name in (
+        "simulate_seconds",
+        "model_seconds",
+        "diagnose_seconds",
+        "diagnose_cpu",
+        "improve_seconds",
+        "improve_cpu",
+    ):
+        values = [one[name] for one in done if name in one]
+        if values:
+            figures = (np.median(values), np.quantile(values, 0.9), max(values))
+            rows.append([name.replace("_", ", "), str(len(values)), *(f"{value:.1f}" for value in figures)])
+    return table(rows)
+
+
+def line(record: Record) -> str:
+    """A case in one line."""
+    if "failed" in record:
+        return f"{record['name']}: FAILED {record['failed']}"
+    found = "; ".join(
+        "/".join([one["phenomenon"], *one["tied_with"]]) + f" {one['confidence']:.2f}" for one in record["findings"]
+    )
+    more = f" -> {record['after']:.1f}, {record['improve_seconds']:.0f} s" if "after" in record else ""
+    return (
+        f"{record['name']} ({', '.join(record['forms'])}) {record['family']}, {record['model']}: "
+        f"{record['verdict']} {found}"
+        f" | base {record['base']:.1f}, {record['before']:.1f}{more} of {record['force_rms']:.0f} N"
+        f" | {record.get('diagnose_seconds', record['all_cpu']):.0f} s"
+    )

@@ -1,0 +1,105 @@
+"""One tie from its card to its record: a diagnosis ends undecided, a test is planned, driven on the plant, judged."""
+
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+import damper_estimator as de
+from damper_estimator.planning import load_rig, plan
+from population import cases, drives, families, users
+from population.cases import Card, Case
+from population.drives import RATE, Drive
+from population.judge import hidden_rms
+from population.sensors import sampled
+from population.simulate import force_of
+from population.users import DAMPER
+
+MINUTES = 3.0
+"""Longest test."""
+
+RIG = "servo_hydraulic"
+
+
+def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str, Any]:
+    """What one line of the results holds; ``tie`` is false where the diagnosis left none that holds the truth.
+
+    Args:
+        random_drives: how many are tried where the plan says that nothing separates.
+    """
+    began = perf_counter()
+    rng = np.random.default_rng([seed, 11, card.number])
+    case = cases.made(card, seed, longest=60.0)
+    signals = users.signal_map(case.chain)
+    base, twin, old = (users.recording([own], signals) for own in (case.base, case.twin, case.fit))
+    way = users.drawn_way(rng, case.family, False)
+    model, how = users.made(way, base, twin, users.hand_made(base, card.hidden, rng), hidden_rms(case))
+    folder.mkdir(parents=True, exist_ok=True)
+    de.save_model(model, folder / f"{card.name}.yaml")
+    first = de.diagnose(old, model)
+    facts = {
+        "name": card.name, "hidden": list(card.hidden), "level": card.level, "family": case.family, "model": how,
+        "seconds": case.fit.time[-1], "verdict": first.verdict,
+        "old": [[one.phenomenon, *one.tied_with] for one in first.findings], "tie": False,
+    }  # fmt: skip
+    group = facts["old"][0] if first.findings else []
+    if len(group) < 2 or card.hidden[0] not in group or len(first.findings) > 1:
+        return facts | {"all_seconds": perf_counter() - began}
+    plant, _ = case.effects[-1].on
+    limit = families.tightest(plant)
+    rig = replace(load_rig(RIG), travel=(-limit, limit))
+    planned = perf_counter()
+    found = plan(model, old.measurements[DAMPER], group, rig, minutes=None, longest=MINUTES)
+    facts |= {"tie": True, "plan_seconds": perf_counter() - planned, "minutes": found.minutes}
+    told = {name: (right, wrong) for name, right, wrong in found.chances.by_truth}
+    right, wrong = told[card.hidden[0]]
+    facts |= {"right": right, "wrong": wrong, "best": found.chances.best, "would": list(found.would)}
+    facts["planned"] = outcome(case, model, signals, _played(found, case, rng), rng, "plan")
+    count = 1 if found.separates else random_drives
+    facts["random"] = [
+        outcome(case, model, signals, _road(found.minutes, limit, case, rng), rng, "random") for _ in range(count)
+    ]
+    return facts | {"all_seconds": perf_counter() - began}
+
+
+def outcome(
+    case: Case, model: de.DamperModel, signals: de.SignalMap, drive: Drive, rng: np.random.Generator, name: str
+) -> dict[str, Any]:
+    """What a diagnosis of the old and a new recording says: right, wrong or tied."""
+    plant, chain = case.effects[-1].on
+    new = sampled(name, chain, drive, force_of(plant, drive), rng)
+    found = de.diagnose(users.recording([case.fit, new], signals), model)
+    groups = [[one.phenomenon, *one.tied_with] for one in found.findings]
+    truth = case.card.hidden[0]
+    if groups and groups[0] == [truth]:
+        said = "right"
+    elif groups and truth not in groups[0] and len(groups[0]) == 1:
+        said = "wrong"
+    else:
+        said = "tied" if groups else "nothing"
+    return {"said": said, "groups": groups, "verdict": found.verdict}
+
+
+def _played(found: Any, case: Case, rng: np.random.Generator) -> Drive:
+    """The plan's drive at the plant's rate, with the current and warming of an ordinary test."""
+    given = np.arange(found.displacement.size) / found.limits.rate
+    time = np.arange(round(given[-1] * RATE)) / RATE
+    x = CubicSpline(given, found.displacement)(time)
+    v = np.gradient(x, 1.0 / RATE)
+    return _driven("plan", x, v, case, rng)
+
+
+def _road(minutes: float, limit: float, case: Case, rng: np.random.Generator) -> Drive:
+    """A random road of the same length, as fast as the old recording."""
+    speed = float(np.quantile(np.abs(np.gradient(case.fit.x, case.fit.time)), 0.99))
+    drawn = drives.drawn(rng, "road", 60.0 * minutes, speed, limit, rng.uniform(5.0, 15.0), 0.0)
+    return _driven("road", drawn.x, drawn.v, case, rng)
+
+
+def _driven(kind: str, x: np.ndarray, v: np.ndarray, case: Case, rng: np.random.Generator) -> Drive:
+    current = 0.5 if case.fit.current is None else float(np.median(case.fit.current))
+    warm = 30.0 + rng.uniform(5.0, 15.0) * (np.cumsum(np.abs(v)) / max(np.abs(v).sum(), 1e-9) - 0.5)
+    return Drive(kind, x, v, np.gradient(v, 1.0 / RATE), np.full(x.size, current), warm)

@@ -1,0 +1,115 @@
+"""Runs cases, each in a process of its own with a limit of time; what is done is a line of JSON and stays."""
+
+import json
+import resource
+import signal
+import traceback
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil
+from multiprocessing import get_context
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from population.cases import Card
+
+_CONTEXT = get_context("spawn")
+
+PATIENCE = 6.0
+"""Longest time of a case, over the processor's time that it may take."""
+
+
+class TooLong(Exception):
+    """A case used up its time."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """How cases are to be judged: ``folder`` keeps recordings and models, ``limit`` is s of the processor per case."""
+
+    seed: int
+    folder: Path
+    improving: bool
+    limit: float
+
+
+def results(cards: Sequence[Card], order: Order, workers: int, place: Path) -> Iterator[dict[str, Any]]:
+    """Records as they become ready, written to ``place`` one by one."""
+    waiting, running = list(reversed(cards)), []
+    while waiting or running:
+        while waiting and len(running) < workers:
+            running.append(_Running(waiting.pop(), order))
+        for one in list(running):
+            record = one.result()
+            if record is None:
+                continue
+            running.remove(one)
+            with place.open("a", encoding="utf-8") as stream:
+                stream.write(json.dumps(record) + "\n")
+            yield record
+
+
+def done(place: Path) -> dict[str, dict[str, Any]]:
+    """Records of an earlier run by the case's name; the last of each counts, and those that failed do not."""
+    if not place.exists():
+        return {}
+    lines = (json.loads(text) for text in place.read_text(encoding="utf-8").splitlines() if text.endswith("}"))
+    return {own["name"]: own for own in lines if "failed" not in own}
+
+
+class _Running:
+    """One case in its process."""
+
+    def __init__(self, card: Card, order: Order) -> None:
+        # Other work on the machine is no fault of the case.
+        self.card, self.began, self.limit = card, monotonic(), PATIENCE * order.limit
+        self.end, other = _CONTEXT.Pipe(duplex=False)
+        self.process = _CONTEXT.Process(target=_one, args=(card, order, other), daemon=True)
+        self.process.start()
+        other.close()
+
+    def result(self) -> dict[str, Any] | None:
+        """The record once it is there; waits for at most a fifth of a second."""
+        if self.end.poll(0.2):
+            try:
+                record = self.end.recv()
+            except EOFError:
+                record = self._failed("the process died")
+            self.process.join()
+            return record
+        if monotonic() - self.began < self.limit:
+            return None
+        self.process.kill()
+        self.process.join()
+        return self._failed(f"took longer than {self.limit:g} s")
+
+    def _failed(self, why: str) -> dict[str, Any]:
+        return facts(self.card) | {"failed": why}
+
+
+def facts(card: Card) -> dict[str, Any]:
+    """What is known of a case before it is made."""
+    return {"name": card.name, "kind": card.kind, "hidden": list(card.hidden), "level": card.level}
+
+
+def _limit(seconds: float) -> None:
+    """Has this process stop, where it is, after so much of the processor's time."""
+
+    def stop(number: int, frame: object) -> None:
+        raise TooLong(f"worked longer than {seconds:g} s")
+
+    signal.signal(signal.SIGXCPU, stop)
+    soft = ceil(seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 60))
+
+
+def _one(card: Card, order: Order, end: Any) -> None:
+    try:
+        _limit(order.limit)
+        from population.judge import record
+
+        found = record(card, order.seed, order.folder, order.improving)
+    except Exception as fault:  # a broken case is counted, and must not end the run
+        found = facts(card) | {"failed": f"{type(fault).__name__}: {fault}", "traceback": traceback.format_exc()}
+    end.send(found)

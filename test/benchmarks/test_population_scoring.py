@@ -1,0 +1,208 @@
+"""The population's figures say what they say, and its runs go on after anything that a case can do."""
+
+from math import isnan, sqrt
+
+import numpy as np
+import pytest
+from population import best, scoring, store, tables, users, work
+from population.cases import Card
+from population.sensors import Chain, Samples
+
+import damper_estimator as de
+from damper_estimator.model import load_model
+
+
+def record(hidden=("friction",), named=(("friction",),), verdict="missing", confidence=0.9, **more):
+    """A record as a line of the results holds it; ``named`` gives each finding's group, its own phenomenon first."""
+    return {
+        "name": "one",
+        "kind": "hidden" if hidden else "nothing",
+        "hidden": list(hidden),
+        "level": "medium",
+        "against": False,
+        "forms": ["a form"],
+        "family": "monotube",
+        "drive": ["road", "random"],
+        "rate": 500,
+        "seconds": 60.0,
+        "model": "fit viscous_curve",
+        "strengths": [0.1],
+        "shown": 0.1,
+        "verdict": verdict,
+        "findings": [
+            {"phenomenon": one, "effect": one, "confidence": confidence, "tied_with": list(rest)}
+            for one, *rest in named
+        ],
+        "moved": [],
+        "before": 50.0,
+        "base": 10.0,
+        "own_base": 9.0,
+        "after": 10.0,
+        "bias": 1.0,
+        "force_rms": 500.0,
+        "steps": [["start", None, None], ["add", "dahl", "friction"]],
+        "skew": 0.0,
+        "true_skew": 0.0,
+        "diagnose_seconds": 5.0,
+        "improve_seconds": 15.0,
+        "all_cpu": 40.0,
+    } | more
+
+
+@pytest.mark.parametrize(
+    ("named", "verdict", "first", "tied", "renamed"),
+    [
+        ((("friction",),), "missing", True, True, False),
+        ((("friction", "hysteresis"),), "missing", True, True, False),
+        ((("hysteresis", "friction"),), "missing", False, True, False),
+        ((("hysteresis",), ("friction",)), "missing", False, False, True),
+        ((("friction",),), "parameters_changed", True, True, False),
+        ((), "nothing_missing", False, False, False),
+    ],
+)
+def test_places_of_the_hidden_effect(named, verdict, first, tied, renamed):
+    own = record(named=named, verdict=verdict)
+    assert (scoring.first(own), scoring.tied(own), scoring.renamed(own)) == (first, tied, renamed)
+
+
+@pytest.mark.parametrize("verdict", ("missing", "parameters_changed", "unexplained"))
+def test_whatever_is_said_where_nothing_is_hidden_is_an_alarm(verdict):
+    assert scoring.alarm(record(hidden=(), verdict=verdict))
+    assert not scoring.alarm(record(hidden=(), verdict="nothing_missing", named=()))
+
+
+@pytest.mark.parametrize(
+    ("named", "both"),
+    [
+        ((("friction",), ("inertia",)), True),
+        ((("hysteresis", "friction"), ("channel_skew", "inertia")), True),
+        ((("friction", "inertia"),), False),
+        ((("friction",),), False),
+    ],
+)
+def test_two_effects_need_two_findings(named, both):
+    assert scoring.both(record(hidden=("friction", "inertia"), named=named)) is both
+
+
+def test_what_was_taken_out_again_was_not_put_in():
+    steps = [["start", None, None], ["add", "dahl", "friction"], ["add", "inertia", "inertia"], ["prune", "dahl", None]]
+    assert not scoring.both_added(record(hidden=("friction", "inertia"), steps=steps))
+    assert scoring.both_added(record(hidden=("friction", "inertia"), steps=steps[:3]))
+
+
+@pytest.mark.parametrize(
+    ("named", "skew", "found"),
+    [
+        ((("channel_skew",),), 0.00225, True),
+        ((("channel_skew",),), 0.0024, False),
+        ((("inertia", "channel_skew"),), 0.0, True),
+        ((("inertia",),), 0.002, False),
+        ((), 0.002, False),
+    ],
+)
+def test_a_skew_must_be_right_or_tied(named, skew, found):
+    assert scoring.skew_found(record(named=named, skew=skew, true_skew=0.002)) is found
+
+
+def test_excess_is_wholly_removed_where_the_error_is_that_without_the_effect():
+    assert scoring.removed(record(after=10.0)) == pytest.approx(1.0)
+    assert scoring.removed(record(after=50.0)) == 0.0
+    assert isnan(scoring.removed(record(before=10.0)))
+
+
+@pytest.mark.parametrize(("hits", "count"), [(0, 7), (3, 11), (9, 10), (20, 20)])
+def test_the_ends_of_an_interval_are_where_the_share_is_just_likely(hits, count):
+    share = hits / count
+    for end in scoring.wilson(hits, count):
+        if 0.0 < end < 1.0:
+            assert abs(share - end) == pytest.approx(scoring.Z * sqrt(end * (1.0 - end) / count))
+
+
+def test_a_bootstrap_leaves_out_what_is_not_finite_and_holds_its_figure():
+    values = [0.8, 0.9, 1.0, float("nan")]
+    middle, low, high = scoring.bootstrap(values, np.median)
+    assert middle == 0.9
+    assert 0.8 <= low <= middle <= high <= 1.0
+    assert all(isnan(own) for own in scoring.bootstrap([float("nan")], np.median))
+
+
+def test_confidence_that_is_the_share_of_right_findings_has_no_calibration_error():
+    right = [record(confidence=0.75)] * 3 + [record(confidence=0.75, named=(("inertia",),))]
+    rows, gap = scoring.calibration(right)
+    assert rows == [(0.75, 0.75, 4)]
+    assert gap == pytest.approx(0.0)
+    rows, gap = scoring.calibration([record(confidence=1.0, hidden=()), record(confidence=1.0)])
+    assert gap == pytest.approx(0.5)
+
+
+def test_the_report_holds_every_section_and_every_failure():
+    own = [
+        record(),
+        record(named=(("inertia",),)),
+        record(hidden=("friction", "inertia"), kind="pair", named=(("friction",), ("inertia",))),
+        record(hidden=()),
+        {"name": "broken", "kind": "hidden", "hidden": ["friction"], "level": "weak", "failed": "ValueError: no"},
+    ]
+    text = tables.report(own, 7)
+    for part in ("seed 7", "broken: ValueError: no", "1 of 2: 50 %", "friction + inertia", "calibration error"):
+        assert part in text
+    assert all("FAILED" in tables.line(one) or "N" in tables.line(one) for one in own)
+
+
+def test_a_case_comes_back_from_the_disk(tmp_path):
+    time = np.arange(50) / 100.0
+    one = Samples("fit", time, 0.01 * np.sin(time), 100.0 * time, None, np.ones(50), 99.0 * time)
+    kept = store.Kept({"name": "a"}, Chain(100, 0, 0, 0, 0, 0, 0), dict.fromkeys(store.RECORDINGS, (one, one)),
+                      load_model("viscous_curve"))  # fmt: skip
+    store.save(tmp_path, "a", kept)
+    again = store.saved(tmp_path, "a")
+    assert again.facts == kept.facts
+    assert again.chain == kept.chain
+    assert len(again.recordings["fit"]) == 2
+    own = again.recordings["fit"][1]
+    assert own.time == pytest.approx(time)
+    assert own.x == pytest.approx(one.x, rel=1e-6)
+    assert own.temperature is None
+    assert store.saved(tmp_path, "b") is None
+
+
+def test_a_case_that_breaks_or_never_ends_is_a_failure_of_that_case_alone(tmp_path):
+    place = tmp_path / "results.jsonl"
+    cards = [Card(0, "hidden", ("no such phenomenon",), "medium")]
+    order = work.Order(1, tmp_path, improving=False, limit=120.0)
+    (broken,) = work.results(cards, order, 1, place)
+    assert "no such phenomenon" in broken["failed"]
+    assert "Traceback" in broken["traceback"]
+    (late,) = work.results(cards, work.Order(1, tmp_path, False, 0.01), 1, place)
+    assert "longer" in late["failed"]
+    assert len(place.read_text().splitlines()) == 2
+    assert work.done(place) == {}
+
+
+def test_a_run_goes_on_after_a_line_that_was_cut_off(tmp_path):
+    place = tmp_path / "results.jsonl"
+    place.write_text('{"name": "a", "verdict": "missing"}\n{"name": "b", "ver')
+    assert list(work.done(place)) == ["a"]
+
+
+def test_a_model_is_rough_where_its_own_error_is_larger_than_what_is_hidden():
+    assert not scoring.rough(record(base=49.0, shown=0.1, strengths=[0.1], force_rms=500.0))
+    assert scoring.rough(record(base=51.0, shown=0.1, strengths=[0.1], force_rms=500.0))
+    # Against each other both may hide nearly all of it.
+    assert not scoring.rough(record(base=49.0, shown=0.02, strengths=[0.1, 0.1], force_rms=500.0))
+    assert not scoring.rough(record(hidden=(), base=51.0, shown=0.0, strengths=[]))
+
+
+def test_an_effect_that_matters_is_taken_out_of_the_best_model():
+    time = np.arange(4000) / 200.0
+    x = 0.01 * np.sin(2.0 * np.pi * 1.5 * time) + 0.006 * np.sin(2.0 * np.pi * 4.0 * time)
+    v = np.gradient(x, time)
+    force = 900.0 * v + 120.0 * np.tanh(v / 0.005)
+    measured = users.recording([Samples("one", time, x, force, None, None, force)], de.SignalMap())
+    ranking = best.ranked(measured, measured, ("dahl", "linear_viscous"))
+    less = best.ablated(ranking, measured, measured, np.random.default_rng(0))
+    assert ranking[0][1].name == "dahl"
+    assert (less.effect, less.phenomenon) == ("dahl", "friction")
+    assert less.error == ranking[0][0] < users.error(less.model, measured)
+    with pytest.raises(best.NothingMatters):
+        best.ablated(ranking[1:], measured, measured, np.random.default_rng(0))
