@@ -7,14 +7,19 @@ from damper_estimator.report.diagnosis_page import DiagnosisSection, diagnosis_p
 from damper_estimator.report.diagnosis_wording import mend_rows, plain_name, step_name
 from damper_estimator.report.forces import estimates_figure, forces_figure, plotly_figure
 from damper_estimator.report.front_page import front_page
+from damper_estimator.report.import_page import column_rows, import_figures, import_page
 from damper_estimator.report.improvement_page import improvement_page, improvement_section
 from damper_estimator.report.page import plotly_from, save_plotly
+from damper_estimator.report.plan_page import plan_figure, plan_page
+from damper_estimator.report.story_page import Story, story_page
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
 
 __all__ = [
     "DiagnosisSection",
     "Section",
+    "Story",
     "characteristic_page",
+    "column_rows",
     "comparison_page",
     "damper_section",
     "diagnosis_page",
@@ -22,16 +27,21 @@ __all__ = [
     "estimates_figure",
     "forces_figure",
     "front_page",
+    "import_figures",
+    "import_page",
     "improvement_page",
     "improvement_section",
     "loops_over_velocity",
     "mend_rows",
     "min_max_rows",
     "plain_name",
+    "plan_figure",
+    "plan_page",
     "plotly_figure",
     "plotly_from",
     "ranking_figure",
     "save_plotly",
     "step_name",
+    "story_page",
     "waterfall_figure",
 ]

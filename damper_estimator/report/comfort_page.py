@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from damper_estimator.report.figures import unpacked
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import Figure, apart, axis, line, short
 from damper_estimator.vehicle.comfort import AXLES, ComfortRun, Loops, differences
@@ -26,11 +27,14 @@ def comfort_page(car: str, names: Sequence[str], runs: Sequence[ComfortRun], oth
         for axle in AXLES:
             figures[f"{axle}_{label}"] = _transfer(names, [runs[k], others[k]], axle)
             figures[f"loops_{axle}_{label}"] = _loops(names, [own.begin[axle] for own in (runs[k], others[k])])
+    _share(figures, [f"{axle}_{label}" for label in ("small", "large") for axle in AXLES], "y")
+    for label in ("small", "large"):
+        _share(figures, [f"loops_{axle}_{label}" for axle in AXLES], "xy")
     first, last = (100 * max(rms[axle][k] for axle in AXLES) for k in ends)
     section = {
         "damper": car,
-        "headline": f"on four posts: {names[0]} and {names[1]} differ by {first:.1f} % at "
-        f"{1e3 * runs[0].amplitude:g} mm and by {last:.1f} % at {1e3 * runs[-1].amplitude:g} mm.",
+        "headline": f"{_for_drivers(names, runs, others)} In amplitude and phase together they differ by {first:.1f} % "
+        f"at {1e3 * runs[0].amplitude:g} mm and by {last:.1f} % at {1e3 * runs[-1].amplitude:g} mm.",
         "amplitudes": [f"{1e3 * runs[k].amplitude:g} mm" for k in ends],
         "rows": [
             [f"{1e3 * run.amplitude:g}", *(f"{100 * rms[axle][k]:.1f}" for axle in AXLES)] for k, run in enumerate(runs)
@@ -39,6 +43,32 @@ def comfort_page(car: str, names: Sequence[str], runs: Sequence[ComfortRun], oth
     }
     title = f"comfort of {car}: {names[0]} against {names[1]}"
     return render("comfort.html", title, [section], ["page.css"], "plots.js", apart([figures]))
+
+
+def _for_drivers(names: Sequence[str], runs: Sequence[ComfortRun], others: Sequence[ComfortRun]) -> str:
+    """How much more the body moves with one model than with the other, on small and on large bumps."""
+    parts = []
+    for size, k in (("small", 0), ("large", -1)):
+        ratios = []
+        for axle in AXLES:
+            one, other = (np.abs(own[k].transfer[axle].value) for own in (runs, others))
+            ratios.append(100.0 * (float(np.sqrt(np.mean(one**2) / np.mean(other**2))) - 1.0))
+        words = [f"{abs(own):.0f} % {'more' if own >= 0.0 else 'less'} at the {axle}"
+                 for own, axle in zip(ratios, AXLES, strict=True)]  # fmt: skip
+        parts.append(f"on {size} bumps ({1e3 * runs[k].amplitude:g} mm) the body moves {' and '.join(words)}")
+    return f"with {names[0]} instead of {names[1]}, {'; '.join(parts)}."
+
+
+def _share(figures: dict[str, Figure], names: Sequence[str], axes: str) -> None:
+    """The same range on the axes of figures that stand side by side."""
+    for letter in axes:
+        values = np.concatenate([unpacked(own[letter]) for name in names for own in figures[name]["data"]])
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        ends = [low - 0.04 * (high - low), high + 0.04 * (high - low)]
+        for name in names:
+            axis_of = figures[name]["layout"][f"{letter}axis"]
+            axis_of.pop("rangemode", None)
+            axis_of["range"] = [0.0, ends[1]] if low >= 0.0 and letter == "y" else ends
 
 
 def _transfer(names: Sequence[str], runs: Sequence[ComfortRun], axle: str) -> Figure:

@@ -11,6 +11,7 @@ from damper_estimator.report.wording import (
     error_parts,
     finding_rows,
     headline,
+    in_signs,
     measure_text,
     number,
     quality_rows,
@@ -89,8 +90,8 @@ def _model_text(comparison: Comparison) -> dict[str, object]:
         ],
         "regions": [
             {
-                "where": region.where,
-                "what": region.what,
+                "where": in_signs(region.where),
+                "what": in_signs(region.what),
                 "error": round(100.0 * region.share_of_squared_error, 1),
                 "samples": round(100.0 * region.share_of_samples, 1),
                 "recording": region.recording,
@@ -108,7 +109,10 @@ def _model_text(comparison: Comparison) -> dict[str, object]:
 def _grouping(comparison: Comparison) -> str:
     if comparison.grouping:
         return "; ".join(f"{name}: {', '.join(map(recording_name, own))}" for name, own in comparison.grouping.items())
-    return "whole cycles of low or high peak velocity (LV, HV) and frequency (LF, HF), by the recordings' own ranges"
+    return (
+        "whole cycles by peak velocity (LV low, HV high) and frequency (LF low, HF high), split by the recordings' own "
+        "ranges: LVLF is low velocity at low frequency, HVHF high velocity at high frequency"
+    )
 
 
 def _groups(comparison: Comparison) -> list[list[str]]:

@@ -27,7 +27,7 @@ from damper_estimator.report.diagnosis_wording import (
 )
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import apart
-from damper_estimator.report.verdict_figures import error_bars, moved_figure, ranking_figure
+from damper_estimator.report.verdict_figures import atlas_figure, error_bars, moved_figure, ranking_figure
 from damper_estimator.report.wording import quality_rows, recording_name
 
 STYLES = ("page.css", "diagnosis.css")
@@ -53,6 +53,7 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
     figures = force_figures(shown, found.findings) | {
         "errors": error_bars(_levels(found), found.noise_floor_n, found.force_rms_n),
         "ranking": ranking_figure(found.ranking, found.findings, tied_notes(found)),
+        "atlas": atlas_figure(found.atlas, found.findings),
     }
     if found.moved:
         figures["moved"] = moved_figure(found.moved)
@@ -146,5 +147,11 @@ def _levels(found: Diagnosis) -> list[tuple[str, float]]:
         levels = [("model as given", found.findings[0].rmse_before_n)]
     if found.verdict == "parameters_changed" and np.isfinite(found.rmse_refit_alone_n):
         return [*levels, ("re-identified", found.rmse_refit_alone_n)]
-    with_it = [(f"with {plain_name(own.phenomenon)}", own.rmse_after_n) for own in found.findings]
+    with_it: list[tuple[str, float]] = []
+    for own in found.findings:
+        name = f"with {plain_name(own.phenomenon)}"
+        # Of a pair both have the error after the two.
+        if with_it and own.partner and with_it[-1][1] == own.rmse_after_n:
+            name = f"{with_it.pop()[0]} {name.replace('with', 'and', 1)}"
+        with_it.append((name, own.rmse_after_n))
     return levels + [("and " + name if i else name, value) for i, (name, value) in enumerate(with_it)]

@@ -37,11 +37,12 @@ def listed(names: Sequence[str], last: str = "or") -> str:
 
 def step_name(step: Step) -> str:
     """What a step did, in a few words."""
-    name = plain_name(step.phenomenon or "")
+    given = step.phenomenon or ""
+    name = given if step.action == "refit" else plain_name(given)
     return {
         "start": "model as given",
         "mend": f"mend {name}",
-        "refit": "refit",
+        "refit": f"refit {name}".strip(),
         "add": f"add {name}",
         "prune": f"take out {step.effect}",
     }.get(step.action, f"{step.action} {name}".strip())

@@ -1,7 +1,7 @@
 """Figures as plain plotly objects and packed arrays; colours are named by role and given by the page's theme."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -17,6 +17,11 @@ def packed(values: np.ndarray, kind: str = "f4") -> dict[str, str]:
     """An array in plotly's own form for typed arrays: ``f4`` or ``f8``, little endian, base64."""
     raw = np.ascontiguousarray(values, dtype=f"<{kind}").tobytes()
     return {"dtype": kind, "bdata": base64.b64encode(raw).decode("ascii")}
+
+
+def unpacked(column: Mapping[str, str]) -> np.ndarray:
+    """The array in what ``packed`` has made."""
+    return np.frombuffer(base64.b64decode(column["bdata"]), dtype=f"<{column['dtype']}")
 
 
 def passage(comparisons: Sequence[Comparison], index: int, most: int) -> dict[str, object]:

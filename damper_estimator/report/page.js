@@ -103,12 +103,13 @@
     }
 
     // "all", or so many seconds about the largest residual of the first model.
-    zoomTo(seconds) {
+    zoomTo(seconds) { this.show(this.index, seconds === "all" ? null : this.worst(Number(seconds))); }
+
+    worst(seconds) {
       const { time, residual } = this.recording;
       let worst = 0;
       residual[0].forEach((value, i) => { if (!(Math.abs(value) <= Math.abs(residual[0][worst]))) if (!Number.isNaN(value)) worst = i; });
-      const half = Number(seconds) / 2;
-      this.show(this.index, seconds === "all" ? null : [time[worst] - half, time[worst] + half]);
+      return [time[worst] - seconds / 2, time[worst] + seconds / 2];
     }
 
     span() {
@@ -118,6 +119,9 @@
     }
 
     draw() {
+      // It opens on the worst second, where that is less than all of it.
+      if (!this.opened && this.recording.time[this.recording.time.length - 1] - this.recording.time[0] > 2) this.range = this.worst(1);
+      this.opened = true;
       this.drawTime();
       this.drawClouds();
       for (const figure of this.element.querySelectorAll(".map")) this.drawMap(figure);

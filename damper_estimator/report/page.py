@@ -45,6 +45,7 @@ def render(
             sections=sections,
             style="".join(_asset(name) for name in styles),
             script=_asset(script),
+            files_script=figure_script(),
             plotly="" if _plotly_address.get() else _plotly(),
             plotly_address=_plotly_address.get(),
             # Inside a script element only "<" could end it early.
@@ -52,6 +53,11 @@ def render(
             **more,
         )
     )
+
+
+def figure_script() -> str:
+    """The script that writes figures to files."""
+    return _asset("figure_files.js")
 
 
 def save_plotly(path: Path) -> None:

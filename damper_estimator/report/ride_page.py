@@ -1,11 +1,12 @@
-"""The page of ``ride``: tracking error and comfort by surface, and how force follows wish by table and by model."""
+"""The page of ``ride``: tracking error and comfort by surface, and how table and model follow the wanted force."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import INK, LINE, Figure, apart, axis, line, short
+from damper_estimator.vehicle import LIMITS
 from damper_estimator.vehicle.comparison import Trial, tracking_ratio
 
 COLOURS = {"passive": "@samples", "table": "@model1", "model": "@model0"}
@@ -30,13 +31,65 @@ def ride_page(found: Mapping[str, Surfaces], law: str) -> str:
         ratios = {surface: tracking_ratio(trials) for surface, trials in surfaces.items()}
         sections.append({
             "damper": damper,
-            "headline": f"by {law}: the model's force error is {min(ratios.values()):.2f} to "
-            f"{max(ratios.values()):.2f} times the table's in {len(ratios)} scenarios.",
+            "headline": _for_drivers(surfaces, ratios),
+            "law": law,
+            "ends": _at_the_ends(surfaces[best]["model"]),
             "best": best,
             "rows": [_row(surface, trials, ratios[surface]) for surface, trials in surfaces.items()],
         })  # fmt: skip
     return render(
         "ride.html", f"feed-forward of the current, {law}", sections, ["page.css"], "plots.js", apart(figures)
+    )
+
+
+def _for_drivers(surfaces: Surfaces, ratios: Mapping[str, float]) -> str:
+    """What a test driver would notice, in a sentence or two."""
+    less = {other: [_body_change(own, other) for own in surfaces.values()] for other in ("table", "passive")}
+    roads = "road" if len(ratios) == 1 else "roads"
+    passive, table = _range(less["passive"]), _range(less["table"])
+    return (
+        f"over {len(ratios)} {roads}: with the model the body shakes {passive} than with the damper left at one "
+        f"current, and {table} than with the look-up table. The damper gives the force that is asked for with "
+        f"{_span(min(ratios.values()), max(ratios.values()), 2)} times the table's error."
+    )
+
+
+def _body_change(trials: Mapping[str, Trial], other: str) -> float:
+    """%, weighted acceleration of the body with the model over that of another way, less 1."""
+    model, own = (trials[way].measures.weighted_acceleration for way in ("model", other))
+    return 100.0 * (model / own - 1.0)
+
+
+def _range(changes: list[float]) -> str:
+    low, high = min(changes), max(changes)
+    if high <= 0.0:
+        return f"{_span(-high, -low)} % less"
+    if low >= 0.0:
+        return f"{_span(low, high)} % more"
+    return f"between {-low:.0f} % less and {high:.0f} % more"
+
+
+def _span(low: float, high: float, digits: int = 0) -> str:
+    """``3 to 5``, or one number where both ends are the same."""
+    ends = [f"{value:.{digits}f}" for value in (low, high)]
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+
+
+def _at_the_ends(trial: Trial) -> str:
+    """Why the current jumps between its ends: how often it is there, and how often because nothing better is left."""
+    own, (low, high) = trial.ride, trial.attainable
+    judged = slice(round(1.0 / own.step), None)
+    current, wanted = own.current[judged], own.wanted[judged]
+    least, most = LIMITS
+    margin = 0.02 * (most - least)
+    ends = (current <= least + margin) | (current >= most - margin)
+    outside = (wanted < low[judged]) | (wanted > high[judged])
+    share, because = 100.0 * float(np.mean(ends)), 100.0 * float(np.mean(outside[ends])) if ends.any() else 0.0
+    return (
+        "A damper cannot push where it should pull: whenever the wanted force lies outside of what it can give on the "
+        "motion of that moment, the nearest end of the current is the best there is, so the current jumps as often as "
+        f"the motion turns. Here it is at one of its ends {share:.0f} % of the time, and in {because:.0f} % of that "
+        "the wanted force lies outside of what the damper can give."
     )
 
 
@@ -54,15 +107,29 @@ def _row(surface: str, trials: Mapping[str, Trial], ratio: float) -> list[str]:
 
 def _figures(surfaces: Surfaces, best: str) -> dict[str, Figure]:
     start = _strongest(surfaces[best]["model"])
+    traces = {way: _trace(surfaces[best][way], start, way) for way in ("table", "model")}
+    ends = _common_range([surfaces[best][way] for way in traces], start)
+    for own in traces.values():
+        own["layout"]["yaxis"]["range"] = ends
     return {
         "error": _bars(surfaces, "tracking_n", 1.0, "rms force error in N"),
         "body": _bars(surfaces, "weighted_acceleration", 1.0, "weighted body acceleration in m/s²"),
         "tyre": _bars(surfaces, "tyre_load", 100.0, "rms tyre load change in %"),
         "stroke": _bars(surfaces, "stroke", 1e3, "rms stroke in mm"),
-        "trace_table": _trace(surfaces[best]["table"], start, "table"),
-        "trace_model": _trace(surfaces[best]["model"], start, "model"),
+        "trace_table": traces["table"],
+        "trace_model": traces["model"],
         "current": _currents(surfaces[best], start),
     }
+
+
+def _common_range(trials: Sequence[Trial], start: float) -> list[float]:
+    """N, from and to on an axis that traces side by side share."""
+    values = np.concatenate([
+        own for trial in trials for own in (*trial.attainable[:, _part(trial, start)],
+                                            trial.ride.force[_part(trial, start)])
+    ])  # fmt: skip
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return [low - 0.05 * (high - low), high + 0.05 * (high - low)]
 
 
 def _bars(surfaces: Surfaces, measure: str, scale: float, title: str) -> Figure:
@@ -106,7 +173,7 @@ def _trace(trial: Trial, start: float, way: str) -> Figure:
     ]
     data = [
         *edges,
-        line(time, np.clip(own.wanted[part], low, high), "wish, cut to the attainable", INK, 1.2, line={
+        line(time, np.clip(own.wanted[part], low, high), "wanted, cut to the attainable", INK, 1.2, line={
             "color": INK, "width": 1.2, "dash": "dot"}),
         line(time, own.force[part], f"force by {way}", COLOURS[way], 1.8),
     ]  # fmt: skip

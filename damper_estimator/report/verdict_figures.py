@@ -1,15 +1,17 @@
 """Figures of the verdict: the error before and after, the ranking of explanations, parameters that moved, the steps."""
 
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 
 import numpy as np
 
-from damper_estimator.diagnosis import Finding, Improvement, Judged, Judgement, Moved
+from damper_estimator.diagnosis import AtlasRow, Finding, Improvement, Judged, Judgement, Moved
 from damper_estimator.numbers import number
 from damper_estimator.report.diagnosis_wording import plain_name, step_name
 from damper_estimator.report.plots import AFTER, BEFORE, FOUND, GREY, INK, SOFT, Figure, axis, note, short
 
 _LOWEST, _HIGHEST = -15.0, 104.0  # %, what of a gain is worth the space
+_NOTABLE, _MOST_ROWS = 0.03, 8  # of the squared error; rows of the atlas
 _APART = 0.17  # of a row, between the two ways of judging
 
 
@@ -53,6 +55,36 @@ def _floor(floor_n: float, most: float) -> Figure:
         yanchor="bottom", font={"color": SOFT, "size": 12},
     )  # fmt: skip
     return {"shapes": [dashed | {"line": {"color": INK, "width": 1.5, "dash": "dash"}}], "annotations": [name]}
+
+
+def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = 80) -> Figure:
+    """Share of the squared error on unseen data that depends on each kind of variable, with 5 and 95 % whiskers.
+
+    Args:
+        width: characters of a name after which it goes on in the next line.
+    """
+    rows = [row for row in atlas if row.explains > _NOTABLE][:_MOST_ROWS] or list(atlas[:1])
+    found = {name for finding in findings for name in (finding.phenomenon, *finding.tied_with)}
+    shown = np.array([100.0 * row.explains for row in rows])
+    names = ["<br>".join(wrap(row.shows, width)) for row in rows]
+    lines = sum(max(name.count("<br>"), 0.6) for name in names)
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "y": names,
+        "x": short(shown, 3),
+        "error_x": _whiskers([(row.low, row.explains, row.high) for row in rows]),
+        "marker": {"color": [FOUND if found & set(row.phenomena) else GREY for row in rows]},
+        "customdata": [", ".join(map(plain_name, row.phenomena)) or "no single effect" for row in rows],
+        "hovertemplate": "%{y}: %{x:.3g} %<br>shows: %{customdata}<extra></extra>",
+    }
+    layout = {
+        "xaxis": axis("share of the squared error in %", range=[0.0, _HIGHEST], nticks=6),
+        "yaxis": axis(autorange="reversed", ticks="", showgrid=False, automargin=True),
+        "bargap": 0.35,
+        "showlegend": False,
+    }
+    return {"data": [bars], "layout": layout, "height": 80 + round(12 * len(rows) + 28 * lines), "plain": True}
 
 
 def ranked(ranking: Sequence[Judged], findings: Sequence[Finding]) -> list[Judged]:
@@ -118,18 +150,23 @@ def _gains(way: str, name: str, symbol: str, shift: float, rows, colour, note_of
         "name": name,
         "x": short(np.clip(gain, _LOWEST + 1.0, _HIGHEST), 3),
         "y": [y for y, _, _ in judged],
-        "error_x": {
-            "type": "data",
-            "symmetric": False,
-            "array": short([100.0 * max(way.high - way.gain, 0.0) for *_, way in judged], 3),
-            "arrayminus": short([100.0 * max(way.gain - way.low, 0.0) for *_, way in judged], 3),
-            "color": SOFT,
-            "thickness": 1.3,
-            "width": 3,
-        },
+        "error_x": _whiskers([(way.low, way.gain, way.high) for *_, way in judged]),
         "marker": {"symbol": symbol, "size": 9, "color": paint, "line": {"width": 2, "color": paint}},
         "text": [_hover(own, way, note_of.get(own.effect, "")) for _, own, way in judged],
         "hovertemplate": "%{text}<extra></extra>",
+    }
+
+
+def _whiskers(ends: Sequence[tuple[float, float, float]]) -> Figure:
+    """From shares (low, value, high) to whiskers in %."""
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": short([100.0 * max(high - value, 0.0) for _, value, high in ends], 3),
+        "arrayminus": short([100.0 * max(value - low, 0.0) for low, value, _ in ends], 3),
+        "color": SOFT,
+        "thickness": 1.3,
+        "width": 3,
     }
 
 

@@ -1,5 +1,6 @@
 """What the page says in words: the headline, the measures with their units, the quality of the data."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +45,13 @@ def headline(comparisons: list[Comparison]) -> str:
     told = [f"{sentence[0].upper()}{sentence[1:].split(':')[0]}" for sentence in best.split.sentences[:1]]
     told += [f"Its worst region is {region.where}: {region.what}" for region in best.regions[:1]]
     if told:
-        return f"{text}. {'. '.join(told)}."
+        return in_signs(f"{text}. {'. '.join(told)}.")
     return f"{text}; the error is spread evenly over the operation."
+
+
+def in_signs(text: str) -> str:
+    """A sentence with the signs of units that plain text lacks: ``m/s^2`` as m/s²."""
+    return text.replace("m/s^2", "m/s²").replace("deg C", "°C")
 
 
 def error_parts(comparison: Comparison) -> list[dict[str, object]]:
@@ -97,3 +103,17 @@ def quality_rows(comparison: Comparison) -> list[dict[str, str]]:
 def recording_name(path: str) -> str:
     """Short name of a recording."""
     return Path(path).name
+
+
+_SPEEDS = {"LV": "low velocity", "HV": "high velocity"}
+_RATES = {"LF": "low frequency", "HF": "high frequency"}
+
+
+def groups_in_words(names: Sequence[str]) -> str:
+    """What the abbreviations of groups of cycles stand for: ``LVLF: low velocity and low frequency; ...``."""
+    known = {}
+    for name in names:
+        parts = [words for short, words in (_SPEEDS | _RATES).items() if short in (name[:2], name[2:])]
+        if parts and len(name) == 2 * len(parts):
+            known[name] = " and ".join(parts)
+    return "; ".join(f"{name}: {words}" for name, words in known.items())

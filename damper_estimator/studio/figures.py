@@ -7,16 +7,18 @@ from functools import cached_property
 import numpy as np
 
 from damper_estimator.report.figures import packed
-from damper_estimator.report.plots import FOUND, Figure, axis, line
-from damper_estimator.studio.rows import cloud_rows, line_rows, span_of
+from damper_estimator.report.plots import FOUND, SOFT, Figure, axis, line, note
+from damper_estimator.studio.rows import cloud_rows, density_rows, line_rows, span_of
 from damper_estimator.studio.shown import Curves, Shown
-from damper_estimator.studio.view import SCALES, View, marked
+from damper_estimator.studio.view import SCALES, TRACE_NAMES, TRACES, View, marked
 from damper_estimator.validation import Trace
 
 TITLES = {
     "velocity": "velocity in m/s", "displacement": "displacement in mm", "acceleration": "acceleration in m/s²",
 }  # fmt: skip
 _MARKED_POINTS = 1200
+LOOP_SAMPLES = 2500  # on view up to which force is drawn as loops
+_DARKNESS = (0.25, 0.45, 0.8)
 _DOT = np.array([0.009, 0.014])  # of what a cloud reaches over: about three pixels
 _BREAK = 1.0 / 400.0  # of the stretch on view: a gap that is longer is left open
 
@@ -29,6 +31,7 @@ class Scene:
         models: those on view; the first one's measured force is drawn.
         names: as they are shown.
         view: what of them is on view.
+        further: names of the quantities below the force, keys of ``TRACES``.
         tried: (n,) N in band, the force with parameters that are being moved, NaN outside of the stretch that was run;
             None where none are.
     """
@@ -37,6 +40,7 @@ class Scene:
     names: Sequence[str]
     view: View
     tried: np.ndarray | None = None
+    further: tuple[str, ...] = ()
 
     @cached_property
     def span(self) -> slice:
@@ -79,8 +83,28 @@ class Scene:
         own = self._trace(0).time
         return own[self.span][rows] - own[0]
 
+    @property
+    def whole_time(self) -> np.ndarray:
+        """(m,) s since the first sample, of the whole recording."""
+        own = self._trace(0).time
+        return own - own[0]
+
+    def at_cursors(self) -> list[tuple[str, str, np.ndarray]]:
+        """Name, unit and values (m,) over the whole recording of what cursors read."""
+        own = self._trace(0)
+        given = [("measured", "N", own.measured)]
+        for i, name in enumerate(self.names):
+            curves = self._curves(i)
+            given += [(name, "N", curves.modelled), (f"{name} - measured", "N", curves.residual)]
+        kinematics = own.measurement.kinematics
+        for name, (unit, factor) in TRACES.items():
+            values = getattr(kinematics, name)
+            if np.isfinite(values).any():
+                given.append((TRACE_NAMES[name], unit, factor * values))
+        return given
+
     def motion(self, name: str) -> np.ndarray:
-        """(n,) as it was recorded; ``SCALES`` has its units in the figures."""
+        """(n,) as it was recorded, in SI; ``SCALES`` and ``TRACES`` have the units of the figures."""
         return getattr(self._trace(0).measurement.kinematics, name)[self.span]
 
     def modelled(self, index: int) -> np.ndarray:
@@ -116,13 +140,30 @@ def time_figure(scene: Scene) -> Figure:
         colour, named = f"@model{i % 5}", f"{name} - measured"
         data.append(drawn(scene.modelled(i), name, colour, width=1.3, legendrank=1001 + i))
         below.append(drawn(scene.residual(i), named, colour, width=1.3, yaxis="y2", showlegend=False))
+    domains = stacked(len(scene.further))
+    for i, name in enumerate(scene.further):
+        unit, factor = TRACES[name]
+        hover = f"%{{y:.4g}} {unit}<extra>{TRACE_NAMES[name]}</extra>"
+        more = {"yaxis": f"y{3 + i}", "showlegend": False, "hovertemplate": hover}
+        below.append(drawn(factor * scene.motion(name), TRACE_NAMES[name], "@measured", width=1.3, **more))
     if scene.marked is not None:
         values = np.where(scene.marked, scene.measured, np.nan)
         data.insert(0, drawn(values, "marked", FOUND, width=7.0) | {"opacity": 0.6, "connectgaps": False})
+    units = [TRACES[name][0] for name in scene.further]
+    named = [
+        note(TRACE_NAMES[name], 0.0, domain[1], xanchor="left", yanchor="bottom", font={"color": SOFT})
+        for name, domain in zip(scene.further, domains[2:], strict=True)
+    ]
+    titles = ["force in N", "residual<br>in N", *units]
+    axes = {
+        f"yaxis{k + 1 if k else ''}": axis(title, domain=domain, fixedrange=True, nticks=6 if k else 0)
+        for k, (title, domain) in enumerate(zip(titles, domains, strict=True))
+    }
     layout = {
-        "xaxis": axis("time in s", anchor="y2", range=list(scene.ends)),
-        "yaxis": axis("force in N", domain=[0.41, 1.0], fixedrange=True),
-        "yaxis2": axis("residual<br>in N", domain=[0.0, 0.34], fixedrange=True),
+        "xaxis": axis("time in s", anchor=f"y{len(titles)}", range=list(scene.ends)),
+        **axes,
+        "shapes": [_cursor(time) for time in scene.view.cursors],
+        "annotations": [_cursor_name(name, time) for name, time in zip("AB", scene.view.cursors, strict=False)] + named,
         "hovermode": "x",
         "selectdirection": "h",
         "showlegend": True,
@@ -131,26 +172,52 @@ def time_figure(scene: Scene) -> Figure:
     return {"data": data + below, "layout": layout}
 
 
+def stacked(further: int) -> list[list[float]]:
+    """Domains of the force, the residual and some further quantities, from top to bottom."""
+    heights = np.array([5.0, 2.9, *[2.0] * further])
+    gaps = 0.07 / (1.0 + 0.35 * further)
+    heights *= (1.0 - gaps * (heights.size - 1)) / heights.sum()
+    tops = 1.0 - np.concatenate([[0.0], np.cumsum(heights + gaps)[:-1]])
+    return [[max(float(top - height), 0.0), float(top)] for top, height in zip(tops, heights, strict=True)]
+
+
+def _cursor(time: float) -> Figure:
+    line_style = {"color": FOUND, "width": 1.5, "dash": "dash"}
+    return {"type": "line", "x0": time, "x1": time, "y0": 0, "y1": 1, "yref": "paper", "line": line_style}
+
+
+def _cursor_name(name: str, time: float) -> Figure:
+    return note(f"<b>{name}</b>", time, 1.0, xref="x", xanchor="left", yanchor="top", font={"color": FOUND})
+
+
 def cloud_figure(scene: Scene, motion: str) -> Figure:
-    """Force over one motion in the stretch on view, and what is marked."""
-    x, scale = scene.motion(motion), SCALES[motion]
-
+    """Force over one motion in the stretch on view, and what is marked: loops where it is short, else the density."""
+    x = SCALES[motion] * scene.motion(motion)
     outline = cloud_rows(x, scene.measured)
-    reach = np.array(
-        [np.ptp(values) if values.size else 0.0 for values in (scale * x[outline], scene.measured[outline])]
-    )
+    reach = np.array([np.ptp(own[outline]) if outline.size else 0.0 for own in (x, scene.measured)])
 
-    def drawn(force: np.ndarray, rows: np.ndarray, name: str, colour: str, size: float = 1.0) -> Figure:
-        return dots(scale * x[rows], force[rows], size * _DOT * reach, name, colour)
+    def cloud(force: np.ndarray, rows: np.ndarray, name: str, colour: str, size: float = 1.0) -> Figure:
+        return dots(x[rows], force[rows], size * _DOT * reach, name, colour)
 
-    data = [drawn(scene.measured, outline, "measured", "@measured", 1.2)]
+    def loop(force: np.ndarray, name: str, colour: str, width: float) -> list[Figure]:
+        across, up = (np.insert(own.astype(float), scene.gaps, np.nan) for own in (x, force))
+        hover = f"%{{x:.4g}}: %{{y:.4g}} N<extra>{name}</extra>"
+        return [line(across, up, name, colour, width=width, hovertemplate=hover)]
+
+    def density(force: np.ndarray, name: str, colour: str, size: float) -> list[Figure]:
+        parts = zip(density_rows(x, force), _DARKNESS, strict=True)
+        return [cloud(force, rows, name, colour, size) | {"opacity": dark} for rows, dark in parts if rows.size]
+
+    short = x.size <= LOOP_SAMPLES
+    data = loop(scene.measured, "measured", "@measured", 2.0) if short else []
+    data = data or density(scene.measured, "measured", "@measured", 1.2)
     for i, name in scene.backwards:
-        force = scene.modelled(i)
-        data.append(drawn(force, cloud_rows(x, force), name, f"@model{i % 5}"))
+        force, colour = scene.modelled(i), f"@model{i % 5}"
+        data += loop(force, name, colour, 1.3) if short else density(force, name, colour, 1.0)
     if scene.marked is not None:
         chosen = np.flatnonzero(scene.marked)
         chosen = chosen[:: max(chosen.size // _MARKED_POINTS, 1)]
-        data.insert(0, drawn(scene.measured, chosen, "marked", FOUND, 3.5))
+        data.insert(0, cloud(scene.measured, chosen, "marked", FOUND, 3.5))
     layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
     return {"data": data, "layout": layout}
 

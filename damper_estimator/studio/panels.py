@@ -9,7 +9,7 @@ from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.report.diagnosis_wording import finding_text, moved_rows, plain_name, rejected_rows
 from damper_estimator.report.verdict_figures import ranked
-from damper_estimator.report.wording import MEASURES, finding_rows, headline, measure_text, quality_rows
+from damper_estimator.report.wording import MEASURES, finding_rows, headline, in_signs, measure_text, quality_rows
 from damper_estimator.studio.shown import Shown
 from damper_estimator.validation import Comparison
 
@@ -36,16 +36,22 @@ def measures_table(models: Sequence[Shown], names: Sequence[str]) -> Piece:
     return html.Table([head, html.Tbody(rows)], className="measures")
 
 
-def verdict(comparison: Comparison, note: str, warnings: Sequence[str]) -> Piece:
-    """The comparison in one sentence, and mistakes of the recordings first."""
+def verdict(comparison: Comparison, note: str, warnings: Sequence[str], offer: str = "") -> Piece:
+    """The comparison in a sentence, mistakes of the recordings first; ``offer``: a model that was never identified."""
     warned = [html.P(text, className="warning") for text in (*warnings, *comparison.warnings)]
     data = [
-        html.Li([row["sentence"], html.Br(), html.Small(f"mend: {row['mend']}")]) for row in finding_rows(comparison)
+        html.Li([row["sentence"], html.Br(), html.Small(f"what to do: {row['mend']}")])
+        for row in finding_rows(comparison)
     ]
     if data:
         warned.append(html.Section([html.H2("Data before physics"), html.Ul(data)], className="warning findings"))
     noted = [html.P(note, className="hint")] if note else []
-    return html.Div([html.P(headline([comparison]), className="told"), *warned, *noted])
+    offered = []
+    if offer:
+        words = f"{offer} was never identified: its numbers are not those of this damper. "
+        button = html.Button("Refit", id={"type": "refit", "from": "verdict"}, className="primary")
+        offered = [html.P([words, button], className="warning")]
+    return html.Div([*offered, html.P(headline([comparison]), className="told"), *warned, *noted])
 
 
 def regions(comparison: Comparison) -> Piece:
@@ -62,7 +68,10 @@ def regions(comparison: Comparison) -> Piece:
             ],
             className="bars",
         )
-        words = [html.Span(region.where, className="where"), html.Span(region.what, className="what")]
+        words = [
+            html.Span(in_signs(region.where), className="where"),
+            html.Span(in_signs(region.what), className="what"),
+        ]
         share = html.Span(f"{error:.0f} %", className="share")
         rows.append(html.Li(html.Button([*words, bars, share], id={"type": "region", "index": i}, className="region")))
     hint = [html.I(className="bar error"), " share of the squared error ", html.I(className="bar samples")]
@@ -96,9 +105,11 @@ def quality_line(comparison: Comparison, warnings: Sequence[str]) -> list:
     return [f"data: {', '.join(told)}, ", doubts]
 
 
-def findings(found: Diagnosis, stale: bool) -> Piece:
-    """The verdict and the effects that are missing, each with a button that adds it."""
+def findings(found: Diagnosis, stale: bool, region: str = "") -> Piece:
+    """The verdict and the effects that are missing, each with a button that adds it; ``region`` was diagnosed alone."""
     told: list[Piece] = [html.P(found.sentence, className="told")]
+    if region:
+        told.append(html.P(f"Of the marked {region} alone: found on 60 % of its samples, judged on the others."))
     if stale:
         told.append(
             html.P("The model was changed since: run the diagnosis again to see what is left.", className="warning")
@@ -107,7 +118,7 @@ def findings(found: Diagnosis, stale: bool) -> Piece:
     moved = moved_rows(found)
     if moved:
         text = "; ".join(f"{row['name']} {row['before']} → {row['after']} {row['unit']}" for row in moved)
-        told.append(html.P(f"Parameters that moved: {text}. Identify anew under Model."))
+        told.append(html.P(f"Parameters that moved: {text}. Refit under Model."))
     if found.structure is not None:
         told.append(html.P(f"What nothing accounts for: {found.structure.words}"))
     return html.Div(told)
@@ -120,7 +131,7 @@ def _finding(finding) -> Piece:
         ("of the explainable error", text["share"]),
         ("unseen error", text["errors"]),
     ]
-    where = "mend the signal map" if finding.is_channel else "add and refit"
+    where = "correct the signal map" if finding.is_channel else "add and refit"
     tied = [html.P(f"These data cannot tell it from {text['tied']}.", className="tied")] if text["tied"] else []
     remark = [html.P(text["remark"])] if text["remark"] else []
     return html.Section(
@@ -171,7 +182,7 @@ def equation(effect: str) -> Piece:
     """What an effect is, in its author's words: the equation, symbols, source."""
     own = all_effects()[effect]
     shows = [html.P([html.Span("shows as", className="label"), own.shows])] if own.shows else []
-    return html.Div([html.Pre(own.description.strip(), className="equation"), *shows])
+    return html.Div([html.Pre(own.description.strip().replace("``", ""), className="equation"), *shows])
 
 
 def steps_list(errors: Sequence[float], names: Sequence[str], files: Sequence[str], at: int) -> Piece:

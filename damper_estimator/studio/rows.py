@@ -9,6 +9,7 @@ from tsdownsample import MinMaxDownsampler
 LINE_POINTS = 2400  # about two per pixel
 CLOUD_SAMPLES = 20_000  # that are looked at
 CLOUD_CELLS = (36, 26)  # across and up, about five pixels wide
+_DENSE = (0.5, 0.85)  # shares of the cells, by how full they are, from which on the cloud is darker
 _THINNER = MinMaxDownsampler()
 
 
@@ -28,13 +29,21 @@ def cloud_rows(over: np.ndarray, force: np.ndarray) -> np.ndarray:
 
     A browser draws a cloud in proportion to its points, so points that would lie over each other are left out.
     """
+    return np.unique(np.concatenate(density_rows(over, force)))
+
+
+def density_rows(over: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The same in three parts, by how many samples are in the cell: few with the extremes, some, and most."""
     even = np.arange(0, over.size, max(-(-over.size // CLOUD_SAMPLES), 1))
     even = even[np.isfinite(over[even]) & np.isfinite(force[even])]
     across, up = (_cells(values[even], cells) for values, cells in zip((over, force), CLOUD_CELLS, strict=True))
-    _, first = np.unique(across * CLOUD_CELLS[1] + up, return_index=True)
+    _, first, counts = np.unique(across * CLOUD_CELLS[1] + up, return_index=True, return_counts=True)
     extremes = np.concatenate([line_rows(values, 2) for values in (over, force)])
-    rows = np.unique(np.concatenate([even[first], extremes]))
-    return rows[np.isfinite(over[rows]) & np.isfinite(force[rows])]
+    extremes = extremes[np.isfinite(over[extremes]) & np.isfinite(force[extremes])]
+    limits = np.quantile(counts, _DENSE) if counts.size else np.zeros(len(_DENSE))
+    level = np.searchsorted(limits, counts)
+    parts = [even[first[level == own]] for own in range(len(_DENSE) + 1)]
+    return np.unique(np.concatenate([parts[0], extremes])), *parts[1:]
 
 
 def _cells(values: np.ndarray, cells: int) -> np.ndarray:

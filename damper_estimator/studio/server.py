@@ -1,21 +1,26 @@
 """Puts page, guard and callbacks together, and serves them."""
 
 import logging
+import socket
 import traceback
 from collections.abc import Callable
 
 from dash import Dash, set_props
-from flask import request
+from flask import Response, request
 from werkzeug.serving import BaseWSGIServer, make_server
 
 from damper_estimator import __version__
+from damper_estimator.errors import InputError
+from damper_estimator.report.page import figure_script
 from damper_estimator.report.paint import styles
 from damper_estimator.studio import apart
 from damper_estimator.studio.callbacks import connect
-from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.guard import Door, guard
+from damper_estimator.studio.folder import Folder, Taken
+from damper_estimator.studio.guard import UPLOAD, Door, guard
+from damper_estimator.studio.live import Live
 from damper_estimator.studio.page import layout
 from damper_estimator.studio.sessions import Sessions
+from damper_estimator.studio.uploads import receive
 
 _INDEX = """<!doctype html>
 <html lang="en">
@@ -29,12 +34,12 @@ _INDEX = """<!doctype html>
 </head>
 <body>
 {%app_entry%}
-<footer>{%config%}{%scripts%}{%renderer%}</footer>
+<footer>{%config%}{%scripts%}{%renderer%}<script src="/figure_files.js"></script></footer>
 </body>
 </html>"""
 
 
-def application(folder: Folder, door: Door) -> tuple[Dash, Sessions]:
+def application(folder: Folder, door: Door, live: Live | None = None) -> tuple[Dash, Sessions]:
     """The studio as a web application, and the pages that are open in it."""
     sessions = Sessions(folder)
     app = Dash(
@@ -46,16 +51,37 @@ def application(folder: Folder, door: Door) -> tuple[Dash, Sessions]:
         index_string=_INDEX.replace("__STYLES__", styles()),
         on_error=_told,
     )
-    app.layout = lambda: layout(sessions.new(), folder)
-    connect(app, sessions)
+    app.layout = lambda: layout(folder, live)  # a page gets a session when it asks for one, not with its layout
+    connect(app, sessions, live)
+
+    @app.server.get("/figure_files.js")
+    def figure_files() -> Response:
+        return Response(figure_script(), mimetype="text/javascript")
 
     @app.server.post("/leave")
     def leave() -> tuple[str, int]:
         sessions.leave(request.get_data(as_text=True))
         return "", 204
 
+    @app.server.post(UPLOAD)
+    def upload() -> tuple[str, int]:
+        return _received(sessions)
+
     guard(app.server, door, app.csp_hashes())
     return app, sessions
+
+
+def _received(sessions: Sessions) -> tuple[str, int]:
+    """Takes a file that a page sends; the answer is what was added, or why it could not be."""
+    try:
+        sessions.of(request.headers.get("X-Studio-Page"))
+        # Straight from the connection: Flask's own limit is that of small requests.
+        name, length = request.args.get("name", ""), request.content_length or 0
+        return receive(sessions.folder, name, request.environ["wsgi.input"], length), 200
+    except Taken as taken:
+        return str(taken), 409
+    except InputError as error:
+        return " ".join(str(error).split()), 400
 
 
 def _told(error: Exception) -> None:
@@ -64,28 +90,51 @@ def _told(error: Exception) -> None:
     set_props("job", {"children": f"this should not have happened: {type(error).__name__}: {error}"})
 
 
-def serve(folder: Folder, door_at: Callable[[int], Door], host: str, port: int, ready: Callable[[Door], None]) -> None:
+def serve(
+    folder: Folder, door_at: Callable[[int], Door], host: str, port: int, ready: Callable[[Door], None],
+    minutes: float = 0.0,
+) -> None:  # fmt: skip
     """Serves until the process is ended.
 
     Args:
         door_at: the door for the port that was got (``port`` 0: any that is free).
         ready: is told the door when the page can be opened.
+        minutes: of a running node's inputs that are held; 0 where it listens to none.
 
     Raises:
-        OSError: where the port is taken.
+        OSError: where the port is taken, or the address is not this machine's.
     """
+    bound = _bound(host, port)
     apart.prepare()
     logging.getLogger("werkzeug").setLevel(logging.WARNING)  # no line per request
-    listening: BaseWSGIServer = make_server(host, port, _nothing, threaded=True)
-    door = door_at(listening.server_port)
-    app, sessions = application(folder, door)
+    listening: BaseWSGIServer = make_server(host, port, _nothing, threaded=True, fd=bound.fileno())
+    door = door_at(bound.getsockname()[1])
+    live = Live(minutes) if minutes else None
+    app, sessions = application(folder, door, live)
     listening.app = app.server
     ready(door)
     try:
         listening.serve_forever()
     finally:
         sessions.close()
+        if live is not None:
+            live.close()
         listening.server_close()
+        bound.close()
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    """A socket that listens: werkzeug would end the process where the port is taken."""
+    family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    own = socket.socket(family, kind, protocol)
+    try:
+        own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        own.bind(address)
+        own.listen(128)
+    except OSError:
+        own.close()
+        raise
+    return own
 
 
 def _nothing(environment: dict, start_response: Callable) -> list[bytes]:

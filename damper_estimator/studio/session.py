@@ -1,140 +1,166 @@
 """What one page works on: recordings, models side by side, the steps of the first of them, a diagnosis, a job."""
 
 import os
-import threading
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
-from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.diagnosis.mend import mended_signals
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
-from damper_estimator.identification import usable
-from damper_estimator.model import DamperModel, Element, load_model
+from damper_estimator.model import DamperModel, Element, save_model
 from damper_estimator.studio.apart import Tell, run_apart
+from damper_estimator.studio.corners import DEEDS, Corner, Task, place, worked_on
+from damper_estimator.studio.desk import Beside, Desk
 from damper_estimator.studio.element import element_for
-from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.history import History, Version
-from damper_estimator.studio.job import Job
-from damper_estimator.studio.shown import Shown, shown
-from damper_estimator.studio.stage import Choice, Stage, opened
+from damper_estimator.studio.keeper import Keeper
+from damper_estimator.studio.kept import Kept, SessionFiles, Stamp
+from damper_estimator.studio.marking import in_words, marked_alone, parted, stretches
+from damper_estimator.studio.opening import Opened, read_choice, read_kept
+from damper_estimator.studio.stage import Choice
+from damper_estimator.studio.view import View
 from damper_estimator.studio.work import Case, Deed, diagnose_case, identified_alone, improve_case, judged, refitted
-from damper_estimator.validation import Comparison
 
-_KEPT = 6  # models whose forces are kept
+_MOST_LEFT_OUT = 2000  # stretches
 
 
-class Session:
-    """The state of one page; final. Its verbs raise InputError where something cannot be done.
-
-    Attributes:
-        stage, history, others: None, None and () until something is open; ``others`` are models to look at beside.
-        diagnosis: of which version of the model, and what was found; None until one was made.
-        job, jobs: the long work that goes on, or the last one, and how many there were.
-        opened: counts what was opened.
-        centres: value of every parameter by address when the list of parameters last changed: its slider's middle.
-        generation: counts changes of what is on view.
-        rebuilt: counts changes after which the list of parameters is another one.
-    """
-
-    def __init__(self, folder: Folder) -> None:
-        self.folder = folder
-        self.stage: Stage | None = None
-        self.history: History | None = None
-        self.others: tuple[DamperModel, ...] = ()
-        self.diagnosis: Diagnosis | None = None
-        self.job: Job | None = None
-        self.centres: dict[str, float] = {}
-        self.opened = self.generation = self.rebuilt = 0
-        self._lock, self._judging = threading.RLock(), threading.Lock()
-        self._shown: list[Shown] = []
-        self._compared: list[tuple[Shown, Comparison]] = []
-        self._saved: list[tuple[Version, str]] = []
-
-    @property
-    def model(self) -> DamperModel:
-        """The model that is worked on.
-
-        Raises:
-            InputError: while nothing is open.
-        """
-        return self._now().step.model
-
-    @property
-    def here(self) -> Stage:
-        """What is open, with the mends of the version on view.
-
-        Raises:
-            InputError: while nothing is open.
-        """
-        now = self._now()
-        return self.stage.mended(now.signals)
-
-    def models(self) -> list[DamperModel]:
-        """The models on view: the one that is worked on, the same as given where it was changed, the others."""
-        given = [self.history.versions[0].step.model] if self.history and self.history.at else []
-        return [self.model, *given, *self.others]
-
-    def shown(self, model: DamperModel) -> Shown:
-        """A model's forces over what is open; kept for the last few."""
-        with self._lock:
-            stage = self.here if model is self.model else self.stage
-            for own in self._shown:
-                if own.model is model and own.stage.signals == stage.signals:
-                    return own
-            own = shown(model, stage)
-            self._shown = [*self._shown[1 - _KEPT :], own]
-            return own
-
-    def comparison(self, shown: Shown) -> Comparison:
-        """Where a model fails; kept for the last few. Long recordings take seconds, in which the page is looked at."""
-        with self._judging:
-            for own, comparison in self._compared:
-                if own is shown:
-                    return comparison
-            comparison = shown.comparison()
-            self._compared = [*self._compared[1 - _KEPT :], (shown, comparison)]
-            return comparison
+class Session(Desk):
+    """One page; final. Its verbs raise InputError where something cannot be done."""
 
     def open(self, choice: Choice, models: list[str]) -> None:
         """Reads recordings and models; what was open before stays until all is well."""
         if not models:
             raise InputError("choose a model to compare")
+        self.start("opening", lambda tell: self._take(read_choice(self.folder, choice, models, tell)))
+
+    def resume(self, name: str, step: int | None = None, alone: bool = True) -> Kept:
+        """Opens a session from its file, at a step of it; the tab that wrote it goes on in that file.
+
+        Args:
+            alone: whether no other page has it open; a page that is not alone writes to a file of its own.
+
+        Raises:
+            InputError: where there is no such file, or it is damaged.
+        """
+        kept = SessionFiles(self.folder).read(name)
+        file = (name, kept.stamp) if alone and kept.owner == self.owner else ("", None)
+        self.start("opening", lambda tell: self._take(read_kept(self.folder, name, kept, step, tell), *file))
+        return kept
+
+    def work_on_all(self, deed: str, mode: str) -> None:
+        """Compares, diagnoses or improves all dampers of the recordings in one go; ``deed`` is a key of ``DEEDS``."""
+        if deed not in DEEDS:
+            raise InputError("choose what to do with all dampers")
+        self._now()
 
         def work(tell: Tell) -> None:
-            stage = opened(self.folder, choice, tell)
-            first, *others = (self._load(name, stage.damper) for name in models)
-            tell(f"running {first.name}", 0.9)
-            for measurement in (*stage.fit, *stage.unseen):
-                usable(first, measurement)
-            step = judged(stage.case(first), Deed("start"))
-            views = [shown(model, stage) for model in (first, *others)]
+            self._worked_on_all(deed, mode, tell)
+
+        self.start(DEEDS[deed], work)
+
+    def open_and_diagnose(self, recording: str, model: str, mode: str) -> None:
+        """Opens a recording and diagnoses all its dampers in one go."""
+
+        def work(tell: Tell) -> None:
+            self._take(read_choice(self.folder, Choice((recording,)), [model], tell))
+            self._worked_on_all("diagnose", mode, tell)
+
+        self.start(DEEDS["diagnose"], work)
+
+    def _worked_on_all(self, deed: str, mode: str, tell: Tell) -> None:
+        histories, workers = self.histories(), os.cpu_count() or 1
+        choices = {name: self.choice_of(name) for name in sorted(self.stage.signal_map.dampers, key=place)}
+        task = Task(self.folder.root, choices, self.names[0], deed, mode, workers, histories)
+        corners = run_apart(worked_on, (task,), tell)
+        with self._lock:
+            for corner in corners:
+                self._further(corner, histories.get(corner.damper))
+            self.corners = {corner.damper: corner for corner in corners}
+            self._changed()
+
+    def open_damper(self, damper: str) -> None:
+        """Opens another damper of the same recordings, with the steps that were made on it."""
+        self._now()
+        if damper not in self.corners:
+            raise InputError(f"{str(damper)[:60]}: is not a damper of these recordings")
+        if damper == self.stage.damper:
+            return
+        choice, corner = self.choice_of(damper), self.corners[damper]
+        if corner.failed:
+            raise InputError(corner.failed)
+        left, came = self.stage.damper, self.beside.get(damper)
+
+        def work(tell: Tell) -> None:
+            given = read_choice(self.folder, choice, self.names, tell, came.history if came else None)
             with self._lock:
-                self.stage, self.others, self.diagnosis = stage, tuple(others), None
-                self._shown, self._compared, self._saved = views, [], []
-                self.opened += 1
-                self.history = History((Version(step, stage.signals),))
-                self._changed()
+                left_out = self.stage.choice.left_out
+                self.beside[left] = Beside(self.history, tuple(self._saved), self.keeper.file, left_out)
+                self._take(replace(given, saved=came.saved if came else ()), *(came.file if came else ()), same=True)
+                if corner.history is not None and len(corner.history.versions) == len(given.history.versions):
+                    self.diagnosis = corner.diagnosis
 
-        self._start("opening", work)
+        self.start("opening", work)
 
-    def _load(self, name: str, damper: str) -> DamperModel:
-        inside = Path(name).suffix in (".yaml", ".yml")
-        model = load_model(self.folder.existing(name) if inside else name, damper)
-        return model
+    def save_all(self) -> str:
+        """Writes the model of every damper into a folder that verbs take as a model, and says where."""
+        self._now()
+        taken = next(n for n in range(1, 1000) if not self.folder.path(_improved(n)).exists())
+        for damper, history in self.histories().items():
+            name = f"{_improved(taken)}/{damper}.yaml"
+            save_model(history.now.step.model, self.folder.target(name, ".yaml", False))
+        count = len(self.histories())
+        return f"saved {count} models in {_improved(taken)}; give that folder as the model on the command line"
+
+    def _further(self, corner: Corner, before: History | None) -> None:
+        """Takes over the steps that were made on a damper."""
+        if corner.history is None or corner.stage is None:
+            return
+        history = before or corner.history
+        for version in corner.history.versions[history.at + 1 :]:
+            history = history.then(version)
+        if corner.damper == self.stage.damper:
+            self.history = history
+            self.diagnosis = corner.diagnosis or self.diagnosis
+            return
+        own = self.beside.get(corner.damper, Beside(history))
+        if history is not own.history or history.at:
+            keeper = Keeper(SessionFiles(self.folder), self.owner)
+            keeper.begin(*own.file)
+            keeper.write(corner.stage, self.names, history, own.saved)
+            own = replace(own, history=history, file=keeper.file)
+        self.beside[corner.damper] = own
+
+    def _take(self, given: Opened, file: str = "", stamp: Stamp = None, same: bool = False) -> None:
+        """Puts what was read on view; with ``same`` it is another damper of the same recordings."""
+        with self._lock:
+            if not same:
+                self.corners, self.beside = {}, {}
+            self.stage, self.history, self.others, self.names = given.stage, given.history, given.others, given.names
+            self.diagnosis, self.diagnosed = None, ""
+            self._shown, self._compared, self._saved = list(given.views), [], list(given.saved)
+            self.opened += 1
+            self.keeper.begin(file, stamp)
+            self._changed(kept=False)
 
     def diagnose(self, mode: str) -> None:
         """Looks for what the model lacks."""
-        case = self._case()
+        self._diagnose(self._case(), mode, "")
+
+    def diagnose_marked(self, view: View, mode: str) -> None:
+        """The same in a marked region alone: parameters on the first 60 % of its samples, judged on the others."""
+        own = self.shown(self.model)
+        fit, unseen = parted(marked_alone(own, view))
+        case = replace(self._case(), fit=(fit,), unseen=(unseen,))
+        self._diagnose(case, mode, in_words(own, view))
+
+    def _diagnose(self, case: Case, mode: str, of: str) -> None:
 
         def work(tell: Tell) -> None:
             found = run_apart(diagnose_case, (case, mode, os.cpu_count() or 1), tell)
             with self._lock:
-                self.diagnosis = found
-                self._changed()
+                self.diagnosis, self.diagnosed = found, of
+                self._changed(kept=False)
 
-        self._start("diagnosing", work)
+        self.start("diagnosing", work)
 
     def improve(self, mode: str) -> None:
         """Adds all that is justified, one step after the other."""
@@ -146,10 +172,10 @@ class Session:
                 for step in found.steps[1:]:
                     own = found.signals if step.action == "mend" else self._now().signals
                     self.history = self.history.then(Version(step, own))
-                self.diagnosis = found.final
+                self.diagnosis, self.diagnosed = found.final, ""
                 self._changed()
 
-        self._start("improving", work)
+        self.start("improving", work)
 
     def add(self, name: str) -> None:
         """Puts an effect in and identifies all free parameters together; a mend goes to the signal map instead."""
@@ -165,6 +191,27 @@ class Session:
     def refit(self) -> None:
         """Identifies the free parameters anew."""
         self._refit(self.model, Deed("refit"))
+
+    def refit_marked(self, view: View) -> None:
+        """Identifies the free parameters on a marked region alone; judged as all steps are."""
+        own = self.shown(self.model)
+        case = replace(self._case(), fit=(marked_alone(own, view),))
+        self._refit(self.model, Deed("refit", None, f"on the marked {in_words(own, view)}"), case)
+
+    def leave_out(self, view: View) -> None:
+        """Takes a marked region out of all that is fitted to and judged on."""
+        more = stretches(self.shown(self.model), view)
+        left_out = (*self.stage.choice.left_out, *more)
+        if len(left_out) > _MOST_LEFT_OUT:
+            raise InputError(f"more than {_MOST_LEFT_OUT} stretches would be left out; mark passages over time instead")
+        stage = self.stage.without(left_out)
+        self.start("judging", lambda tell: self._restaged(stage))
+
+    def take_back(self) -> None:
+        """Nothing is left out any longer."""
+        self._now()
+        stage = self.stage.without(())
+        self.start("judging", lambda tell: self._restaged(stage))
 
     def remove(self, label: str) -> None:
         """Takes an entry out of the model."""
@@ -204,38 +251,14 @@ class Session:
             self.history = self.history.redone()
             self._changed()
 
-    def saved(self, name: str) -> None:
-        """The model on view was written to a file of the folder."""
-        with self._lock:
-            self._saved = [*((own, file) for own, file in self._saved if file != name), (self._now(), name)]
-            self._changed(rebuilt=False)
-
-    def saved_as(self, version: Version) -> str:
-        """The file that a version's model was written to last; "" where there is none."""
-        return next((file for own, file in reversed(self._saved) if own is version), "")
-
-    def rest(self) -> None:
-        """Ends the work that goes on."""
-        if self.job is not None:
-            self.job.cancel()
-
-    def close(self) -> None:
-        """Ends the work that goes on and lets go of all that was read."""
-        self.rest()
-        self.stage, self.history, self.diagnosis = None, None, None
-        self._shown, self._compared, self._saved = [], [], []
-
-    def _case(self) -> Case:
-        return self.here.case(self.model)
-
-    def _refit(self, model: DamperModel, deed: Deed) -> None:
-        now, stage = self._now(), self.here
+    def _refit(self, model: DamperModel, deed: Deed, case: Case | None = None) -> None:
+        now, case = self._now(), case or self.here.case(model)
 
         def work(tell: Tell) -> None:
-            step = run_apart(refitted, (stage.case(model), deed), tell)
+            step = run_apart(refitted, (case, deed), tell)
             self._then(Version(step, now.signals))
 
-        self._start("identifying", work)
+        self.start("identifying", work)
 
     def _mend(self, element: Element, deed: Deed) -> None:
         now, case = self._now(), self._case()
@@ -246,30 +269,8 @@ class Session:
             stage = self.stage.mended(signals)
             self._then(Version(judged(stage.case(case.model), deed), signals))
 
-        self._start("identifying", work)
+        self.start("identifying", work)
 
-    def _then_judged(self, model: DamperModel, deed: Deed, rebuilt: bool = True) -> None:
-        stage = self.here
-        self._then(Version(judged(stage.case(model), deed), self._now().signals), rebuilt)
 
-    def _then(self, version: Version, rebuilt: bool = True) -> None:
-        with self._lock:
-            self.history = self.history.then(version)
-            self._changed(rebuilt)
-
-    def _now(self) -> Version:
-        if self.history is None:
-            raise InputError("nothing is open yet: choose a recording and a model, then open them")
-        return self.history.now
-
-    def _start(self, name: str, work: Callable[[Tell], None]) -> None:
-        with self._lock:
-            if self.job is not None and self.job.running:
-                raise InputError(f"{self.job.name} goes on; cancel it first, or wait")
-            self.job = Job(name, work, self.job.number + 1 if self.job else 1)
-
-    def _changed(self, rebuilt: bool = True) -> None:
-        self.generation += 1
-        if rebuilt:
-            self.rebuilt += 1
-            self.centres = {slot.address: slot.value for slot in self.model.slots}
+def _improved(number: int) -> str:
+    return "improved" if number == 1 else f"improved_{number}"

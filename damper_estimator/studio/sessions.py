@@ -1,6 +1,7 @@
 """The pages that are open: found by a number that nobody guesses, let go when they are left.
 
 A page that is only silent (its computer sleeps, a tunnel is down) ends its work soon and keeps what it has for an hour.
+Nothing is lost with a page: its steps are in its session's file, from which it is opened again.
 """
 
 import secrets
@@ -31,12 +32,16 @@ class Sessions:
     def __len__(self) -> int:
         return len(self._open)
 
-    def new(self) -> str:
-        """A page more; of too many the one that was silent for longest is let go."""
+    def new(self, owner: str = "") -> str:
+        """A page more, in a browser tab. Of too many, the one that was silent for longest is let go.
+
+        Raises:
+            InputError: where there are too many and none may be let go: with unsaved steps, or at work.
+        """
         page = secrets.token_urlsafe(16)
         with self._lock:
-            left = sorted(self._open, key=lambda own: self._open[own][1])[: max(len(self._open) - MOST + 1, 0)]
-            self._open[page] = (Session(self.folder), monotonic())
+            left = self._to_leave()
+            self._open[page] = (Session(self.folder, owner), monotonic())
         for own in left:
             self.leave(own)
         return page
@@ -54,6 +59,11 @@ class Sessions:
             self._open[page] = (session, monotonic())
         return session
 
+    def is_open(self, name: str) -> bool:
+        """Whether some page has the session of that name open."""
+        with self._lock:
+            return any(session.keeper.name == name for session, _ in self._open.values())
+
     def leave(self, page: str) -> None:
         """The page has gone: its work ends."""
         with self._lock:
@@ -67,13 +77,23 @@ class Sessions:
         for page in list(self._open):
             self.leave(page)
 
+    def _to_leave(self) -> list[str]:
+        """Which pages have to go for one more."""
+        count = len(self._open) - MOST + 1
+        idle = [page for page, (own, _) in self._open.items() if not (own.unsaved or own.busy)]
+        if count > len(idle):
+            raise InputError(
+                f"{len(self._open)} pages with unsaved steps are open in this studio; save or close one, then load "
+                "this page again"
+            )
+        return sorted(idle, key=lambda own: self._open[own][1])[: max(count, 0)]
+
     def _sweep(self) -> None:
         while not self._stop.wait(min(self._silence / 4.0, 5.0)):
             now = monotonic()
             with self._lock:
                 silent = [(page, *own) for page, own in self._open.items() if now - own[1] > self._silence]
             for page, session, seen in silent:
-                if now - seen > self._kept:
+                session.rest()
+                if now - seen > self._kept and not (session.unsaved and session.keeper.failed):
                     self.leave(page)
-                else:
-                    session.rest()

@@ -21,6 +21,10 @@ MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for 
 _PASSAGES = 20  # that a longer recording is judged on
 
 
+Stretch = tuple[int, float, float]
+"""Index of a recording, start and stop in s since its first sample."""
+
+
 @dataclass(frozen=True)
 class Choice:
     """What a user wants to see; names are relative to the studio's folder.
@@ -30,6 +34,7 @@ class Choice:
         damper: its name; "" for the first.
         signals: the signal map; "" for the default topics.
         start, stop: s from the start, None where all is used.
+        left_out: stretches that nothing is fitted to or judged on.
     """
 
     fit: tuple[str, ...]
@@ -38,6 +43,7 @@ class Choice:
     signals: str = ""
     start: float | None = None
     stop: float | None = None
+    left_out: tuple[Stretch, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,7 @@ class Stage:
         fit, unseen: what parameters are found on, and what is judged on.
         judged: what regions are told of: all of ``whole``, or passages of it where it is long.
         warnings: what the reading said, such as that a recording is cut off.
+        as_read: the same with nothing left out; None where nothing is.
     """
 
     choice: Choice
@@ -70,6 +77,7 @@ class Stage:
     unseen: tuple[Measurement, ...]
     judged: tuple[Passage, ...]
     warnings: tuple[str, ...] = ()
+    as_read: "Stage | None" = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -95,6 +103,33 @@ class Stage:
     def case(self, model: DamperModel) -> Case:
         """A model to be judged on what is open."""
         return Case(self.damper, model, self.fit, self.unseen)
+
+    def without(self, left_out: Sequence[Stretch]) -> "Stage":
+        """The stage as it was read, less stretches that are neither fitted to nor judged on.
+
+        Raises:
+            InputError: where too little would be left.
+        """
+        read = self.as_read or self
+        choice = replace(read.choice, left_out=tuple(left_out))
+        if not left_out:
+            return replace(read, choice=choice)
+        whole = tuple(_less(m, m, i, left_out) for i, m in enumerate(read.whole))
+        index = {m.recording: i for i, m in enumerate(read.whole)}
+
+        def parts(given: Sequence[Measurement]) -> tuple[Measurement, ...]:
+            cut = [_less(m, read.whole[index[m.recording]], index[m.recording], left_out) for m in given]
+            return tuple(m for m in cut if m.judged.any())
+
+        fit, unseen = parts(read.fit), parts(read.unseen)
+        passages = (replace(p, measurement=m[0]) for p in read.judged if (m := parts([p.measurement])))
+        if not (fit and unseen and all(m.judged.any() for m in whole)):
+            raise InputError("nothing would be left to fit to, or to judge on; leave out less")
+        return replace(read, choice=choice, whole=whole, fit=fit, unseen=unseen, judged=tuple(passages), as_read=read)
+
+    def emptied(self) -> "Stage":
+        """What was opened without its samples, which take hundreds of megabytes of a long recording."""
+        return replace(self, whole=(), fit=(), unseen=(), judged=(), as_read=None)
 
     def mended(self, signals: DamperSignals) -> "Stage":
         """The stage as it would have been read with another entry of the signal map."""
@@ -149,9 +184,20 @@ def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
     if not unseen:
         fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
     judged = tuple(p for own in passages for p in own)
-    return Stage(
+    read_all = Stage(
         choice, damper, recordings[0].signal_map, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings)
     )
+    return read_all.without(choice.left_out)
+
+
+def _less(part: Measurement, whole: Measurement, index: int, left_out: Sequence[Stretch]) -> Measurement:
+    """A part of a recording with the samples of some stretches not judged."""
+    time = (part.kinematics.stamp - whole.kinematics.stamp[0]) * 1e-9
+    judged = part.judged.copy()
+    for recording, start, stop in left_out:
+        if recording == index:
+            judged[slice(*np.searchsorted(time, [start, stop]))] = False
+    return replace(part, judged=judged)
 
 
 def _signal_map(folder: Folder, name: str) -> SignalMap:

@@ -11,6 +11,12 @@ from damper_estimator.studio.shown import Shown
 
 MOTIONS = ("velocity", "displacement", "acceleration")
 SCALES = {"velocity": 1.0, "displacement": 1e3, "acceleration": 1.0}  # m/s, mm, m/s^2
+TRACES = {
+    "displacement": ("mm", 1e3), "velocity": ("m/s", 1.0), "acceleration": ("m/s²", 1.0), "command": ("A", 1.0),
+    "temperature": ("°C", 1.0), "pressure": ("bar", 1e-5),
+}  # fmt: skip
+"""What can be drawn below the force, by name in a sample block: unit on the page, and factor from SI."""
+TRACE_NAMES = {name: name for name in TRACES} | {"command": "current"}
 _MOST_CORNERS = 2000
 
 
@@ -22,12 +28,14 @@ class View:
         recording: index.
         start, stop: s since its first sample; None for all.
         mark: what was marked by hand, if anything.
+        cursors: up to two times, s since the first sample.
     """
 
     recording: int = 0
     start: float | None = None
     stop: float | None = None
     mark: Mark | None = None
+    cursors: tuple[float, ...] = ()
 
 
 def parsed_view(data: object, recordings: int) -> View:
@@ -38,7 +46,9 @@ def parsed_view(data: object, recordings: int) -> View:
     """
     try:
         own = dict(data or {})
-        view = View(int(own.get("recording", 0)), _number(own.get("start")), _number(own.get("stop")), _mark(own))
+        cursors = tuple(_number(value) or 0.0 for value in list(own.get("cursors") or ())[:2])
+        ends = _number(own.get("start")), _number(own.get("stop"))
+        view = View(int(own.get("recording", 0)), *ends, _mark(own), cursors)
     except (TypeError, ValueError, KeyError):
         raise InputError("the page asked for a view that does not exist; load it again") from None
     if not 0 <= view.recording < recordings:

@@ -15,8 +15,8 @@ from damper_estimator.identification import FittedParameter
 from damper_estimator.report import diagnosis_page, diagnosis_section, improvement_page, improvement_section
 from damper_estimator.report.diagnosis_wording import parameter_rows, with_error
 from damper_estimator.report.page import _plotly
-from damper_estimator.report.plots import apart
-from damper_estimator.report.verdict_figures import ranked, ranking_figure, waterfall_figure
+from damper_estimator.report.plots import FOUND, apart
+from damper_estimator.report.verdict_figures import atlas_figure, ranked, ranking_figure, waterfall_figure
 from damper_estimator.validation import DataFinding
 
 LARGEST = 5_000_000  # characters of the page of one damper, the library included
@@ -226,3 +226,19 @@ def test_equal_arrays_are_stored_once_and_all_can_be_put_back(names):
     assert len(stored["arrays"]) == len(set(names))
     for trace, name in zip(stored["sections"][0]["figure"]["data"], names, strict=True):
         assert stored["arrays"][trace["x"]["array"]]["bdata"] == trace["name"] == name
+
+
+def test_the_atlas_shows_what_explains_most_first_and_paints_what_was_found(found):
+    drawn = atlas_figure(found.atlas, found.findings)
+    (bars,) = drawn["data"]
+    assert bars["x"] == sorted(bars["x"], reverse=True) and len(bars["y"]) == len(set(bars["y"])) <= 8
+    shown = {row.shows for row in found.atlas if found.findings[0].phenomenon in row.phenomena}
+    painted = {name for name, colour in zip(bars["y"], bars["marker"]["color"], strict=True) if colour == FOUND}
+    assert painted and shown & set(bars["y"]) <= painted
+
+
+def test_a_pair_is_one_bar_and_each_says_that_it_acts_against_the_other(found):
+    first = found.findings[0]
+    two = replace(first, phenomenon="inertia", effect="inertia", partner=first.phenomenon)
+    own = replace(found, findings=(replace(first, partner="inertia"), two))
+    assert len(diagnosis_section("x", own).figures["errors"]["data"][0]["y"]) == 2

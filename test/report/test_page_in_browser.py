@@ -23,6 +23,8 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   const one = document.getElementById("damper0"), time = one.querySelector(".time");
   const range = () => time.layout.xaxis.range.map((v) => v.toFixed(1));
   seen.push("figures " + one.querySelectorAll(".figure .main-svg").length / 3);
+  seen.push("opens on " + (time.layout.xaxis.range[1] - time.layout.xaxis.range[0]).toFixed(1) + " s");
+  one.querySelector(".zoom[data-seconds=all]").click(); await wait();
   seen.push("all " + range());
   one.querySelector(".region").click(); await wait();
   const [first, last] = time.layout.xaxis.range;
@@ -88,6 +90,7 @@ def test_the_page_can_be_walked_through(tmp_path):
     assert told, "the walk did not end"
     assert told.group(1).split(";") == [
         "figures 8",
+        "opens on 1.0 s",
         "all 0.0,20.0",
         "region 2.0 lines",
         "zoom 3.0,4.0 true",

@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hand import BAGS
 
 pytest.importorskip("dash", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
 pytest.importorskip("tsdownsample", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
@@ -13,7 +14,6 @@ from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.stage import Choice
 
-BAGS = Path(__file__).resolve().parents[2] / "bags"
 # The curve that hidden_base.mcap gives, before the damper's oil took up air.
 CURVE = {
     "velocity": [-0.76, -0.38, -0.15, -0.076, -0.038, -0.015, 0.0, 0.015, 0.039, 0.078, 0.156, 0.39, 0.78],

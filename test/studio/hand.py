@@ -10,6 +10,7 @@ from time import monotonic
 
 from browser import BROWSER
 
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
 PATIENCE = 240.0  # s, for works: a slow machine compiles kernels anew
 ACTION = 60.0  # s, for what the page does by itself

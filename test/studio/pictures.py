@@ -13,6 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+import numpy as np
 from hand import Hand, hand, served
 
 from damper_estimator.cli.main import main as command
@@ -41,12 +42,22 @@ def walk(url: str, camera: Camera) -> None:
     """The whole way, and what can go wrong."""
     with hand(url, *camera.size, camera.scheme) as own:
         camera.shot(own, "empty")
+        own.choose("bench-file", "run.csv")
+        own.until(lambda: own.page.locator(".bench-velocity .scatterlayer .trace").count() > 0)
+        camera.shot(own, "import")
+        own.page.locator("#bench-file .dash-dropdown-clear").click()
         own.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",))
         own.until(lambda: own.told("regions"))
         camera.shot(own, "opened")
         compare(own, camera)
         learn(own, camera)
         change(own, camera)
+    with hand(url, *camera.size, camera.scheme) as own:
+        own.open(["four_corners_road.mcap"], ["linear_viscous"])
+        own.page.click("#overview")
+        own.done("comparing all")
+        own.until(lambda: own.page.locator(".corner").count() == 4)
+        camera.shot(own, "overview")
     with hand(url, *camera.size, camera.scheme) as own:
         own.choose("recordings", "cut.mcap")
         own.choose("models", "linear_viscous")
@@ -63,7 +74,7 @@ def compare(own: Hand, camera: Camera) -> None:
     own.page.locator("#tool").get_by_text("mark").click()
     own.until(lambda: own.figure("velocity")["layout"]["dragmode"] == "select")
     own.drag(".figure.velocity .nsewdrag", (0.35, 0.05), (0.65, 0.95))
-    own.until(lambda: "samples marked" in own.told("marked-told"))
+    own.until(lambda: "rms error" in own.told("marked-told"))
     camera.shot(own, "marked")
     own.page.click("#unmark")
     own.page.locator("#quality").scroll_into_view_if_needed()
@@ -108,6 +119,17 @@ def change(own: Hand, camera: Camera) -> None:
     camera.shot(own, "save")
 
 
+def bench_file() -> str:
+    """A file as a logger writes it, with a target and a counter beside what was measured."""
+    t = np.arange(0.0, 4.0, 2e-3)
+    x = 25.0 * np.sin(8.2 * t) + 6.0 * np.sin(25.8 * t)
+    v = 1e-3 * np.gradient(x, t)
+    force = np.where(v > 0.0, 2.4, 1.1) * v + 0.06 * np.tanh(v / 0.02) - 0.18
+    head = "Sample,Time [s],Position Setpoint [mm],Position Actual [mm],Load Cell [kN],Oil Temp [degC]\n"
+    rows = zip(range(t.size), t, np.roll(x, -2), x, force, 31.0 + 0.4 * t, strict=True)
+    return head + "\n".join(",".join(f"{cell:.6g}" for cell in row) for row in rows) + "\n"
+
+
 def main() -> None:
     """Opens the studio on the shipped recordings and walks through it."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -122,9 +144,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "recordings"
         folder.mkdir()
-        for name in ("hidden_base", "hidden_fit", "hidden_unseen", "passenger_dyno"):
+        for name in ("hidden_base", "hidden_fit", "hidden_unseen", "passenger_dyno", "four_corners_road"):
             shutil.copy(BAGS / f"{name}.mcap", folder)
         command(["fit", str(folder / "hidden_base.mcap"), "-m", "viscous_curve", "-o", str(folder / "before.yaml")])
+        (folder / "run.csv").write_text(bench_file())
         (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:4000])
         with served(folder) as (_, url):
             for camera in kinds:

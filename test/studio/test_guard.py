@@ -1,13 +1,14 @@
 """Requests that do not come from the studio's own page are refused."""
 
 import json
+import socket
 import subprocess
 import sys
 
 import pytest
 
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.guard import LARGEST_REQUEST, Door, is_loopback, new_token
+from damper_estimator.studio.guard import LARGEST_REQUEST, Door, is_loopback, new_token, usable_address
 from damper_estimator.studio.server import application
 
 OWN = {"Host": "127.0.0.1:8050", "Origin": "http://127.0.0.1:8050"}
@@ -54,6 +55,109 @@ def test_a_change_from_another_origin_is_refused(client, origin):
         assert client.post(path, data="{}", headers=headers).status_code == 403
     if origin:
         assert client.get("/_dash-layout", headers=headers).status_code == 403
+
+
+ARRIVE = {
+    "output": "..page.data...open-told.children@x..",
+    "outputs": [],
+    "inputs": [{"id": "address", "property": "data", "value": {"query": "", "tab": "t"}}],
+    "changedPropIds": ["address.data"],
+    "state": [],
+}
+LINK = {"Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document"}
+
+
+def arrived(client, headers):
+    """The answer to the request with which a page asks for its session."""
+    specs = client.get("/_dash-dependencies", headers=headers).json
+    found = next(
+        own
+        for own in specs or []
+        if own["inputs"] == [{"id": "address", "property": "data"}] and "page" in own["output"]
+    )
+    parts = [part.rpartition(".") for part in found["output"].strip(".").split("...")]
+    body = ARRIVE | {"output": found["output"], "outputs": [{"id": i, "property": p} for i, _, p in parts]}
+    return client.post("/_dash-update-component", json=body, headers=headers)
+
+
+def test_reading_the_page_makes_no_session_and_its_own_request_makes_one(tmp_path):
+    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
+    for path in ("/", "/_dash-layout", "/_dash-dependencies", "/?recording=a.mcap&model=dahl&session=abcdefgh"):
+        for _ in range(20):
+            assert client.get(path, headers={"Host": OWN["Host"]}).status_code == 200
+    assert len(sessions) == 0
+    assert arrived(client, OWN).status_code == 200 and len(sessions) == 1
+    sessions.close()
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site", "anything"])
+def test_other_sites_get_nothing_and_create_nothing(tmp_path, site):
+    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
+    headers = OWN | {"Sec-Fetch-Site": site}
+    for path in ("/_dash-layout", "/_dash-dependencies", "/assets/studio.js", "/"):
+        for kind in ({}, {"Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "image"}, LINK | {"Sec-Fetch-Dest": "iframe"}):
+            assert client.get(path, headers=headers | kind).status_code == 403
+    for path in ("/_dash-update-component", "/leave", "/"):
+        assert client.post(path, data="{}", headers=headers | LINK).status_code == 403
+    followed = client.get("/?recording=a.mcap", headers={"Host": OWN["Host"], "Sec-Fetch-Site": site} | LINK)
+    assert followed.status_code == 200 and b'http-equiv="refresh"' in followed.data and b"script" not in followed.data
+    assert len(sessions) == 0
+    sessions.close()
+
+
+def test_the_token_comes_before_a_session(tmp_path):
+    token = new_token()
+    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050, token))
+    assert client.post("/_dash-update-component", json=ARRIVE, headers=OWN).status_code == 403
+    for wrong in ("", "x" * len(token), token[:-1], token + "x"):
+        client.set_cookie("damper_studio_8050", wrong, domain="127.0.0.1")
+        assert client.post("/_dash-update-component", json=ARRIVE, headers=OWN).status_code == 403
+    assert len(sessions) == 0
+    entered = client.get(f"/?token={token}&session=abcdefgh&recording=a+b.mcap", headers={"Host": OWN["Host"]})
+    assert entered.location == "/?session=abcdefgh&recording=a+b.mcap"
+    sessions.close()
+
+
+def test_names_that_are_allowed_are_let_in_and_no_others(tmp_path):
+    door = Door("0.0.0.0", 8050, new_token(), ("rig.local", "Bench"))
+    assert all(door.knows(host) for host in ("rig.local:8050", "RIG.local:8050", "bench:8050", "10.0.0.2:8050"))
+    assert not any(
+        door.knows(host) for host in ("rig.local", "rig.local:80", "evil.example:8050", "rig.local.evil:8050")
+    )
+    assert door.url.startswith("http://rig.local:8050/?token=")
+
+
+def test_the_address_that_is_printed_can_be_opened():
+    assert usable_address("192.168.1.2") == "192.168.1.2" and usable_address("rig.local") == "rig.local"
+    for host in ("0.0.0.0", "::"):
+        assert usable_address(host) not in ("0.0.0.0", "::", "")
+    assert "0.0.0.0" not in Door("0.0.0.0", 8050, "t").url
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--host", "192.0.2.77", "--token"], "choose an address of this machine"),
+        (["--host", "no.such.name.invalid", "--token"], "choose an address of this machine"),
+        (["--allow-host", "http://rig"], "give a name alone"),
+    ],
+)
+def test_an_address_or_name_that_cannot_be_is_refused_in_one_line(tmp_path, words, said):
+    command = [sys.executable, "-m", "damper_estimator", "studio", str(tmp_path), "--no-browser", "--port", "0", *words]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert said in done.stderr
+
+
+def test_a_taken_port_is_said_and_names_the_option(tmp_path):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        command = [sys.executable, "-m", "damper_estimator", "studio", str(tmp_path), "--no-browser", "--port", port]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert port in done.stderr and "choose another with --port" in done.stderr
 
 
 def test_a_large_request_is_refused(client):

@@ -15,7 +15,7 @@ from damper_estimator.studio.callbacks.page_itself import _work as progress_of
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.page import names_of
-from damper_estimator.studio.saving import KINDS
+from damper_estimator.studio.saving import save
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import MOST, Sessions
 from damper_estimator.studio.shown import Shown
@@ -90,8 +90,8 @@ def test_the_saved_model_and_map_give_the_same_error_on_the_command_line(session
     session.add("force_offset")
     session.job.wait()
     session.set(session.model.slots[0].address, -950.0)
-    KINDS["model"].write(session, folder / "saved.yaml")
-    KINDS["map"].write(session, folder / "saved_map.yaml")
+    save(session, "model", "saved.yaml", replace=False)
+    save(session, "map", "saved_map.yaml", replace=False)
     bags = [str(folder / name) for name in session.stage.names]
     main(["compare", *bags, "-m", str(folder / "saved.yaml"), "-s", str(folder / "saved_map.yaml"), "--to", "6",
           "--json", str(folder / "told.json")])  # fmt: skip
@@ -274,7 +274,7 @@ def test_the_end_of_a_work_is_told_once_also_when_the_page_looks_while_the_next_
             super().__init__(*given)
             tick()
 
-    monkeypatch.setattr("damper_estimator.studio.session.Job", Slow)
+    monkeypatch.setattr("damper_estimator.studio.desk.Job", Slow)
     for verb in (lambda: session.add("oil_spring"), session.refit):
         verb()
         session.job.wait()

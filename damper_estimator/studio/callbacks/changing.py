@@ -6,6 +6,7 @@ from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_up
 from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
+from damper_estimator.model import Slot
 from damper_estimator.report.diagnosis_wording import step_name
 from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.report.plots import Figure
@@ -18,6 +19,7 @@ from damper_estimator.studio.scale import from_place, to_place
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
+_AT_REST = 0.002  # of a slider: it reports its place also where nobody moves it
 _ROOM = 1.4  # of the largest bar: what is written beside it fits into the narrow panel
 _SLIDER, _NUMBER, _FREE = ({"type": kind, "address": ALL} for kind in ("slider", "number", "free"))
 
@@ -38,11 +40,12 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
         Input({"type": "remove", "label": ALL}, "n_clicks"),
         Input("add-effect", "n_clicks"),
         Input("refit", "n_clicks"),
+        Input({"type": "refit", "from": ALL}, "n_clicks"),
         State("effect", "value"),
         State("page", "data"),
         prevent_initial_call=True,
     )
-    def change(_add, _remove, _other, _refit, effect, page):
+    def change(_add, _remove, _other, _refit, _offered, effect, page):
         if not ctx.triggered[0]["value"]:
             raise PreventUpdate
         *changes, told = answered(sessions, page, lambda session: _change(session, ctx.triggered_id, effect))
@@ -50,7 +53,7 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
 
 
 def _change(session: Session, cause: object, effect: str | None) -> None:
-    if cause == "refit":
+    if cause == "refit" or (isinstance(cause, dict) and cause["type"] == "refit"):
         session.refit()
     elif cause == "add-effect":
         if not effect:
@@ -63,6 +66,12 @@ def _change(session: Session, cause: object, effect: str | None) -> None:
 
 
 def _connect_parameters(app: Dash, sessions: Sessions) -> None:
+    app.clientside_callback(
+        ClientsideFunction("studio", "stale"),
+        Output("studio", "data-stale"),
+        Input("tried", "data"),
+        Input("generation", "data"),
+    )
     app.clientside_callback(
         ClientsideFunction("studio", "dragged"), Output("dragged", "data"), Input(_SLIDER, "drag_value")
     )
@@ -120,6 +129,10 @@ def _value(session: Session, address: str, place: float) -> float:
     return from_place(float(place), session.centres[address], low, high)
 
 
+def _place(session: Session, slot: Slot, value: float) -> float:
+    return to_place(value, session.centres[slot.address], slot.parameter.lower, slot.parameter.upper)
+
+
 def _moved(sessions: Sessions, session: Session, page: str, wanted: tuple, addresses: list[str]) -> tuple:
     address, value, moving = wanted
     slots = {slot.address: slot for slot in session.model.slots}
@@ -127,14 +140,14 @@ def _moved(sessions: Sessions, session: Session, page: str, wanted: tuple, addre
     untouched = [no_update] * len(addresses)
     if moving:
         numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
-        told = {"generation": session.generation, "values": {address: value}}
+        moved = abs(_place(session, slots[address], value) - _place(session, slots[address], now)) > _AT_REST
+        told = {"generation": session.generation, "values": {address: value}} if moved else None
         return no_update, no_update, no_update, told, untouched, numbers
     if abs(value - now) <= 1e-5 * abs(now):  # what was shown with six digits and came back
         raise PreventUpdate
     *changes, told = answered(sessions, page, lambda own: own.set(address, value))
     value = now if told else value
-    parameter = slots[address].parameter
-    place = to_place(value, session.centres[address], parameter.lower, parameter.upper)
+    place = _place(session, slots[address], value)
     sliders = [place if own == address else no_update for own in addresses]
     numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
     return *changes, told, None, sliders, numbers

@@ -10,12 +10,14 @@ from damper_estimator.errors import InputError
 from damper_estimator.report.diagnosis_page import tied_notes
 from damper_estimator.report.diagnosis_wording import plain_name
 from damper_estimator.report.paint import as_tall_as, painted
-from damper_estimator.report.verdict_figures import ranking_figure
+from damper_estimator.report.verdict_figures import atlas_figure, ranking_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.explained import explained_figure
-from damper_estimator.studio.page import EMPTY
+from damper_estimator.studio.pieces import EMPTY
 from damper_estimator.studio.sessions import Sessions
+
+_NARROW = 22  # characters of a name in the panel
 
 
 def connect(app: Dash, sessions: Sessions) -> None:
@@ -27,6 +29,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("findings", "children"),
         Output("ranking", "figure"),
         Output("ranking", "style"),
+        Output("atlas", "figure"),
+        Output("atlas", "style"),
         Output("candidates", "children"),
         Output("ranked", "hidden"),
         Input("generation", "data"),
@@ -40,11 +44,13 @@ def connect(app: Dash, sessions: Sessions) -> None:
         found = session.diagnosis
         if found is None:
             hint = "Diagnose tries every physical effect on the model and judges it on data that it was not fitted to."
-            return hint, no_update, no_update, "", True
+            return hint, *[no_update] * 4, "", True
         drawn = ranking_figure(found.ranking, found.findings, tied_notes(found))
         drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
-        told = panels.findings(found, found.model != session.model)
-        return told, painted(drawn, theme), as_tall_as(drawn), panels.candidates(found), False
+        told = panels.findings(found, found.model != session.model, session.diagnosed)
+        atlas = atlas_figure(found.atlas, found.findings, _NARROW)
+        figures = [part for own in (drawn, atlas) for part in (painted(own, theme), as_tall_as(own))]
+        return told, *figures, panels.candidates(found), False
 
     @app.callback(
         Output("looked", "hidden"),

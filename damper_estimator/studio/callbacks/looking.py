@@ -9,12 +9,15 @@ from damper_estimator.report.paint import painted
 from damper_estimator.report.plots import Figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import opened
+from damper_estimator.studio.callbacks.marking import viewed
+from damper_estimator.studio.cursors import cursor_table, further_choices
 from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
+from damper_estimator.studio.marking import errors_in_words
 from damper_estimator.studio.page import names_of
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 from damper_estimator.studio.tried import tried_force
-from damper_estimator.studio.view import MOTIONS, View, marked, parsed_view
+from damper_estimator.studio.view import MOTIONS, View
 
 _LINKED = {"type": "linked", "name": ALL}
 _ABOUT = 1.0  # s before and after the worst moment of a region
@@ -26,9 +29,12 @@ def connect(app: Dash, sessions: Sessions) -> None:
         ClientsideFunction("studio", "look"),
         Output("view", "data"),
         Input(_LINKED, "relayoutData"),
+        Input(_LINKED, "clickData"),
+        Input("back", "n_clicks"),
         Input("all", "n_clicks"),
         Input("unmark", "n_clicks"),
         Input("recording", "value"),
+        State("tool", "value"),
         State("view", "data"),
         State("drawn", "data"),
         prevent_initial_call=True,
@@ -58,6 +64,9 @@ def _connect_figures(app: Dash, sessions: Sessions) -> None:
         Output(_linked("time"), "figure"),
         Output("draw-told", "children"),
         Output("marked-told", "children"),
+        Output("marked-bar", "hidden"),
+        Output("cursor-values", "children"),
+        Output("left", "data-further"),
         Output("scene", "data"),
         Output("told-drawn", "data"),
         Input("generation", "data"),
@@ -65,20 +74,27 @@ def _connect_figures(app: Dash, sessions: Sessions) -> None:
         Input("tried", "data"),
         Input("theme", "data"),
         Input("tool", "value"),
+        Input("traces", "value"),
         State("page", "data"),
     )
-    def draw(generation, view, tried, theme, tool, page):
+    def draw(generation, view, tried, theme, tool, traces, page):
         session = opened(sessions, page)
         if session is None or theme is None:
             raise PreventUpdate
         drawn = {"generation": generation, "theme": theme, "opened": session.opened}
         try:
-            scene = _scene(session, view, tried)
+            scene = _scene(session, view, tried, traces)
             way = "select" if tool == "lasso" else tool  # of a passage only its ends count
             figure = _styled(time_figure(scene), session, scene.view, way, theme)
         except InputError as error:
-            return no_update, str(error), "", no_update, drawn
-        return figure, "", _told(scene.models[0], scene.view), [generation, view, tried, theme, tool], drawn
+            return no_update, str(error), "", True, no_update, no_update, no_update, drawn
+        shown = [generation, view, tried, theme, tool]
+        return figure, "", *_marked_words(scene), cursor_table(scene), str(len(scene.further)), shown, drawn
+
+    @app.callback(Output("traces", "options"), Input("generation", "data"), State("page", "data"))
+    def offer(_, page):
+        session = opened(sessions, page)
+        return further_choices(session.stage.whole[0].kinematics) if session is not None else []
 
     @app.callback(
         *(Output(_linked(motion), "figure") for motion in MOTIONS), Input("scene", "data"), State("page", "data")
@@ -126,8 +142,18 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         except InputError as error:
             return str(error), "", no_update, "", ""
         warnings, over = session.stage.warnings, painted(error_map(found), theme)
-        told = panels.verdict(found, session.stage.note, warnings), panels.regions(found), over
+        told = (
+            panels.verdict(found, session.stage.note, warnings, _never_identified(session)),
+            panels.regions(found),
+            over,
+        )
         return *told, panels.quality(found), panels.quality_line(found, warnings)
+
+
+def _never_identified(session: Session) -> str:
+    """The name of the model on view where nobody has identified it, neither here nor before; else ""."""
+    done = {own.step.action for own in session.history.done}
+    return session.model.name if not session.model.fit and done == {"start"} else ""
 
 
 def _names(session: Session) -> list[str]:
@@ -149,22 +175,27 @@ def _at_region(session: Session, index: int) -> dict | None:
     return {"opened": session.opened, "recording": passage.recording, "mark": None} | ends
 
 
-def _scene(session: Session, data: object, tried: dict | None) -> Scene:
+def _scene(session: Session, data: object, tried: dict | None, traces: object = ()) -> Scene:
     """What is to be drawn.
 
     Raises:
         InputError: for a view that no page of ours asks for, and parameters that give no force.
     """
-    current = data if (data or {}).get("opened") == session.opened else {}
-    view = parsed_view(current, len(session.stage.whole))
+    view = viewed(session, data)
     models = [session.shown(own) for own in session.models()]
     force = tried_force(models[0], tried["values"], view) if _is_tried(session, tried) else None
-    return Scene(models, _names(session), view, force)
+    kinematics = session.stage.whole[view.recording].kinematics
+    chosen = [str(own) for own in traces] if isinstance(traces, list | tuple) else []
+    further = tuple(own["value"] for own in further_choices(kinematics) if own["value"] in chosen)
+    return Scene(models, _names(session), view, force, further)
 
 
 def _styled(figure: Figure, session: Session, view: View, tool: str, theme: str) -> Figure:
     """A linked figure with the chosen tool and colours; it keeps the user's own zoom as long as the view stays."""
-    figure["layout"] |= {"dragmode": tool, "uirevision": f"{session.opened} {view.start} {view.stop}"}
+    figure["layout"] |= {
+        "dragmode": False if tool == "cursor" else tool,
+        "uirevision": f"{session.opened} {view.start} {view.stop}",
+    }
     return painted(figure, theme)
 
 
@@ -173,10 +204,11 @@ def _is_tried(session: Session, tried: dict | None) -> bool:
     return bool(tried) and tried.get("generation") == session.generation
 
 
-def _told(shown, view: View) -> str:
-    inside = marked(shown, view)
-    if inside is None:
-        return ""
-    error = shown.traces[view.recording].residual[inside & shown.traces[view.recording].judged]
-    rms = float((error**2).mean() ** 0.5) if error.size else float("nan")
-    return f"{int(inside.sum())} samples marked, rms error {rms:.3g} N"
+def _marked_words(scene: Scene) -> tuple[str, bool]:
+    """What the line says of the marked samples, and whether it is hidden."""
+    if scene.marked is None:
+        return "", True
+    try:
+        return errors_in_words(scene.models[0], scene.view, scene.names[0]), False
+    except InputError as error:
+        return str(error), False

@@ -43,6 +43,12 @@ def connect(app: Dash, sessions: Sessions) -> None:
         choice = Choice(tuple(recordings or ()), tuple(unseen or ()), damper or "", signals or "", start, stop)
         return answered(sessions, page, lambda session: session.open(choice, list(models or ())))
 
+    _connect_opened(app, sessions)
+
+
+def _connect_opened(app: Dash, sessions: Sessions) -> None:
+    """What is open."""
+
     @app.callback(
         Output("chooser", "open"),
         Output("opened", "children"),
@@ -50,18 +56,25 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("recording", "value"),
         Output("recording-place", "hidden"),
         Output("work", "className"),
+        Output("view", "data", allow_duplicate=True),
         Input("generation", "data"),
         State("page", "data"),
         State("opened", "children"),
+        State("view", "data"),
+        prevent_initial_call="initial_duplicate",
     )
-    def show_choice(_, page, before):
+    def show_choice(_, page, before, view):
         session = opened(sessions, page)
         if session is None:
-            return True, "Data and models", [], None, True, "empty"
+            return True, "Data and models", [], None, True, "empty", no_update
         stage = session.stage
         names = " and ".join(model.name for model in (session.history.versions[0].step.model, *session.others))
         told = f"{', '.join(stage.names)} · {stage.damper} · {names}"
         options = [{"label": name, "value": i} for i, name in enumerate(stage.names)]
         if told == before:
-            return (no_update,) * 6
-        return False, told, options, 0, len(options) < 2, ""
+            return (no_update,) * 7
+        shown = view.get("recording", 0) if view.get("opened") == session.opened else 0
+        view = no_update
+        if shown >= len(options):  # an address may name a recording that is not there any more
+            shown, view = 0, {"opened": session.opened}
+        return False, told, options, shown, len(options) < 2, "", view

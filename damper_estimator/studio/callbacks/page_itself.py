@@ -1,14 +1,18 @@
 """The page's own life: its theme, its tabs, the work that goes on, its leaving."""
 
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, no_update
+from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.corners import DEEDS
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
-_PLACES = {"opening": 0, "diagnosing": 1, "improving": 1, "identifying": 2}  # where a work's failure is told
+_PLACES = {"opening": 0, "diagnosing": 1, "improving": 1, "identifying": 2, "judging": 4}
+_PLACES |= dict.fromkeys(DEEDS.values(), 3)
+"""Where a work's failure is said, by its name."""
 _STEPPING = ("improving", "identifying")  # works that end in a step more
 
 
@@ -34,6 +38,9 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("open-told", "children", allow_duplicate=True),
         Output("learn-told", "children", allow_duplicate=True),
         Output("change-told", "children", allow_duplicate=True),
+        Output("corners-told", "children", allow_duplicate=True),
+        Output("draw-told", "children", allow_duplicate=True),
+        Output("lost", "data"),
         Input("tick", "n_intervals"),
         State("page", "data"),
         State("generation", "data"),
@@ -42,15 +49,17 @@ def connect(app: Dash, sessions: Sessions) -> None:
         prevent_initial_call=True,
     )
     def look(_, page, generation, rebuilt, ended):
+        if page is None:
+            raise PreventUpdate
         try:
             session = sessions.of(page)
         except InputError as error:
-            return no_update, no_update, str(error), no_update, True, True, *[no_update] * 5
+            return no_update, no_update, str(error), no_update, True, True, *[no_update] * 7, 1
         changes = (
             session.generation if session.generation != generation else no_update,
             session.rebuilt if session.rebuilt != rebuilt else no_update,
         )
-        return *changes, *_work(session, ended)
+        return *changes, *_work(session, ended), no_update
 
     _connect_buttons(app, sessions)
 
@@ -84,7 +93,7 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
 
 def _work(session: Session, ended: object) -> list[object]:
     """How far the work is, and, once, how it ended; ``ended`` is the number of the last work whose end was told."""
-    job, told = session.job, [no_update] * 3
+    job, told = session.job, [no_update] * 5
     if job is None or job.number == ended:
         return [no_update] * 6 + told
     if job.running:

@@ -1,0 +1,156 @@
+"""All dampers of a recording side by side: how well each one's model agrees, where it fails, and what it lacks."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from damper_estimator.diagnosis import Diagnosis
+from damper_estimator.errors import InputError
+from damper_estimator.model import DamperModel
+from damper_estimator.report.wording import in_signs, measure_text
+from damper_estimator.studio.apart import Tell
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.history import History, Version
+from damper_estimator.studio.opening import load_chosen
+from damper_estimator.studio.rows import cloud_rows
+from damper_estimator.studio.shown import Shown, shown
+from damper_estimator.studio.stage import Choice, Stage, opened
+from damper_estimator.studio.thumbnail import dots_picture
+from damper_estimator.studio.work import Deed, diagnose_case, improve_case, judged
+
+DEEDS = {"compare": "comparing all", "diagnose": "diagnosing all", "improve": "improving all"}
+"""What can be done with all dampers in one go, and the name of that work."""
+
+_MOST_DOTS = 700
+
+
+@dataclass(frozen=True)
+class Corner:
+    """One damper of the overview.
+
+    Attributes:
+        damper: its name.
+        stage: what was read, without the samples; None where it could not be read.
+        history: the versions of its model, the one that was judged last.
+        rms, relative: the model's error with its unit.
+        worst: the region that carries most of the error, in words.
+        verdict: of the diagnosis, in a sentence; "" before there is one.
+        diagnosis: of the version on view; None before there is one.
+        picture: force over velocity, measured and modelled, as an image's address.
+        failed: why there is nothing to see; "" where all is well.
+    """
+
+    damper: str
+    stage: Stage | None = None
+    history: History | None = None
+    rms: str = ""
+    relative: str = ""
+    worst: str = ""
+    verdict: str = ""
+    diagnosis: Diagnosis | None = None
+    picture: str = ""
+    failed: str = ""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be done with all dampers of recordings.
+
+    Attributes:
+        root: of the studio's folder.
+        choices: by damper, in the order of the overview.
+        model: name of a model file or of a model of the library.
+        deed: key of ``DEEDS``.
+        mode, workers: of the diagnosis.
+        histories: by damper, the steps that were made already.
+    """
+
+    root: Path
+    choices: Mapping[str, Choice]
+    model: str
+    deed: str
+    mode: str
+    workers: int
+    histories: Mapping[str, History]
+
+
+def worked_on(task: Task, tell: Tell) -> tuple[Corner, ...]:
+    """Does a task, damper by damper; one that cannot be read does not stop the others."""
+    folder = Folder(task.root)
+    names = list(task.choices)
+    corners = []
+    for i, name in enumerate(names):
+
+        def part(text: str, share: float, i: int = i, name: str = name) -> None:
+            tell(f"{name}: {text}", (i + share) / len(names))
+
+        try:
+            corners.append(_corner(folder, task, name, part))
+        except InputError as error:
+            corners.append(Corner(name, failed=" ".join(str(error).split())))
+    return tuple(corners)
+
+
+def place(damper: str) -> tuple[bool, bool, str]:
+    """Where a damper stands among the others: front before rear, left before right, as seen from above."""
+    words = set(re.split(r"[^a-z]+", damper.lower()))
+    return bool(words & {"rear", "rl", "rr"}), bool(words & {"right", "fr", "rr"}), damper
+
+
+def _corner(folder: Folder, task: Task, damper: str, tell: Tell) -> Corner:
+    stage = opened(folder, task.choices[damper], lambda text, share: tell(text, 0.2 * share))
+    history = task.histories.get(damper) or _begun(stage, load_chosen(folder, task.model, damper))
+    found = None
+
+    def later(text: str, share: float) -> None:
+        tell(text, 0.3 + 0.7 * share)
+
+    if task.deed == "diagnose":
+        case = stage.mended(history.now.signals).case(history.now.step.model)
+        found = diagnose_case(case, task.mode, task.workers, later)
+    elif task.deed == "improve":
+        history, found = _improved(stage, history, task, later)
+    return _summary(stage, history, found)
+
+
+def _begun(stage: Stage, model: DamperModel) -> History:
+    return History((Version(judged(stage.case(model), Deed("start")), stage.signals),))
+
+
+def _improved(stage: Stage, history: History, task: Task, tell: Tell) -> tuple[History, Diagnosis]:
+    case = stage.mended(history.now.signals).case(history.now.step.model)
+    found = improve_case(case, task.mode, task.workers, tell)
+    for step in found.steps[1:]:
+        signals = found.signals if step.action == "mend" else history.now.signals
+        history = history.then(Version(step, signals))
+    return history, found.final
+
+
+def _summary(stage: Stage, history: History, found: Diagnosis | None) -> Corner:
+    view = shown(history.now.step.model, stage.mended(history.now.signals))
+    compared = view.comparison()
+    record = view.measures.record()
+    regions = [in_signs(f"{own.where}: {own.what}") for own in compared.regions[:1]]
+    return Corner(
+        stage.damper,
+        stage.emptied(),
+        history,
+        f"{measure_text('rmse_n', record['rmse_n'])} N",
+        f"{measure_text('nrmse', record['nrmse'])} %",
+        regions[0] if regions else "the error is spread evenly over the operation",
+        found.sentence if found is not None else "",
+        found,
+        _picture(view),
+    )
+
+
+def _picture(view: Shown) -> str:
+    own = view.traces[0]
+    velocity = own.measurement.kinematics.velocity
+    clouds = []
+    for force, colour in ((own.measured, "#777"), (own.modelled, "#0072b2")):
+        rows = cloud_rows(velocity, force)
+        rows = rows[:: max(rows.size // _MOST_DOTS, 1)]
+        clouds.append((velocity[rows], force[rows], colour))
+    return dots_picture(clouds)

@@ -1,0 +1,103 @@
+"""Every kind of page at 390 px: nothing is wider than the screen; it works under a strict policy, without a network."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from browser import BROWSER, needs_browser, needs_playwright
+from test_page_in_browser import comparison
+
+from damper_estimator.control import ConstantCommand
+from damper_estimator.model import load_model
+from damper_estimator.report import comparison_page, damper_section
+from damper_estimator.report.comfort_page import comfort_page
+from damper_estimator.report.front_page import front_page
+from damper_estimator.report.ride_page import ride_page
+from damper_estimator.vehicle import CORNER_CASES, LIMITS, Surface, load_car, single_curve
+from damper_estimator.vehicle.comfort import AXLES, comfort_run
+from damper_estimator.vehicle.comparison import compare_commands
+
+POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+AMPLITUDES = (0.001, 0.02)
+
+
+def of_a_comparison() -> str:
+    return comparison_page([damper_section([comparison(name)], 2) for name in ("left", "right")], "a comparison")
+
+
+def of_a_front() -> str:
+    regimes = {group: {"bouc_wen.alpha": {"mean": 1.0, "stddev": 0.1}} for group in ("LVLF", "HVHF")}
+    return front_page("mine", ("LVLF", "HVHF"), np.array([[0.31, 0.35], [0.33, 0.32]]), 1, regimes)
+
+
+def of_a_ride() -> str:
+    commands = {"passive": ConstantCommand(LIMITS[0]), "table": ConstantCommand(LIMITS[1]),
+                "model": ConstantCommand(0.5 * sum(LIMITS))}  # fmt: skip
+    trials = compare_commands(CORNER_CASES["semi_active"], Surface("bump", 8.0), commands, 4.0, seed=1)
+    return ride_page({"front_left": {"bump, 29 km/h": trials}}, "skyhook")
+
+
+def of_comfort() -> str:
+    car, model = load_car("compact_car"), load_model("linear_viscous")
+    stiffer = model.with_values({model.slots[0].address: 2.0 * model.slots[0].value})
+    runs = [[comfort_run(car, dict.fromkeys(AXLES, own), amplitude, seconds=10.0) for amplitude in AMPLITUDES]
+            for own in (stiffer, single_curve(model))]  # fmt: skip
+    return comfort_page("compact", ("stiffer", "softer"), *runs)
+
+
+MADE = {"comparison": of_a_comparison, "front": of_a_front, "ride": of_a_ride, "comfort": of_comfort}
+
+
+@pytest.fixture(scope="module", params=MADE)
+def page(request) -> str:
+    return MADE[request.param]()
+
+
+def figures_of(content: str) -> dict:
+    return json.loads(re.search(r'id="data">(.*?)</script>', content, re.DOTALL)[1])["sections"][0]
+
+
+def headline_of(content: str) -> str:
+    return re.search(r'class="headline">(.*?)</p>', content, re.DOTALL)[1]
+
+
+@needs_browser
+@needs_playwright
+def test_it_fits_and_stands_alone(page):
+    from playwright.sync_api import sync_playwright
+
+    faults: list[str] = []
+    foreign: list[str] = []
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"])
+        own = browser.new_page(viewport={"width": 390, "height": 800})
+        own.set_default_timeout(300_000)
+        own.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        own.on("pageerror", lambda error: faults.append(str(error)))
+        own.on(
+            "request", lambda sent: foreign.append(sent.url) if not sent.url.startswith(("data:", "blob:")) else None
+        )
+        headers = {"Content-Security-Policy": POLICY, "Content-Type": "text/html; charset=utf-8"}
+        own.route("http://page.test/", lambda way: way.fulfill(body=page, headers=headers))
+        own.goto("http://page.test/")
+        own.wait_for_selector(".js-plotly-plot .main-svg")
+        assert own.evaluate("document.documentElement.scrollWidth") <= 390
+        browser.close()
+    assert not faults and foreign == ["http://page.test/"]
+
+
+def test_traces_that_are_compared_share_their_scale():
+    figures = figures_of(of_a_ride())
+    ranges = [figures[f"trace_{way}"]["layout"]["yaxis"]["range"] for way in ("table", "model")]
+    assert ranges[0] == ranges[1]
+    figures = figures_of(of_comfort())
+    assert len({tuple(figures[f"{axle}_{size}"]["layout"]["yaxis"]["range"]) for axle in AXLES for size in
+                ("small", "large")}) == 1  # fmt: skip
+
+
+def test_ride_and_comfort_begin_with_what_is_felt_and_explain_the_current():
+    ride = of_a_ride()
+    assert re.search(r"the body shakes .* than with the damper left at one current", headline_of(ride))
+    assert "cannot push where it should pull" in ride
+    assert re.search(r"on small bumps \(1 mm\) the body moves \d+ % (more|less)", headline_of(of_comfort()))

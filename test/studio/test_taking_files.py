@@ -1,0 +1,52 @@
+"""In the browser: files that are dropped are there, a bench file is corrected and becomes a recording."""
+
+import numpy as np
+from browser import needs_browser, needs_playwright
+from hand import hand, served
+
+pytestmark = [needs_browser, needs_playwright]
+
+DROP = """async ([names, texts]) => {
+  const data = new DataTransfer();
+  names.forEach((name, i) => data.items.add(new File([Uint8Array.from(texts[i], (own) => own.charCodeAt(0))], name)));
+  const target = document.querySelector('#studio');
+  for (const kind of ['dragover', 'drop'])
+    target.dispatchEvent(new DragEvent(kind, { bubbles: true, dataTransfer: data }));
+}"""
+
+
+def test_dropped_files_are_taken_and_a_bench_file_is_corrected_and_opened(folder, tmp_path_factory):
+    t = np.arange(0.0, 4.0, 2e-3)
+    x = 0.03 * np.sin(9.0 * t)
+    f = 1500.0 * np.gradient(x, t) + 60.0 * np.sign(np.cos(9.0 * t)) - 150.0
+    rows = "\n".join(f"{a:.4f};{1e3 * b:.5f};{c:.3f}".replace(".", ",") for a, b, c in zip(t, x, f, strict=True))
+    bench = f"Zeit [s];Weg;Kraft [N]\n{rows}\n"
+    other = (folder / "hidden_fit.mcap").read_bytes()
+    with served(folder) as (_, url), hand(url) as own:
+        own.page.evaluate(DROP, [["run.csv", "evil.exe"], [bench, "x"]])
+        own.until(lambda: "added run.csv" in own.told("upload-told"))
+        assert "evil.exe: is no recording" in own.told("upload-told") and not (folder / "evil.exe").exists()
+        own.until(own.page.locator("#bench").is_visible)
+        assert "the unit of 'Weg' (displacement) is not named" in own.told("bench-form")
+        own.page.locator(".bench .dash-dropdown").nth(1).click()
+        own.page.locator(".dash-dropdown-content").get_by_text("damper displacement in mm", exact=True).click()
+        own.until(lambda: own.page.locator(".bench-velocity .scatterlayer .trace").count())
+        own.page.click("#bench-import")
+        own.until(lambda: "imported as run.mcap" in own.told("bench-told"))
+        (folder / "later.mcap").write_bytes(other)  # the lists notice it by themselves
+        own.until(lambda: _offers(own, "later.mcap"))
+        own.open(["run.mcap"], ["linear_viscous"])
+        assert float(own.rms()) > 0.0
+        with own.page.expect_file_chooser() as chooser:
+            own.page.click("#chooser summary")
+            own.page.click("#add-files")
+        chooser.value.set_files(str(folder / "before.yaml"))
+        own.until(lambda: "before.yaml: exists already" in own.told("upload-told"))
+        assert len([text for text in own.faults if "409" not in text and "400" not in text]) == 0
+
+
+def _offers(own, name: str) -> bool:
+    own.page.click("#recordings")
+    there = own.page.locator(".dash-dropdown-content").get_by_text(name, exact=True).count() > 0
+    own.page.keyboard.press("Escape")
+    return there
