@@ -4,7 +4,8 @@ Results are the same to the last few bits (numba's ``fastmath`` stays off); only
 a hundred on blocks. ``NUMBA_DISABLE_JIT=1`` switches compilation off where numba is installed.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,17 +16,45 @@ try:
 except ImportError:
     COMPILED = False
 
+_MADE: list = []
+"""Every function that was put in machine code, or will be when it is first called."""
+_IMPORT = re.compile(r"^from (?P<module>damper_estimator[\w.]*) import (?P<names>\([^)]*\)|.*)", re.MULTILINE)
+
 
 def _drop_stale_machine_code(package: Path) -> None:
-    """Removes cached machine code older than the newest source file.
+    """Removes cached machine code older than any source file that it can depend on.
 
-    numba looks only at the file of the function itself, so an edited helper in another file would go unnoticed.
+    numba looks only at the file of the function itself, so an edited helper or constant in a file that it imports
+    would go unnoticed.
     """
-    newest = max(path.stat().st_mtime for path in package.rglob("*.py"))
+    imports: dict[Path, tuple[Path, ...]] = {}
     for index in package.rglob("*.nbi"):
+        source = index.parent.parent / f"{index.name.partition('.')[0]}.py"
         with suppress(OSError):
-            if index.stat().st_mtime < newest:
+            if index.stat().st_mtime < max(path.stat().st_mtime for path in _reachable(source, package, imports)):
                 index.unlink()
+
+
+def _reachable(source: Path, package: Path, imports: dict[Path, tuple[Path, ...]]) -> set[Path]:
+    """A source file and the files of the package that it imports, directly or through others."""
+    reached, waiting = set(), [source]
+    while waiting:
+        path = waiting.pop()
+        if path in reached:
+            continue
+        reached.add(path)
+        if path not in imports:
+            imports[path] = tuple(_imported(path.read_text(encoding="utf-8"), package))
+        waiting += imports[path]
+    return reached
+
+
+def _imported(text: str, package: Path) -> Iterator[Path]:
+    for found in _IMPORT.finditer(text):
+        module, names = found["module"], re.findall(r"\w+", found["names"])
+        for name in (module, *(f"{module}.{name}" for name in names)):
+            path = package.parent.joinpath(*name.split("."))
+            yield from (file for file in (path / "__init__.py", path.with_suffix(".py")) if file.is_file())
 
 
 if COMPILED:
@@ -46,15 +75,64 @@ def compiled(function: Callable) -> Callable:
     """Decorator: the function in machine code, cached beside its file (or in the user's cache where that is
     read-only).
     """
+    return _in_machine_code(function, "never")
+
+
+def inlined(function: Callable) -> Callable:
+    """The same for a small function that is called once per sample: it becomes a part of each of its callers."""
+    return _in_machine_code(function, "always")
+
+
+def _in_machine_code(function: Callable, inline: str) -> Callable:
     if not COMPILED:
         return function
     try:
-        dispatcher = njit(cache=True, error_model="numpy")(function)
+        dispatcher = njit(cache=True, error_model="numpy", inline=inline)(function)
     except RuntimeError:
-        # A read-only installation and no home folder: nowhere to keep machine code, so every start compiles anew.
-        return njit(error_model="numpy")(function)
-    dispatcher._cache.save_overload = _where_there_is_room(dispatcher._cache.save_overload)
+        # A read-only installation and no home folder: nowhere to keep machine code, so every start compiles again.
+        dispatcher = njit(error_model="numpy", inline=inline)(function)
+    else:
+        dispatcher._cache.save_overload = _where_there_is_room(dispatcher._cache.save_overload)
+    _MADE.append(dispatcher)
     return dispatcher
+
+
+def machine_code_folders() -> list[Path]:
+    """Where the machine code of the modules imported so far is kept; empty where nothing is compiled or kept."""
+    return sorted({Path(own.stats.cache_path) for own in _MADE if own.stats.cache_path})
+
+
+if COMPILED:
+    from numba.extending import intrinsic
+    from numba.types import Array
+
+    @intrinsic
+    def borrowed(typing, arrays):
+        """The same array, or tuple of arrays, without counts of references, which cost more than a small kernel does.
+
+        Only for arguments of a compiled function: its caller keeps them alive.
+        """
+
+        def code(context, builder, signature, arguments):
+            def uncounted(kind, value):
+                given = context.make_array(kind)(context, builder, value)
+                given.meminfo = given.meminfo.type(None)
+                given.parent = given.parent.type(None)
+                return given._getvalue()
+
+            (kind,), (value,) = signature.args, arguments
+            if isinstance(kind, Array):
+                return uncounted(kind, value)
+            parts = [uncounted(own, builder.extract_value(value, i)) for i, own in enumerate(kind)]
+            return context.make_tuple(builder, kind, parts)
+
+        return arrays(arrays), code
+
+else:
+
+    def borrowed(arrays):
+        """The same array, or tuple of arrays."""
+        return arrays
 
 
 def plain(function: Callable) -> Callable:

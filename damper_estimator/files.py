@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean_file
 
 
 @contextmanager
@@ -69,7 +69,8 @@ def read_yaml(path: str | Path) -> object:
     try:
         return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
+        remedy = (isinstance(error, FileNotFoundError) and did_you_mean_file(path)) or "; check the path"
+        raise InputError(f"{path}: cannot be read ({error.strerror}){remedy}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
         line = f" at line {mark.line + 1}" if mark else ""

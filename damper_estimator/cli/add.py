@@ -8,10 +8,15 @@ import argparse
 from pathlib import Path
 
 from damper_estimator.cli.common import add_models
-from damper_estimator.effects.discovery import find_effect
+from damper_estimator.effects.discovery import LISTS, find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model, save_model
 from damper_estimator.model.element import labels, new_element
+
+EXAMPLES = (
+    "add oil_spring -m viscous_curve -o more.yaml",
+    "add coulomb -m linear_viscous -o more.yaml --set force=80",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,8 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Writes the model with the effect, and says what it consists of now."""
     effect = find_effect(arguments.effect)
-    if effect.kind == "path":
-        raise InputError("path: is no effect; write it into the model file by hand")
+    if effect.name in LISTS:
+        raise InputError(f"{effect.name}: is no effect; write it into the model file by hand")
     if effect.kind == "channel":
         title = effect.description.strip().partition("\n")[0].rstrip(".")
         raise InputError(

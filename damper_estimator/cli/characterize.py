@@ -26,6 +26,11 @@ from damper_estimator.files import write_text
 from damper_estimator.model import save_model
 from damper_estimator.workflows import CharacterizationResults, characterize, structure_of
 
+EXAMPLES = (
+    "characterize passenger_dyno.mcap --html diagrams.html",
+    "characterize passenger_dyno.mcap --peaks peaks.csv -o structure.yaml",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``BAG... [--subtract BAG] [--quasi-static BAG] [--peaks FILE] [-o MODEL.yaml]`` and what is common."""

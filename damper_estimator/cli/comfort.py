@@ -18,6 +18,10 @@ from damper_estimator.model import DamperModel, load_model
 from damper_estimator.vehicle import FullCar, load_car, single_curve
 from damper_estimator.vehicle.comfort import AMPLITUDES, AXLES, ComfortRun, comfort_run, differences, resonance
 
+EXAMPLES = (
+    "comfort --amplitude 2 8 --html comfort.html",
+    "comfort -m bouc_wen --against linear_viscous --vehicle compact_car --json comfort.json",
+)
 BAND = (0.5, 6.0)
 """Hz."""
 

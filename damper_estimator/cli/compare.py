@@ -30,6 +30,10 @@ from damper_estimator.files import write_text
 from damper_estimator.validation import Comparison, per_recording
 from damper_estimator.workflows import ModelsCompared, asked, compare, in_words, no_force, page_title
 
+EXAMPLES = (
+    "compare hidden_unseen.mcap -m mine.yaml --html comparison.html",
+    "compare passenger_dyno.mcap passenger_road.mcap -m mine.yaml -m linear_viscous --json -",
+)
 _REGIONS = 5
 
 

@@ -14,6 +14,11 @@ from damper_estimator.cli.judging import add_judging, read_judging
 from damper_estimator.cli.work_line import WorkLine
 from damper_estimator.workflows import DiagnosisResults, diagnose_case
 
+EXAMPLES = (
+    "diagnose hidden_fit.mcap --validate hidden_unseen.mcap -m mine.yaml --html diagnosis.html",
+    "diagnose hidden_fit.mcap -m mine.yaml --keep-parameters --json diagnosis.json",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""

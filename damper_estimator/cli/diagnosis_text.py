@@ -86,8 +86,11 @@ def _wrapped(text: str, indent: str) -> str:
 def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: Sequence[Path], model: str) -> list[str]:
     """The commands that put the first finding in, and the one that does it all."""
     effects = [own.findings[0] for own in found.values() if own.verdict == "missing" and own.findings]
+    tied = any(finding.tied_with for own in found.values() for finding in own.findings)
+    bags_given = " ".join(map(str, (*bags, *validate)))
+    plans = [f"damper-estimator plan {bags_given} -m {model} -o drive   (the test that breaks the tie)"] if tied else []
     if not effects:
-        return []
+        return ["next:", *(f"  {text}" for text in plans), ""] if plans else []
     given = " ".join([*map(str, bags), *(f"--validate {bag}" for bag in validate)])
     lines = [f"damper-estimator improve {given} -m {model} -o improved.yaml"]
     if any(own.is_channel for own in effects):
@@ -96,7 +99,7 @@ def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: S
         lines.insert(
             0, f"damper-estimator add {effects[0].effect} -m {model} -o more.yaml   (then fit and compare), or"
         )
-    return ["next:", *(f"  {text}" for text in lines), ""]
+    return ["next:", *(f"  {text}" for text in [*lines, *plans]), ""]
 
 
 def print_improvement(damper: str, found: Improvement, written: Sequence[Path], signals_out: Path | None) -> None:

@@ -10,6 +10,11 @@ from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, write_json
 from damper_estimator.effects.contract import KINDS, Effect
 from damper_estimator.effects.discovery import all_effects, find_effect
 
+EXAMPLES = (
+    "effects",
+    "effects oil_spring",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""

@@ -19,6 +19,11 @@ from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
 from damper_estimator.model.export import force_table, write_tables
 
+EXAMPLES = (
+    "export mine.yaml --c controller",
+    "export mine.yaml --tables tables --velocity 0.05,0.1,0.3,1.0",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``MODEL --c DIR --fmu FILE --tables DIR``, and what each of them takes."""

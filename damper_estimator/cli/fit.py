@@ -45,6 +45,11 @@ from damper_estimator.workflows import (
     save_fit,
 )
 
+EXAMPLES = (
+    "fit hidden_base.mcap -m viscous_curve -o mine.yaml",
+    "fit semi_active_random.mcap -m semi_active_yield -o semi_active.yaml --json fit.json",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""

@@ -18,6 +18,10 @@ from damper_estimator.errors import InputError
 if TYPE_CHECKING:
     from damper_estimator.fleet.task import Options
 
+EXAMPLES = (
+    "fleet compare 'passenger_*.mcap' -m mine.yaml -o fleet",
+    "fleet fit 'cars/**/*.mcap' -m viscous_curve -o fleet --joint vehicle",
+)
 _LISTED = 20  # failures that are printed
 
 # The options of each verb beside the window.

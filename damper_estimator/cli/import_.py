@@ -1,7 +1,9 @@
-"""Turn bench and logger files (CSV, text, MAT) into recordings, by a column map.
+"""Turn bench and logger files (CSV, text, MAT) into recordings, by a column map that is given or guessed.
 
 A column map (YAML) says which column is which channel, in which unit, at which rate, and where a file falls into parts;
 config/columns/example.yaml explains every key. Several parts (or files) go into a folder, a single one may be an .mcap.
+With --guess the map is guessed from titles, units, ranges, slopes and the sign of power, and written beside the output
+with a page that shows what it makes of the file; nothing is imported while something is in doubt.
 """
 
 import argparse
@@ -11,15 +13,24 @@ import numpy as np
 
 from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, progress, write_json
 from damper_estimator.recordings import Part
-from damper_estimator.workflows import import_files
+from damper_estimator.report import column_rows
+from damper_estimator.workflows import Guessed, guess_files, import_files, import_guessed
+
+EXAMPLES = (
+    "import bench.csv --guess -o bench.mcap",
+    "import bench.csv --columns bench_columns.yaml -o bench.mcap",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares FILE..., --columns, -o and --json."""
     parser.add_argument("files", metavar="FILE", nargs="+", type=Path, help="a CSV, text or MAT file, gzip or not")
-    parser.add_argument(
-        "--columns", metavar="MAP.yaml", required=True, help="column map: a file, or the name of one in config/columns"
-    )
+    rules = parser.add_mutually_exclusive_group(required=True)
+    rules.add_argument("--columns", metavar="MAP.yaml", help="column map: a file, or the name of one in config/columns")
+    rules.add_argument(
+        "--guess", action="store_true",
+        help="guess the map; writes STEM_columns.yaml and STEM_preview.html beside the output",
+    )  # fmt: skip
     parser.add_argument(
         "-o", "--output", metavar="BAG", type=Path, required=True, help="a folder, or an .mcap for a single part"
     )
@@ -28,11 +39,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Reads every file before it writes the first recording, so that a bad one leaves nothing behind."""
-    imported = import_files(arguments.files, arguments.columns, arguments.output, progress)
-    for own in imported if arguments.json != STANDARD_OUTPUT else ():
+    silent = arguments.json == STANDARD_OUTPUT
+    if arguments.guess:
+        guessed = guess_files(arguments.files, arguments.output)
+        for own in guessed if not silent else ():
+            print("\n".join(_guess_lines(own)))
+        imported = import_guessed(guessed, arguments.output)
+    else:
+        imported = import_files(arguments.files, arguments.columns, arguments.output, progress)
+    for own in imported if not silent else ():
         print(_line(own.part, own.path))
     write_json(arguments.json, {"parts": [own.record() for own in imported]})
     return 0
+
+
+def _guess_lines(own: Guessed) -> list[str]:
+    """What a file's columns are taken for, what is assumed and what is in doubt."""
+    lines = [f"{own.guess.path}: guessed, see {own.columns} and {own.page}"]
+    for title, what, unit, _ in column_rows(own.guess):
+        lines.append(f"  {title}: {what}{f' in {unit}' if unit else ''}")
+    lines += [f"  assumed: {text}" for text in own.guess.assumed]
+    return lines + [f"  in doubt: {text}" for text in own.guess.doubts]
 
 
 def _line(part: Part, path: Path) -> str:

@@ -18,6 +18,11 @@ from damper_estimator.model import save_model
 from damper_estimator.signals import save_signal_map
 from damper_estimator.workflows import Case, ImprovementResults, improve_case, improvement_record, output_paths
 
+EXAMPLES = (
+    "improve hidden_fit.mcap --validate hidden_unseen.mcap -m mine.yaml -o better.yaml --html improvement.html",
+    "improve hidden_fit.mcap -m mine.yaml -o better.yaml --steps-dir steps --signals-out map.yaml",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""

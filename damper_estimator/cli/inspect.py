@@ -16,6 +16,11 @@ from damper_estimator.errors import InputError
 from damper_estimator.signals import load_signal_map, save_signal_map
 from damper_estimator.workflows import DamperInspected, Inspection, inspect
 
+EXAMPLES = (
+    "inspect hidden_fit.mcap",
+    "inspect four_corners_road.mcap -o map.yaml --json -",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``BAG [-o MAP.yaml]`` and what is common."""
@@ -79,6 +84,8 @@ def _print_damper(name: str, found: DamperInspected) -> None:
     for kind, texts in (("fault", judged.faults), ("remark", judged.remarks), ("drive next", judged.drive_next)):
         for text in texts:
             print(f"  {kind}: {text}")
+    if judged.good:
+        print("  once a model is fitted: damper-estimator plan --parameters says what test would sharpen it")
 
 
 def _print_excitation(e: Mapping[str, object]) -> None:

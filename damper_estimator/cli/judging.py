@@ -35,7 +35,7 @@ def add_judging(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--workers", metavar="N", type=_positive, default=os.cpu_count() or 1,
-        help="processes that work (default: %(default)s, the number of cores)",
+        help="processes that work (default: one per core)",
     )  # fmt: skip
     add_signals(parser)
     add_window(parser)

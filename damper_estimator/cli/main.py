@@ -5,16 +5,28 @@ import ast
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from damper_estimator import __doc__ as PURPOSE
 from damper_estimator import __version__
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean
 
 PROGRAM = "damper-estimator"
 DONE, UNUSABLE_INPUT, WRONG_USAGE, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
 _FOLDER = Path(__file__).parent
+
+
+class Parser(argparse.ArgumentParser):
+    """Refuses an option that it does not know with the nearest one; final."""
+
+    def parse_known_args(self, args=None, namespace=None):
+        """As argparse does it, but nothing unknown is left to the caller: the verb itself says what is wrong."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            flags = [flag for action in self._actions for flag in action.option_strings]
+            self.error(f"unknown: {' '.join(unknown)}{did_you_mean(unknown[0].partition('=')[0], flags)}")
+        return found, unknown
 
 
 def verbs() -> dict[str, str]:
@@ -63,10 +75,19 @@ def _refuse(reason: str) -> int:
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     """The parser for these words: every verb with its help line, arguments only for the verb that is called."""
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=PURPOSE.partition("\n")[0], allow_abbrev=False)
+    known = verbs()
+    wanted = next((word for word in words if not word.startswith("-")), None)
+    parser = parser_of({wanted} & set(known))
+    if wanted and wanted == words[0] and wanted not in known:
+        parser.error(f"there is no verb {wanted!r}{did_you_mean(wanted, known)} ({PROGRAM} --help lists all)")
+    return parser
+
+
+def parser_of(wanted: Collection[str]) -> argparse.ArgumentParser:
+    """The parser of the command line: every verb with its help line, arguments for the ``wanted`` verbs alone."""
+    parser = Parser(prog=PROGRAM, description=PURPOSE.partition("\n")[0], allow_abbrev=False)
     parser.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     group = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
-    wanted = next((word for word in words if not word.startswith("-")), None)
     for verb, name in verbs().items():
         text = _docstring(_FOLDER / f"{name}.py")
         child = group.add_parser(
@@ -76,11 +97,17 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
             allow_abbrev=False,
         )
-        if verb == wanted:
+        if verb in wanted:
             module = importlib.import_module(f"damper_estimator.cli.{name}")
             module.add_arguments(child)
             child.set_defaults(run=module.run)
+            child.epilog = _in_help(vars(module).get("EXAMPLES", ()))
     return parser
+
+
+def _in_help(examples: Sequence[str]) -> str:
+    lines = [f"  {PROGRAM} {example}" for example in examples]
+    return "\n".join(["examples:", *lines]).replace("%", "%%") if lines else ""
 
 
 def _functions(path: Path) -> set[str]:

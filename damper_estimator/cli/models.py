@@ -11,6 +11,11 @@ from damper_estimator.effects.contract import Effect
 from damper_estimator.model import DamperModel, library_models, load_model
 from damper_estimator.model.element import labels
 
+EXAMPLES = (
+    "models",
+    "models spencer",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""

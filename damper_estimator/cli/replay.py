@@ -24,6 +24,11 @@ from damper_estimator.cli.common import (
 from damper_estimator.signals import DEFAULT_MAX_GAP, load_signal_map
 from damper_estimator.workflows import ReplayOptions, Tally, replay_to
 
+EXAMPLES = (
+    "replay hidden_unseen.mcap -m mine.yaml -o replayed.mcap",
+    "replay four_corners_road.mcap -m viscous_curve -d front_left -o replayed.mcap",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``BAG -m MODEL -o BAG`` and what is common."""

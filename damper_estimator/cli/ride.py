@@ -29,6 +29,10 @@ from damper_estimator.model import load_model, save_model
 from damper_estimator.vehicle import CORNER_CASES, LIMITS, SURFACES, Corner
 from damper_estimator.vehicle.comparison import Trial, compare_commands, tracking_ratio
 
+EXAMPLES = (
+    "ride --surface bump --seconds 8",
+    "ride --law skyhook -o ride --html ride.html",
+)
 PASSIVE_CURRENT = 0.4
 """A, of the passive damper."""
 

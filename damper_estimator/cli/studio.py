@@ -5,13 +5,23 @@ FOLDER alone. With --host others can reach it, and need the token that is printe
 """
 
 import argparse
+import errno
+import re
+import socket
 import webbrowser
+from importlib.util import find_spec
 from pathlib import Path
 
 from damper_estimator.cli.common import progress
 from damper_estimator.errors import InputError
 
+EXAMPLES = (
+    "studio",
+    "studio recordings --no-browser --port 0",
+)
 PORT = 8050
+_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.-]*[A-Za-z0-9])?")
+_NO_ADDRESS = (errno.EADDRNOTAVAIL, socket.EAI_NONAME, socket.EAI_AGAIN)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,8 +36,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     parser.add_argument("--token", action="store_true", help="let in only who knows the token that is printed")
     parser.add_argument(
-        "--host", metavar="ADDRESS", default="127.0.0.1", help="another address to listen on; wants --token"
-    )
+        "--host", metavar="ADDRESS", default="127.0.0.1",
+        help="another address to listen on, 0.0.0.0 for all of this machine; needs --token",
+    )  # fmt: skip
+    parser.add_argument(
+        "--allow-host", metavar="NAME", action="append", default=[],
+        help="a name by which others reach this machine (may be repeated); browsers that use another one are refused",
+    )  # fmt: skip
+    parser.add_argument(
+        "--live", metavar="MINUTES", nargs="?", type=float, const=5.0, default=0.0,
+        help="listen to a running node (needs ROS 2) and hold its last minutes, to be saved (5)",
+    )  # fmt: skip
 
 
 def _port(text: str) -> int:
@@ -52,6 +71,14 @@ def run(arguments: argparse.Namespace) -> int:
     host = arguments.host
     if not is_loopback(host) and not arguments.token:
         raise InputError(f"--host {host}: others could reach the studio there; add --token to let in only who knows it")
+    names = tuple(arguments.allow_host)
+    for name in names:
+        if not _NAME.fullmatch(name):
+            raise InputError(f"--allow-host {name}: give a name alone, such as rig.local, without scheme and port")
+    if arguments.live and not 0.0 < arguments.live <= 60.0:
+        raise InputError(f"--live {arguments.live:g}: give minutes between 0 and 60")
+    if arguments.live and find_spec("rclpy") is None:
+        raise InputError("--live: ROS 2 is not installed here (no rclpy); source its setup, or leave --live out")
     folder, token = Folder(arguments.folder), new_token() if arguments.token else ""
 
     def ready(door: Door) -> None:
@@ -60,7 +87,8 @@ def run(arguments: argparse.Namespace) -> int:
             webbrowser.open(door.url)
 
     try:
-        serve(folder, lambda port: Door(host, port, token), host, arguments.port, ready)
+        serve(folder, lambda port: Door(host, port, token, names), host, arguments.port, ready, arguments.live)
     except OSError as error:
-        raise InputError(f"port {arguments.port} of {host}: {error.strerror}; choose another with --port") from error
+        remedy = "choose an address of this machine" if error.errno in _NO_ADDRESS else "choose another with --port N"
+        raise InputError(f"port {arguments.port} of {host}: {error.strerror}; {remedy}") from error
     return 0

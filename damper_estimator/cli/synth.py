@@ -15,6 +15,7 @@ import numpy as np
 
 from damper_estimator.cli.common import progress, write_json
 from damper_estimator.cli.synth_files import write_record, write_signal_map, write_truth
+from damper_estimator.cli.synth_played import played
 from damper_estimator.errors import InputError
 from damper_estimator.files import plain
 from damper_estimator.plant import (
@@ -32,6 +33,12 @@ from damper_estimator.plant import (
 )
 from damper_estimator.vehicle import EXCITATIONS, drive
 
+_PLAYED = 900  # added to the seed of the noise
+
+EXAMPLES = (
+    "synth -o case --hide oil_compressibility --strength 0.15",
+    "synth -o plain --damper semi_active --excitation random road --current",
+)
 SHORTFALL = 0.9
 """Share of the wanted strength below which the user is told that the excitation does not show the effect."""
 
@@ -48,6 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--strength", type=float, default=0.1, help="RMS of the force that each effect changes, over RMS force (0.1)"
+    )
+    parser.add_argument(
+        "--play", metavar="CSV", type=Path, help="also play this drive, of plan, on the damper with what is hidden"
     )
     parser.add_argument("--seconds", type=float, default=60.0, help="length of a recording (60)")
     parser.add_argument("--rate", type=float, default=defaults.rate, help="samples per second (500)")
@@ -66,6 +76,11 @@ def run(arguments: argparse.Namespace) -> int:
         Sensors(rate=arguments.rate, spring_rate=arguments.spring, preload=arguments.preload),
     )
     records, story = _case(arguments, setup) if arguments.hide else _plain(arguments, setup)
+    if arguments.play is not None:
+        progress(f"playing {arguments.play}")
+        with_it = records["fit"].setup if arguments.hide else setup
+        seed = 1000 * arguments.seed + _PLAYED
+        records["played"] = record(with_it, played(arguments.play, with_it.damper, seed), seed)
     with_current = _has_current(arguments)
     _write(arguments.output, records, with_current)
     if arguments.spring or arguments.preload:

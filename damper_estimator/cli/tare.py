@@ -15,6 +15,11 @@ from damper_estimator.cli.common import STANDARD_OUTPUT, add_bags, add_json, add
 from damper_estimator.signals import load_signal_map, save_signal_map
 from damper_estimator.workflows import tare
 
+EXAMPLES = (
+    "tare hidden_fit.mcap -o map.yaml",
+    "tare four_corners_road.mcap -d front_left -o map.yaml",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``BAG -o MAP.yaml`` and what is common."""

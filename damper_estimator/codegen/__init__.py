@@ -1,5 +1,6 @@
 """Models as C99 and as FMUs, generated from the same kernels that run in Python: one source of truth."""
 
+from damper_estimator.codegen.build import find_compiler
 from damper_estimator.codegen.c_source import kernel_source
 from damper_estimator.codegen.export import Choices, WrittenC, c_name, damper_of, write_c
 from damper_estimator.codegen.fmu import WrittenFmu, write_fmu
@@ -12,6 +13,7 @@ __all__ = [
     "WrittenFmu",
     "c_name",
     "damper_of",
+    "find_compiler",
     "kernel_source",
     "write_c",
     "write_fmu",

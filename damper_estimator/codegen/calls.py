@@ -26,7 +26,8 @@ from damper_estimator.codegen.values import (
     kind_of,
     whole,
 )
-from damper_estimator.compiled import plain
+from damper_estimator.compiled import borrowed, plain
+from damper_estimator.model.kernels import call_kernel, part
 
 if TYPE_CHECKING:
     from damper_estimator.codegen.expressions import Expressions
@@ -52,10 +53,14 @@ class Calls:
 
     def value(self, node: ast.Call) -> Value:
         """What a call stands for; a function that returns several numbers is called at once, into a temporary."""
-        if isinstance(node.func, ast.Subscript):
-            return self._call_one_of(node)
         function = self._expressions.value(node.func)
         called = function.value if isinstance(function, Constant) else None
+        if called is call_kernel:
+            return self._call_kernel(node)
+        if called is part:
+            array, first, last = node.args
+            cut = ast.Slice(first, last)
+            return self._expressions.value(ast.copy_location(ast.Subscript(array, cut, ast.Load()), node))
         if called in _NEW:
             raise self._context.error(node, f"{ast.unparse(node)}: a new array needs a name")
         arguments = [self._expressions.value(item) for item in node.args]
@@ -63,6 +68,8 @@ class Calls:
             called = self._searchsorted(node)
         elif called is np.interp:
             called = support.interpolated
+        if called is borrowed:
+            return arguments[0]
         if called in _MATH or called in _TESTS:
             return self._mathematical(called, arguments[0])
         if called in (min, max, abs, int, float, bool, len):
@@ -78,18 +85,18 @@ class Calls:
         """A call of a function that is translated as well."""
         return self._context.translator.call(self._context, function, arguments)
 
-    def _call_one_of(self, node: ast.Call) -> Value:
-        """``functions[number](...)``."""
-        functions = self._expressions.value(node.func.value)
+    def _call_kernel(self, node: ast.Call) -> Value:
+        """``call_kernel(functions, number, ...)``."""
+        functions = self._expressions.value(node.args[0])
         if not (isinstance(functions, Constant) and isinstance(functions.value, tuple)):
-            raise self._context.error(node, f"{ast.unparse(node.func)} has no counterpart")
-        number = self._context.cast(self._expressions.number(node.func.slice), INT)
-        arguments = [self._expressions.value(item) for item in node.args]
+            raise self._context.error(node, f"{ast.unparse(node)} has no counterpart")
+        number = self._context.cast(self._expressions.number(node.args[1]), INT)
+        arguments = [self._expressions.value(item) for item in node.args[2:]]
         return self._context.translator.call_one_of(self._context, functions.value, number, arguments)
 
     def new_array(self, node: ast.Call) -> tuple[str, tuple[int, ...], Number | None] | None:
         """Kind, lengths and filling (None: left open) of an array that an expression makes; None if it makes none."""
-        function = None if isinstance(node.func, ast.Subscript) else self._expressions.value(node.func)
+        function = self._expressions.value(node.func)
         called = function.value if isinstance(function, Constant) else None
         if isinstance(called, list | dict) or called not in _NEW:
             return None

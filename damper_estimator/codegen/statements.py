@@ -114,7 +114,10 @@ class Statements:
         first, last = (whole(0), bounds[0]) if len(bounds) == 1 else bounds
         if not isinstance(node.target, ast.Name):
             raise self._context.error(node, f"{ast.unparse(node.target)}: a loop has one counter")
-        if first.constant is not None and last.constant == first.constant + 1 and not _leaves_turn(node):
+        turns = None if first.constant is None or last.constant is None else last.constant - first.constant
+        if turns is not None and turns <= 0:
+            return  # never run through
+        if turns == 1 and not _leaves_turn(node):
             self._context.names[node.target.id] = first
             self.block(node.body)
             del self._context.names[node.target.id]

@@ -52,7 +52,7 @@ MEMBERS = {
         "velocity": "m/s",
         "acceleration": "m/s^2",
         "force": "N, positive where it resists extension; the last finite one where the model gave none",
-        "force_stddev": "N, of the fit's residual; NaN where the model was not fitted",
+        "force_stddev": "N, three of it cover the fit's errors; NaN where the model was not fitted",
         "force_min": "N, lowest force that a command can reach; NaN where not asked for or without a command",
         "force_max": "N, highest",
         "dforce_dvelocity": "N s/m",

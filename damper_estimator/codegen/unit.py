@@ -68,7 +68,7 @@ def outputs_of(damper: Damper) -> tuple[Output, ...]:
         ("velocity", "m/s", "behind the filter"),
         ("acceleration", "m/s2", "behind the filter"),
         ("force", "N", "of the damper, positive where it resists extension"),
-        ("force_stddev", "N", "of the fit's residual; 0 where unknown"),
+        ("force_stddev", "N", "three of it cover the fit's errors; 0 where unknown"),
     ]
     if damper.limits is not None:
         reals += [

@@ -4,7 +4,7 @@
     action = controller.step(sample, body_acceleration)
 
 The body's velocity comes from its accelerometer, the wheel's from the difference to that of the suspension. Table and
-inverse model are given the same wish and the same kinematics.
+inverse model are given the same desired force and the same kinematics.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from damper_estimator.signals.layout import DT, V
 
 
 class Command(Protocol):
-    """What turns a wished force into a current."""
+    """What turns a desired force into a current."""
 
     def current(self, sample: np.ndarray, wanted: float) -> float:
         """A, from a sample (8,) in the rows of ``signals.layout`` and a force in N; NaN where it has no answer."""
@@ -61,7 +61,7 @@ class ConstantCommand:
 
 @dataclass(frozen=True)
 class Action:
-    """What a controller decided: the wished force (N) and the current (A)."""
+    """What a controller decided: the desired force (N) and the current (A)."""
 
     wanted: float
     current: float
@@ -71,7 +71,7 @@ class CornerController:
     """The running controller of one corner; final."""
 
     def __init__(self, law: Law, command: Command, rest_force: float = 0.0, fallback: float = 0.0):
-        """``rest_force`` in N is added to the law's wish; ``fallback`` in A is set where there is no answer."""
+        """``rest_force`` in N is added to what the law desires; ``fallback`` in A is set where there is no answer."""
         self._law, self._command = law, command
         self._rest_force, self._fallback = rest_force, fallback
         self._body = BodyVelocity()

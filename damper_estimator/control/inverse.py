@@ -31,10 +31,12 @@ class Inverse:
 
     Attributes:
         force: of the model at the sample, with the command that the sample holds; bit for bit that of a `Stream`.
-        current: to be commanded (A, or the model's unit of the command), within the limits; NaN without a wish.
-        expected: force that it will have reached after the horizon; the nearest one where the wish cannot be reached.
+        current: to be commanded (A, or the model's unit of the command), within the limits; NaN where none
+            is desired.
+        expected: force that it will have reached after the horizon; the nearest one where the desired one cannot be.
         force_min, force_max: what can be reached after the horizon, the lag counted; what the search saw.
-        dforce_dcurrent: N/A, slope at ``current`` of the force reached after the horizon (mean slope without a wish).
+        dforce_dcurrent: N/A, slope at ``current`` of the force reached after the horizon (mean slope where no force
+            is desired).
         dforce_dvelocity: N s/m, partial derivative there; NaN unless asked for.
         reached: whether ``expected`` is the wanted force.
         evaluations: of the model, for this sample.
@@ -82,7 +84,7 @@ class InverseModel:
         self.horizon, self.lead = horizon, lead
         program = model.program
         self._machine = (
-            program.kernels,
+            program.functions,
             program.table,
             program.parameters,
             program.settings,
@@ -109,7 +111,7 @@ class InverseModel:
         Args:
             sample: (8,) in the rows of ``signals.layout``; its command is what was in force until now, NaN takes the
                 last answer. A step of 0 starts the model anew.
-            wanted: N, positive where it resists extension; NaN where there is no wish.
+            wanted: N, positive where it resists extension; NaN where there is no desired force.
             slope: whether dforce_dvelocity is wanted, which costs one more evaluation.
         """
         column = self._sample
@@ -122,11 +124,11 @@ class InverseModel:
 
     def reach(self, block: np.ndarray) -> np.ndarray:
         """Takes the samples of a block (8, n) in; what could be reached after each and the slopes there, (4, n) in the
-        order of `Inverse.reach`. Without a wish, so that it does not depend on any."""
+        order of `Inverse.reach`. Without a desired force, so that it does not depend on any."""
         return np.array([self.solve(column, slope=True).reach for column in block.T]).reshape(-1, 4).T
 
     def again(self, wanted: float, slope: bool = False) -> Inverse:
-        """Answers another wish (N) at the last sample, as `solve` would have; NaN before the first sample."""
+        """Answers another desired force (N) at the last sample, as `solve` would have; NaN before the first sample."""
         return self._answer(False, wanted, slope)
 
     def _answer(self, is_new: bool, wanted: float, slope: bool) -> Inverse:

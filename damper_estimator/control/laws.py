@@ -8,9 +8,9 @@ With z upwards, positive forces resisting extension, v_b = z_b' of the body and 
     passive      F = c (v_b - v_w)              an ordinary linear damper
 
 A damper can only dissipate: what it cannot give is left to the inverse and its interval. The gas force at rest, which
-the springs hold in balance, is to be added to the wish. Sources: D. Karnopp, M. J. Crosby, R. A. Harwood, Vibration
-control using semi-active force generators, J. Eng. Ind. 96 (1974); M. Valasek et al., Extended ground-hook, Vehicle
-System Dynamics 27 (1997).
+the springs hold in balance, is to be added to the desired force. Sources: D. Karnopp, M. J. Crosby, R. A. Harwood,
+Vibration control using semi-active force generators, J. Eng. Ind. 96 (1974); M. Valasek et al., Extended ground-hook,
+Vehicle System Dynamics 27 (1997).
 """
 
 from dataclasses import dataclass

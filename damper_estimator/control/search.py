@@ -26,8 +26,8 @@ CLOSE = 0.007
 FLAT = 1e-3
 """Of the largest difference so far: below it the command has no influence at this motion."""
 NARROW = 0.5
-"""Of the largest difference so far: below it a wish out of reach is not worth the whole current, whose field a slow
-coil keeps for the time after the reversal; its share falls with the difference (docs/control.md)."""
+"""Of the largest difference so far: below it a desired force out of reach is not worth the whole current, whose field a
+slow coil keeps for the time after the reversal; its share falls with the difference (docs/control.md)."""
 SPEED = 1e-4
 """m/s, difference behind dF/dv."""
 _NEAR_END = 0.05
@@ -75,11 +75,11 @@ def invert(
         kernels, table, parameters, settings, motions, forces, solvers, trace: as ``chain.run`` takes them, for one
             sample; they go on as one tuple, which Python could not hand over in less than 50 us.
         sample, ahead: (8, 1); the second is overwritten.
-        is_new: whether the sample was not taken in before; another wish at it is answered from the same state.
+        is_new: whether the sample was not taken in before; another desired force at it is answered from the same state.
         state: (z,), moved on by the sample alone; ``trial``: (z,) work space.
         limits: (2,) lowest and highest command.
         reach: (2,) s, horizon and lead of ``look_ahead``.
-        wanted: N; NaN where there is no wish.
+        wanted: N; NaN where there is no desired force.
         with_slope: whether the slope over velocity is wanted.
         memory: (MEMORY,), carried.
         out: (RESULTS,), receives the answer.

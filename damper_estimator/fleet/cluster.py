@@ -79,7 +79,7 @@ def _local(workers: int, memory: str) -> LocalCluster:
             dashboard_address=f"{_LOOPBACK}:0",
             worker_dashboard_address=None,
             memory_limit=memory,
-            silence_logs=logging.CRITICAL,
+            silence_logs=False,
         )
     except ValueError as error:
         raise InputError(f"--memory {memory}: is no amount of memory; write such as 2GiB, or auto") from error

@@ -15,6 +15,7 @@ from distributed import get_worker
 from damper_estimator.errors import InputError
 from damper_estimator.identification.fit import judged_rows
 from damper_estimator.identification.local import LocalRows, LocalSums
+from damper_estimator.identification.record import force_stddev
 from damper_estimator.identification.rows import moments
 from damper_estimator.identification.sources import Totals
 from damper_estimator.identification.unknowns import Settings, Unknowns
@@ -216,6 +217,11 @@ def channel_below(held: Held, row: int, edges: np.ndarray) -> np.ndarray:
 def _channel(held: Held, row: int) -> np.ndarray:
     values = np.concatenate([m.kinematics.block[row, m.judged] for m in held.used])
     return values[np.isfinite(values)]
+
+
+def error_bound(held: Held, text: str) -> np.ndarray:
+    """(1,) N, ``identification.record.force_stddev`` over what is held."""
+    return np.array([force_stddev(model_of(text), held.used)])
 
 
 def error_sums(held: Held, text: str) -> np.ndarray:

@@ -7,7 +7,7 @@ from time import perf_counter
 import numpy as np
 from distributed import Client
 
-from damper_estimator.fleet.held import Source, error_sums
+from damper_estimator.fleet.held import Source, error_bound, error_sums
 from damper_estimator.fleet.remote import RemoteRows
 from damper_estimator.fleet.shares import Shares
 from damper_estimator.identification import Fit, Problem, Wishes, free_slots
@@ -52,7 +52,9 @@ def fit_spread(
     lost = sum(own.lost for own in shares.summaries)
     bags = list(dict.fromkeys(problem.recordings))
     errors = {p.name: p.standard_error for p in parameters}
-    record = record_of(bags, filters[0], region_of(shares.channel), after.rmse_n, errors)
+    # The largest of the parts covers at least what that of all together would.
+    bound = max(float(own[0]) for own in shares.ask(error_bound, model_yaml(fitted)))
+    record = record_of(bags, filters[0], region_of(shares.channel), (after.rmse_n, bound), errors)
     fit = Fit(
         model=replace(fitted, fit=record),
         parameters=parameters,

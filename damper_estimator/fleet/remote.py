@@ -44,6 +44,10 @@ class RemoteRows:
         """As in the protocol."""
         return RemoteRows(self._shares, _view(self._view, "excerpts", samples, total))
 
+    def thinned(self) -> "RemoteRows":
+        """As in the protocol."""
+        return RemoteRows(self._shares, _view(self._view, "thinned"))
+
     def cycles(self) -> list[tuple[Cycle, ...]]:
         """As in the protocol."""
         return [part for own in self._shares.ask(answer, self._view, "cycles") for part in own]

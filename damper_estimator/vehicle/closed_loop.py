@@ -37,7 +37,7 @@ class Ride:
     Attributes:
         travel: m, positive in extension.
         force: of the damper.
-        wanted: the wish, held from the sample on at which it was made.
+        wanted: the desired force, held from the sample on at which it was made.
         current: A, as set by the driver.
         body_acceleration: m/s^2.
         tyre_force: N, change from the static load.

@@ -1,4 +1,4 @@
-"""One drive, several ways to set the current: what each makes of the same road, wish and sensors."""
+"""One drive, several ways to set the current: what each makes of the same road, desired force and sensors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -74,7 +74,7 @@ def _machine(model: DamperModel) -> tuple:
     """What ``chain.run`` needs besides states, for one sample."""
     program = model.program
     return (
-        program.kernels, program.table, program.parameters, program.settings,
+        program.functions, program.table, program.parameters, program.settings,
         np.empty((program.motions, ROWS, 1)), np.empty((program.forces, 1)),
         np.zeros((program.table.shape[0] if program.series else 0, chain.SOLVER_COLUMNS)),
     )  # fmt: skip

@@ -17,7 +17,7 @@ from typing import get_type_hints
 
 import numpy as np
 
-from damper_estimator.errors import InputError
+from damper_estimator.errors import InputError, did_you_mean
 from damper_estimator.files import read_yaml
 from damper_estimator.share import share_path
 
@@ -116,7 +116,8 @@ def load_car(name_or_path: str | Path) -> FullCar:
     if not path.exists() and path.suffix not in (".yaml", ".yml"):
         library = library_vehicles()
         if str(name_or_path) not in library:
-            raise InputError(f"{name_or_path}: is neither a file nor a car's name; there is {', '.join(library)}")
+            near = did_you_mean(str(name_or_path), library) or f"; there is {', '.join(library)}"
+            raise InputError(f"{name_or_path}: is neither a file nor a car's name{near}")
         path = library[str(name_or_path)]
     content = read_yaml(path)
     if not isinstance(content, dict):

@@ -13,9 +13,9 @@ class RideMeasures:
     """Over the judged part of a ride.
 
     Attributes:
-        tracking_n: rms of the damper's force less the wish, the wish cut to what the damper could have given, N.
-        tracking_raw_n: the same with the wish as it was.
-        wanted_n: rms of the cut wish about its mean, N.
+        tracking_n: rms of the damper's force less the desired force, that cut to what the damper could have given, N.
+        tracking_raw_n: the same with the desired force as it was.
+        wanted_n: rms of the cut desired force about its mean, N.
         weighted_acceleration: of the body, Wk, m/s^2 rms.
         acceleration: m/s^2 rms, unweighted.
         tyre_load: rms change of the tyre's load over the static load, 1.
@@ -39,7 +39,7 @@ def ride_measures(ride: Ride, attainable: np.ndarray, start: float, wish: np.nda
 
     Args:
         attainable: (2, n) N, lowest and highest force on this motion.
-        wish: (n,) N where the ride's own is not meant.
+        wish: (n,) N where the ride's own desired force is not meant.
     """
     part = slice(round(start / ride.step), None)
     raw = (ride.wanted if wish is None else wish)[part]

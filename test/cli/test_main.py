@@ -167,6 +167,46 @@ def test_a_reader_that_leaves_early_causes_no_complaint():
     process.stderr.close()
 
 
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (["prob"], "there is no verb 'prob'; did you mean probe?"),
+        (["nothing_like_it"], "there is no verb 'nothing_like_it' (damper-estimator --help lists all)"),
+        (["probe", "--cout", "1"], "unknown: --cout 1; did you mean --count?"),
+        (["probe", "--cout=1"], "unknown: --cout=1; did you mean --count?"),
+    ],
+)
+def test_an_unknown_word_is_answered_with_the_nearest_known_one(verb, words, hint, capsys):
+    verb(lambda arguments: 0)
+    with pytest.raises(SystemExit) as end:
+        command_line.main(words)
+    assert end.value.code == 2 and hint in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (["inspect", "drive_1.mcp"], "drive_1.mcp: does not exist; did you mean drive_1.mcap?"),
+        (["inspect", "nowhere/drive.mcap"], "does not exist; give an .mcap file"),
+        (["models", "lugree"], "neither a model file nor a model's name; did you mean lugre"),
+        (["models", "ours"], "did you mean ours_1.yaml?"),
+        (["models", "our_1.yaml"], "did you mean ours_1.yaml?"),
+        (["effects", "oil_sprng"], "unknown effect 'oil_sprng'; did you mean oil_spring"),
+        (["comfort", "--vehicle", "compact_cr"], "did you mean compact_car?"),
+        (["import", "bench_1.csw", "--columns", "map.yaml", "-o", "b.mcap"], "did you mean bench_1.csv?"),
+    ],
+)
+def test_an_unknown_file_or_name_is_answered_with_the_nearest_one(words, hint, tmp_path, monkeypatch, capsys):
+    for name in ("drive_1.mcap", "ours_1.yaml", "bench_1.csv"):
+        (tmp_path / name).touch()
+    columns = "time: {column: t, unit: s}\ndampers: {bench: {displacement: {column: x, unit: mm}}}\n"
+    (tmp_path / "map.yaml").write_text(columns)
+    monkeypatch.chdir(tmp_path)
+    assert command_line.main(words) == 1
+    shown = capsys.readouterr().err
+    assert hint in shown and shown.count("\n") == 1
+
+
 def test_it_runs_as_a_module_and_tells_its_version():
     done = subprocess.run([sys.executable, "-m", "damper_estimator", "--version"], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, f"damper-estimator {__version__}\n")
