@@ -6,9 +6,11 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 import yaml
@@ -20,7 +22,6 @@ NOT_SOURCE = (
     ".git",
     ".venv*",
     "__pycache__",
-    "bags",
     "build",
     "install",
     "log",
@@ -30,8 +31,15 @@ NOT_SOURCE = (
     ".hypothesis",
 )
 SCRIPTS = Path(sysconfig.get_path("scripts"))
-INSTALLED = ("config/models/linear_viscous.yaml", "config/node.yaml", "launch/estimator.launch.py", "package.xml",
-             "msg_defs/msg/DamperForces.msg")  # fmt: skip
+INSTALLED = (
+    "bags/hidden_fit.mcap",
+    "config/models/linear_viscous.yaml",
+    "config/rigs/crank.yaml",
+    "config/node.yaml",
+    "launch/estimator.launch.py",
+    "package.xml",
+    "msg_defs/msg/DamperForces.msg",
+)
 
 
 @pytest.fixture(scope="module")
@@ -150,8 +158,8 @@ def test_installed_code_finds_its_installed_data(installed, request, tmp_path):
 @pytest.mark.parametrize("installed", ["by_pip", "by_colcon"])
 def test_every_data_file_and_module_is_installed(installed, request):
     prefix = request.getfixturevalue(installed)
-    for folder in ("config", "launch", "msg_defs/msg"):
-        for path in (ROOT / folder).rglob("*"):
+    for folder, pattern in (("bags", "*.mcap"), ("config", "*"), ("launch", "*"), ("msg_defs/msg", "*")):
+        for path in (ROOT / folder).rglob(pattern):
             if path.is_file() and "__pycache__" not in path.parts:
                 assert (prefix / "share" / "damper_estimator" / path.relative_to(ROOT)).is_file(), path
     for path in (ROOT / "damper_estimator").rglob("*"):
@@ -174,6 +182,33 @@ def test_pip_installs_the_commands(by_pip, tmp_path):
     assert os.access(by_pip / "bin" / "estimator_node", os.X_OK)
 
 
+def test_pip_installs_the_manual_pages_that_were_made(source, tmp_path):
+    (source / "man").mkdir()
+    (source / "man" / "damper-estimator.1").write_text(".TH DAMPER-ESTIMATOR 1\n")
+    words = "-m pip wheel -qq --no-deps --no-build-isolation --no-cache-dir --disable-pip-version-check -w"
+    run([sys.executable, *words.split(), tmp_path, source])
+    shutil.rmtree(source / "man")
+    (wheel,) = tmp_path.glob("*.whl")
+    assert any(name.endswith("data/share/man/man1/damper-estimator.1") for name in ZipFile(wheel).namelist())
+
+
+def test_a_wheel_can_be_made_of_the_source_distribution(source, tmp_path):
+    run([sys.executable, "setup.py", "-q", "sdist", "--dist-dir", tmp_path], source)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as opened:
+        names = {name.partition("/")[2] for name in opened.getnames()}
+        opened.extractall(tmp_path / "unpacked", filter="data")
+    needed = {*INSTALLED, "LICENSE", "README.md", "CHANGELOG.rst", "CITATION.cff", "setup.py", "pyproject.toml"}
+    assert needed <= names
+    (unpacked,) = (tmp_path / "unpacked").iterdir()
+    words = "-m pip wheel -qq --no-deps --no-build-isolation --no-cache-dir --disable-pip-version-check -w"
+    run([sys.executable, *words.split(), tmp_path, unpacked])
+    (wheel,) = tmp_path.glob("*.whl")
+    files = set(ZipFile(wheel).namelist())
+    assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "damper_estimator").rglob("*.py")} <= files
+    assert {f"damper_estimator-{__version__}.data/data/share/damper_estimator/{name}" for name in INSTALLED} <= files
+
+
 def test_without_ros_the_node_says_so_in_one_line():
     code = "import sys; sys.modules['rclpy'] = None; from damper_estimator.node.main import main; sys.exit(main())"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
@@ -185,6 +220,8 @@ def test_versions_and_names_agree():
     package = ElementTree.parse(ROOT / "package.xml").getroot()
     messages = ElementTree.parse(ROOT / "msg_defs" / "package.xml").getroot()
     assert package.findtext("version") == messages.findtext("version") == __version__
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert (citation["version"], citation["license"]) == (__version__, package.findtext("license"))
     assert (package.findtext("name"), messages.findtext("name")) == ("damper_estimator", "damper_msgs")
     assert package.findtext("license") == messages.findtext("license") == "Apache-2.0"
     for described in (package, messages):
@@ -232,7 +269,7 @@ def test_package_xml_names_every_ros_package_that_is_imported():
 
 
 def test_the_environment_has_what_the_project_requires():
-    declared = set(re.findall(r'"([\w-]+)>=', (ROOT / "setup.py").read_text()))
+    declared = set(re.findall(r'"([\w-]+)>=\d', (ROOT / "setup.py").read_text()))
     lines = [line for line in (ROOT / "requirements.txt").read_text().splitlines() if line and not line.startswith("#")]
     assert declared and declared <= {re.split(r"[\[>=<]", line)[0] for line in lines}
     assert all(re.search(r">=.*,<", line) for line in lines)
@@ -257,3 +294,17 @@ def test_make_help_lists_every_target():
     told = run(["make", "--no-print-directory", "-C", ROOT, "help"])
     for target in targets:
         assert re.search(rf"(?m)^make {target} +\S", told), target
+
+
+@pytest.mark.parametrize(
+    "path", sorted((*(ROOT / ".github").rglob("*.yml"), ROOT / ".pre-commit-config.yaml")), ids=lambda path: path.name
+)
+def test_the_files_for_code_hosts_are_valid_and_name_commands_that_are_there(path):
+    content = yaml.safe_load(path.read_text())
+    if path.parent.name == "ISSUE_TEMPLATE" and path.stem != "config":
+        assert content["name"] and content["description"]
+        assert all(field["attributes"]["label"] for field in content["body"])
+    for command in re.findall(r"(?m)^\s*- run: (\.\S+)$", path.read_text()):
+        assert os.access(ROOT / command, os.X_OK), command
+    for script in re.findall(r"pytest -q (\S+)$", path.read_text(), re.MULTILINE):
+        assert (ROOT / script).is_file(), script

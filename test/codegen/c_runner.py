@@ -19,7 +19,7 @@ def python_line(damper: Damper, given: np.ndarray) -> Answered:
     """Inputs (n,) of ``one_sample.INPUT`` through the line."""
     arrived = Arrived.nothing(given.size, 1)
     arrived.stamp[:], arrived.displacement[:, 0], arrived.suspect[:] = (
-        given["stamp"], given["displacement"], given["suspect"],
+        given["stamp"], given["displacement"], given["suspect"][:, None],
     )  # fmt: skip
     for row, role in enumerate(SLOW):
         came = given[f"{role}_arrived"] != 0

@@ -10,7 +10,11 @@ from damper_estimator.signals.layout import DT, ROWS, A, T, V, X
 
 STEP = 0.002
 LOWEST, HIGHEST = 0.0, 2.0
-LIBRARY = sorted(name for name, path in library_models().items() if "semi_active" in path.read_text(encoding="utf-8"))
+LIBRARY = sorted(
+    name
+    for name, path in library_models().items()
+    if any(word in path.read_text(encoding="utf-8") for word in ("command_", "semi_active"))
+)
 
 
 def smooth_motion(size: int, seed: int, speed: float = 0.3, step: float = STEP) -> np.ndarray:

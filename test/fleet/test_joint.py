@@ -62,6 +62,8 @@ def alike(spread, alone):
     assert spread.warnings == alone.warnings
     assert spread.model.fit["region"] == alone.model.fit["region"]
     assert spread.model.fit["bags"] == alone.model.fit["bags"]
+    # That of the worst part.
+    assert 0.999 < spread.model.fit["force_stddev"] / alone.model.fit["force_stddev"] < 1.3
 
 
 # Knots far beyond the recordings: they are tied to the others.

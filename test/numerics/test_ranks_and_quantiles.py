@@ -2,9 +2,22 @@
 
 import numpy as np
 import pytest
-from scipy.stats import rankdata
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import rankdata, spearmanr
 
 from damper_estimator.numerics import order_statistics, rank_correlation
+
+
+@settings(deadline=None)
+@given(
+    pairs=st.lists(
+        st.tuples(st.integers(-3, 3) | st.floats(-1e6, 1e6), st.integers(0, 4) | st.floats(-1e6, 1e6)), min_size=3
+    ).filter(lambda pairs: all(len({pair[i] for pair in pairs}) > 1 for i in (0, 1)))
+)
+def test_rank_correlation_is_that_of_scipy_also_among_equal_values(pairs):
+    a, b = np.array(pairs, float).T
+    assert rank_correlation(a, b) == pytest.approx(spearmanr(a, b).statistic, abs=1e-12)
 
 
 def test_a_monotonic_curve_correlates_fully():
