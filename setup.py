@@ -6,12 +6,14 @@ what the node needs is in package.xml, and the README names what has no rosdep k
 
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
 NAME = "damper_estimator"
 ROOT = Path(__file__).resolve().parent
 VERSION = re.search(r'__version__ = "(.+)"', (ROOT / NAME / "__init__.py").read_text(encoding="utf-8")).group(1)
+ROS_PACKAGE = ElementTree.parse(ROOT / "package.xml").getroot()
 
 # What the node imports besides ROS; numba, among the others, makes it faster, and mcap makes it record.
 NODE = [
@@ -39,6 +41,7 @@ EXTRAS = {
         "fmpy>=0.3.20,<1",
     ],
 }
+EXTRAS["all"] = [needed for name, extra in EXTRAS.items() if name != "test" for needed in extra]
 
 
 def installed_beside(folder: str, pattern: str = "**/*") -> list[tuple[str, list[str]]]:
@@ -50,13 +53,28 @@ def installed_beside(folder: str, pattern: str = "**/*") -> list[tuple[str, list
 setup(
     name=NAME,
     version=VERSION,
-    description="Damper force estimation in real time on ROS 2, and the reasons why an estimate is wrong",
-    license="Apache-2.0",
+    description=ROS_PACKAGE.findtext("description"),
+    long_description=(ROOT / "README.md").read_text(encoding="utf-8"),
+    long_description_content_type="text/markdown",
+    license=ROS_PACKAGE.findtext("license"),
+    maintainer=ROS_PACKAGE.findtext("maintainer"),
+    project_urls={url.get("type"): url.text for url in ROS_PACKAGE.iter("url")},
+    classifiers=[
+        "Development Status :: 4 - Beta",
+        "Environment :: Console",
+        "Intended Audience :: Science/Research",
+        "Operating System :: POSIX :: Linux",
+        "Programming Language :: Python :: 3",
+        "Topic :: Scientific/Engineering :: Physics",
+    ],
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={"": ["*.html", "*.css", "*.js", "*.yaml", "assets/*", "fmi/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
+        # `make man` writes the pages; they are no part of the package that colcon builds.
+        ("share/man/man1", sorted(map(str, Path("man").glob("*.1")))),
+        *installed_beside("bags", "*.mcap"),
         *installed_beside("config"),
         *installed_beside("launch"),
         *installed_beside("msg_defs/msg"),
