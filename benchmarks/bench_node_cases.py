@@ -55,7 +55,7 @@ class Case:
 def _semi_active(folder: Path) -> dict[str, object]:
     content = {"name": "semi", "source": "the benchmark", "effects": SEMI_ACTIVE, "fit": FIT}
     (folder / "semi.yaml").write_text(yaml.safe_dump(content))
-    return {"model": str(folder / "semi.yaml"), "command_lag": 0.0, "wish_timeout": 1.0}
+    return {"model": str(folder / "semi.yaml"), "command_lag": 0.0, "desired_force_timeout": 1.0}
 
 
 def _desires(node: object, is_node: bool) -> Callable[[int], None]:

@@ -225,7 +225,7 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     from damper_estimator.signals import default_signals
 
     own = deployed(load_model("coulomb"), 60.0, 0.1)
-    rules = SimpleNamespace(safe_current=0.0, wish_timeout=0.1, command_extrapolating=False, command_lag=0.0,
+    rules = SimpleNamespace(safe_current=0.0, desired_force_timeout=0.1, command_extrapolating=False, command_lag=0.0,
                             horizon=0.02, lead=0.0)  # fmt: skip
     source = DisplacementInput([Estimator(name, default_signals(name), own) for name in ("a", "b")], rules)
 

@@ -74,14 +74,14 @@ def _true_skew(case: dict[str, Any]) -> float:
 
 
 def _errors(case: dict[str, Any], improvement: Any) -> dict[str, float]:
-    """RMS errors in N of the improved model on the unseen recording, read again through the mended signal map.
+    """RMS errors in N of the improved model on the unseen recording, read again through the corrected signal map.
 
     ``after`` is as `compare` prints it (as are ``before``, and ``base``: the user's model on the same drive without
     what is hidden); ``left`` is without the gauge's zero and its drift, as ``floor``.
     """
-    mended = replace(case["signals"], dampers={case["damper"]: improvement.signals})
+    corrected = replace(case["signals"], dampers={case["damper"]: improvement.signals})
     with open_bag(Path(case["bags"]["unseen"])) as bag:
-        unseen = measure(bag, mended, case["damper"])
+        unseen = measure(bag, corrected, case["damper"])
     return {"after": error(improvement.model, unseen, zero_free=False), "left": error(improvement.model, unseen)}
 
 
@@ -120,9 +120,9 @@ def both_found(named: Sequence[set[str]], hidden: Sequence[str]) -> bool:
 
 
 def improved_by(record: dict[str, Any]) -> list[set[str]]:
-    """What `improve` put in or mended, one set per step; what it took out again does not count."""
+    """What `improve` put in or corrected, one set per step; what it took out again does not count."""
     pruned = {effect for action, effect, _ in record["steps"] if action == "prune"}
-    return [{what} for action, effect, what in record["steps"] if action in ("add", "mend") and effect not in pruned]
+    return [{what} for action, effect, what in record["steps"] if action in ("add", "correct") and effect not in pruned]
 
 
 def skew_recovered(record: dict[str, Any]) -> bool:

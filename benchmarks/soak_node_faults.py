@@ -138,9 +138,9 @@ def _(fault: Fault, campaign) -> Iterator[None]:
 
 @on_node("parameters: timeouts")
 def _(fault: Fault, campaign) -> Iterator[None]:
-    yield from _answered(campaign, campaign.node.set(stale_after=0.05, wish_timeout=0.05, max_age=0.3))
+    yield from _answered(campaign, campaign.node.set(stale_after=0.05, desired_force_timeout=0.05, max_age=0.3))
     yield from _wait(fault, campaign)
-    yield from _answered(campaign, campaign.node.set(stale_after=0.1, wish_timeout=0.1, max_age=0.5))
+    yield from _answered(campaign, campaign.node.set(stale_after=0.1, desired_force_timeout=0.1, max_age=0.5))
 
 
 def _change(campaign, transition: int) -> Iterator[None]:

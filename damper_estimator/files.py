@@ -74,4 +74,4 @@ def read_yaml(path: str | Path) -> object:
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
         line = f" at line {mark.line + 1}" if mark else ""
-        raise InputError(f"{path}: is not valid YAML{line}; mend the file") from error
+        raise InputError(f"{path}: is not valid YAML{line}; correct the file") from error

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     if effect.kind == "channel":
         title = effect.description.strip().partition("\n")[0].rstrip(".")
         raise InputError(
-            f"{effect.name}: {title} belongs to the measurement chain; mend it in the signal map, not in a model"
+            f"{effect.name}: {title} belongs to the measurement chain; correct it in the signal map, not in a model"
         )
     model = load_model(arguments.model)
     changed = model.with_effect(new_element(effect, model.effects, _values(arguments.values)))

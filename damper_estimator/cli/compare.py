@@ -2,7 +2,7 @@
 
 Measured and modelled force pass the same filters; judged from 0.2 s after each reset on, where the gauge did not clip.
 The gauge's zero and drift are told by themselves and left out of the regions of operation in which the error is.
-Mistakes of the measurement chain that the recordings show are named with their mends: data before physics. Several
+Mistakes of the measurement chain that the recordings show are named with their remedies: data before physics. Several
 recordings are pooled and also told one by one; several models (-m repeated) stand side by side. Errors are also told
 by the excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given
 by --group.

@@ -3,7 +3,7 @@
 Every effect that stands for a phenomenon is tried on the model, its parameters identified on BAG..., and judged on
 recordings that were not used for that: those given with --validate, or the last 40 % of each BAG. It is judged both
 with the model's parameters as they are and refitted with it; --keep-parameters and --refit restrict it to one.
-Mistakes of the measurement chain are told first; they are mended in the signal map, never in the model.
+Mistakes of the measurement chain are told first; they are corrected in the signal map, never in the model.
 """
 
 import argparse

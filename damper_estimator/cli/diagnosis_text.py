@@ -8,7 +8,7 @@ from damper_estimator.cli.data_findings import print_findings
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
-from damper_estimator.report.diagnosis_wording import mend_rows, moved_rows, parameter_rows, step_name
+from damper_estimator.report.diagnosis_wording import correction_rows, moved_rows, parameter_rows, step_name
 
 _WIDTH = 110
 
@@ -103,7 +103,7 @@ def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: S
 
 
 def print_improvement(damper: str, found: Improvement, written: Sequence[Path], signals_out: Path | None) -> None:
-    """One damper: what happened, mistakes of the recordings, the error over the steps, mends and files."""
+    """One damper: what happened, mistakes of the recordings, the error over the steps, corrections and files."""
     print(f"{damper}: {found.sentence}")
     print_findings(first_diagnosis(found).data)
     names = [f"{step_name(step)}{f' ({step.effect})' if step.effect else ''}" for step in found.steps]
@@ -113,10 +113,10 @@ def print_improvement(damper: str, found: Improvement, written: Sequence[Path], 
         row = f"  {name:<{width}}  {number(step.rmse_unseen_n):>7} N  {number(step.rmse_fit_n):>7} N"
         lines.append(f"{row}  {step.note if step.action != 'start' else ''}".rstrip())
     lines.append(f"  {'noise floor':<{width}}  {number(found.noise_floor_n):>7} N")
-    mends = mend_rows(found)
-    if mends:
-        lines.append("  mends of the measurement chain, for the signal map, not for the model:")
-        lines += [f"    {m['name']}: {m['before']} -> {m['after']} {m['unit']}".rstrip() for m in mends]
+    corrections = correction_rows(found)
+    if corrections:
+        lines.append("  corrections of the measurement chain, for the signal map, not for the model:")
+        lines += [f"    {m['name']}: {m['before']} -> {m['after']} {m['unit']}".rstrip() for m in corrections]
         if signals_out is None:
             lines.append("    they are not written anywhere yet: --signals-out MAP.yaml writes them")
     print(*lines, *(f"  wrote {path}" for path in written), sep="\n")

@@ -2,7 +2,7 @@
 
 Every step is kept: the error after it, what was tried and rejected, and with --steps-dir the model file. An effect that
 a later one made needless is taken out again. With several dampers -o is a folder that receives one DAMPER.yaml each.
-Mistakes of the measurement chain never go into the model: --signals-out writes a signal map with their mends.
+Mistakes of the measurement chain never go into the model: --signals-out writes a signal map with their corrections.
 """
 
 import argparse
@@ -32,7 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="where the improved model goes; a folder for several dampers",
     )  # fmt: skip
     parser.add_argument(
-        "--signals-out", metavar="MAP.yaml", type=Path, help="write the signal map with mends of the measurement chain"
+        "--signals-out",
+        metavar="MAP.yaml",
+        type=Path,
+        help="write the signal map with corrections of the measurement chain",
     )
     parser.add_argument("--steps-dir", metavar="DIR", type=Path, help="keep the model file after each step there")
 

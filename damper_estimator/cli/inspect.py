@@ -1,7 +1,7 @@
 """What is in a recording, how good it is, a proposed signal map, and whether it can identify a damper.
 
 Mistakes of the measurement chain that the recording shows by itself (a gauge that clips or drifts, gaps, wrong signs,
-clocks that run apart, ...) are named, with what mends them.
+clocks that run apart, ...) are named, with what corrects them.
 """
 
 import argparse

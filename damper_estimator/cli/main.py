@@ -1,4 +1,4 @@
-"""Finds the verbs, runs the one that was asked for, and turns what users can mend into one line."""
+"""Finds the verbs, runs the one that was asked for, and turns what users can correct into one line."""
 
 import argparse
 import ast

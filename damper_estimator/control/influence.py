@@ -35,8 +35,8 @@ def checked_limits(model: DamperModel, limits: tuple[float, float] | None) -> tu
     """
     if model.channel_effects:
         raise InputError(
-            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; mend the signal "
-            "map and take them out of the model"
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; correct "
+            "the signal map and take them out of the model"
         )
     low, high = _fitted_commands(model) if limits is None else limits
     if not (np.isfinite(low) and np.isfinite(high) and low < high):

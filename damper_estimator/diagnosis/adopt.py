@@ -6,7 +6,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from damper_estimator.diagnosis.mend import mended, mended_signals
+from damper_estimator.diagnosis.correction import corrected, corrected_signals
 from damper_estimator.diagnosis.settle import settled
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
@@ -79,9 +79,9 @@ def adopted(before: Standpoint, element: Element, mode: str, promised: float) ->
     Args:
         promised: N^2, by how much the search says that the mean squared error on unseen data falls.
     """
-    if element.effect.mend is not None:
-        signals = mended_signals(before.fit[0].signals, element)
-        fit, unseen = (tuple(mended(m, signals) for m in group) for group in (before.fit, before.unseen))
+    if element.effect.correct is not None:
+        signals = corrected_signals(before.fit[0].signals, element)
+        fit, unseen = (tuple(corrected(m, signals) for m in group) for group in (before.fit, before.unseen))
         return replace(before, fit=fit, unseen=unseen).with_model(before.model, "goes to the signal map")
     name = element.effect.name
     after = replace(before, added=(*before.added, name))

@@ -125,7 +125,7 @@ def _steps(
     unseen error without and with it, N.
     """
     steps: list[tuple[Accepted, Standpoint, float, float]] = []
-    own, order = place, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.mend is None)
+    own, order = place, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
     for group in order:
         before, after, promised, taken = own, own, 0.0, []
         for one in group:

@@ -121,7 +121,7 @@ def _follow(state: _State, own: Diagnosis, most: int) -> None:
     for finding, step in own.steps:
         place = replace(step, added=(*added, *step.added))
         if len(place.added) <= most:
-            state.keep("mend" if finding.is_channel else "add", place, finding, own)
+            state.keep("correct" if finding.is_channel else "add", place, finding, own)
 
 
 def _prune(state: _State, tell: Progress) -> None:
@@ -142,7 +142,7 @@ def _sentence(state: _State, own: Diagnosis) -> str:
     done = [step for step in state.steps[1:] if step.effect or step.action == "refit"]
     if not done:
         return f"Nothing was added: {own.sentence}"
-    words = {"add": "added {}", "mend": "{} corrected in the signal map", "prune": "{} removed again"}
+    words = {"add": "added {}", "correct": "{} corrected in the signal map", "prune": "{} removed again"}
     said = [words.get(s.action, "parameters identified again").format(s.effect) for s in done]
     floor = own.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""

@@ -166,7 +166,7 @@ class Diagnosis:
         rmse_refit_alone_n: unseen error after re-identifying what is there.
         structure: of what is left, where nothing accounts for it.
         improved: the model with the damper's findings put in, as ``steps`` ends.
-        signals: the damper's entry of the signal map with mends of the measurement chain.
+        signals: the damper's entry of the signal map with corrections of the measurement chain.
         data: mistakes of the recordings that show without candidates.
         fit, unseen: what was used for what.
         steps: each finding with the model and its errors after it, in the order in which they are put in.
@@ -225,7 +225,7 @@ class Step:
     """One step of an improvement.
 
     Attributes:
-        action: start, mend, refit, add or prune.
+        action: start, correct, refit, add or prune.
         effect, phenomenon: None for start and refit.
         model: after the step.
         rmse_fit_n, rmse_unseen_n: N in band.
@@ -251,7 +251,7 @@ class Improvement:
         steps: the first is the model as given.
         verdict: of what is left after the last step.
         sentence: what happened, in one sentence.
-        model, signals: the improved model, and the damper's entry of the signal map with mends.
+        model, signals: the improved model, and the damper's entry of the signal map with corrections.
         rejected: candidates of the last round.
         first: the diagnosis of the model as given.
         final: the diagnosis that found nothing more.

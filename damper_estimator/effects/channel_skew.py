@@ -2,7 +2,7 @@
 
     F_measured(t) = F(t - s)
 
-s in s, positive where the force channel is late. Linear between samples; off line only; it is mended by the
+s in s, positive where the force channel is late. Linear between samples; off line only; it is corrected by the
 signal map's ``force.skew``. Source: definition of the signal map's force channel.
 """
 
@@ -36,7 +36,7 @@ def trial(ranges: Ranges) -> Trial:
     return Trial(limits={"skew": (-0.03, 0.03)})
 
 
-def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """The channel is read earlier by the skew."""
     return {"skew": chain["skew"] + number(values, "skew")}
 
@@ -50,5 +50,5 @@ EFFECT = Effect(
     shows="the F-v loop opens with frequency and evenly at all speeds; the force's zero crossings come late",
     separate="tap the damper: both channels must show the blow at the same instant",
     trial=trial,
-    mend=mend,
+    correct=correct,
 )

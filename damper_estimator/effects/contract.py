@@ -42,7 +42,7 @@ KINDS: dict[str, str] = {
     "modifier": "rewrites the force of what stands before it",
     "input": "rewrites the motion or the slow channels for what follows in its path",
     "series": "wraps a path behind a compliance; the kernel is its force over deflection (X) and deflection rate (V)",
-    "channel": "acts on the recording, off line only; it is mended in the signal map",
+    "channel": "acts on the recording, off line only; it is corrected in the signal map",
     "path": "a force of its own, added to its parent",
     "scaled": "first in the path of a series effect: modifiers that act on the series effect itself",
 }
@@ -116,7 +116,7 @@ class Effect:
         separate: the test that tells it from its look-alikes.
         trial: how it is tried where an effect is looked for that a model lacks; None where it stands for no
             phenomenon of its own (a whole damper in one formula).
-        mend: for channel effects: from their values and the numbers of the force's chain (``scale``, ``offset``,
+        correct: for channel effects: from their values and the numbers of the force's chain (``scale``, ``offset``,
             ``skew``, ``spring_rate``, ``preload``) to those that are right instead.
         general: it can take the shape of more specific effects, so it is found only where it explains clearly more.
     """
@@ -134,7 +134,7 @@ class Effect:
     shows: str = ""
     separate: str = ""
     trial: Try | None = ordinary
-    mend: Callable[[Values, Mapping[str, float]], dict[str, float]] | None = None
+    correct: Callable[[Values, Mapping[str, float]], dict[str, float]] | None = None
     general: bool = False
     name: str = ""
     description: str = ""

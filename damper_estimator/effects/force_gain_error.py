@@ -2,7 +2,7 @@
 
     F_measured = (1 + g) F
 
-g without unit. Off line only; it is mended by the signal map's ``force.scale``. Source: definition of the
+g without unit. Off line only; it is corrected by the signal map's ``force.scale``. Source: definition of the
 signal map's force channel.
 """
 
@@ -19,7 +19,7 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] *= 1.0 + parameters[0]
 
 
-def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """What the gauge reads is divided by its gain."""
     return {name: chain[name] / (1.0 + number(values, "gain")) for name in ("scale", "offset")}
 
@@ -31,5 +31,5 @@ EFFECT = Effect(
     parameters=(Parameter("gain", "1", 0.0, -0.9, 2.0, "relative error of the gauge's gain"),),
     shows="the error is a fixed share of the force, everywhere",
     separate="a known weight on the gauge",
-    mend=mend,
+    correct=correct,
 )

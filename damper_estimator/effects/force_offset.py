@@ -2,7 +2,7 @@
 
     F_measured = F + F_0
 
-F_0 in N. Off line only; it is mended by the signal map's ``force.offset``. Source: definition of the signal
+F_0 in N. Off line only; it is corrected by the signal map's ``force.offset``. Source: definition of the signal
 map's force channel.
 """
 
@@ -19,7 +19,7 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0]
 
 
-def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """The offset is taken off."""
     return {"offset": chain["offset"] - number(values, "offset")}
 
@@ -31,5 +31,5 @@ EFFECT = Effect(
     parameters=(Parameter("offset", "N", 0.0, -20000.0, 20000.0, "offset of the gauge", linear=True),),
     shows="a constant difference, at rest too",
     separate="tare at rest, with the damper unloaded",
-    mend=mend,
+    correct=correct,
 )

@@ -2,7 +2,7 @@
 
     F_measured = F + k x
 
-k in N/m, x in m. Off line only; it is mended by the signal map's ``force.spring_rate``. Source: definition of
+k in N/m, x in m. Off line only; it is corrected by the signal map's ``force.spring_rate``. Source: definition of
 the signal map's force channel.
 """
 
@@ -20,7 +20,7 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * kinematics[X, i]
 
 
-def mend(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
+def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """The rest of the spring is subtracted, too."""
     return {"spring_rate": chain["spring_rate"] + number(values, "rate")}
 
@@ -33,5 +33,5 @@ EFFECT = Effect(
     parameters=(Parameter("rate", "N/m", 0.0, -200000.0, 200000.0, "error of the spring rate", linear=True),),
     shows="a straight line over displacement, whatever the velocity",
     separate="a slow stroke without the spring, or with a known one",
-    mend=mend,
+    correct=correct,
 )

@@ -88,7 +88,9 @@ def _matching(pattern: str, folder: Path, source: str) -> Iterator[Path]:
     folders = {path for path in found if path.is_dir()}
     found = [path for path in found if path.is_dir() or not folders & set(path.parents)]
     if not found:
-        raise InputError(f"{source}: no recording (.mcap file or rosbag2 folder) matches {pattern}; mend the pattern")
+        raise InputError(
+            f"{source}: no recording (.mcap file or rosbag2 folder) matches {pattern}; correct the pattern"
+        )
     yield from found
 
 

@@ -132,7 +132,7 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
         raise InputError(
-            f"model {name}: gives no finite force from any start value; mend its values or fix some parameters"
+            f"model {name}: gives no finite force from any start value; correct its values or fix some parameters"
         )
     return _tied(problem, solution, np.maximum(np.abs(solution.point.searched), 0.1 * size), chosen.several)
 

@@ -129,7 +129,9 @@ def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
     # The force before the first and after the last sample of the gauge need not be a number.
     good = np.isfinite(measurement.force) & np.isfinite(block[used]).all(axis=0)
     if not np.isfinite(model.force(np.ascontiguousarray(block[:, good][:, -_PROBE:]))).all():
-        raise InputError(f"{where}: model {model.name} gives no finite force with the values it has; mend its values")
+        raise InputError(
+            f"{where}: model {model.name} gives no finite force with the values it has; correct its values"
+        )
     if good.all():
         return [slice(0, good.size)]
     edges = np.flatnonzero(np.diff(good, prepend=False, append=False)).reshape(-1, 2).tolist()

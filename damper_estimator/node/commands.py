@@ -27,7 +27,7 @@ class Rules(Protocol):
     """What the node's settings say about commands; see ``node.settings``."""
 
     safe_current: float
-    wish_timeout: float
+    desired_force_timeout: float
     command_extrapolating: bool
     command_lag: float
     horizon: float
@@ -175,7 +175,7 @@ class Follower:
             rules: at present.
         """
         tally, self.sent_at = self.tally, now
-        if not 0.0 <= now - self._asked <= rules.wish_timeout:
+        if not 0.0 <= now - self._asked <= rules.desired_force_timeout:
             tally.old += 1
             return self._safe(stamp, rules, SAFE_OLD)
         if status != GOOD and not (status == EXTRAPOLATING and rules.command_extrapolating):

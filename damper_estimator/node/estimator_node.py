@@ -34,7 +34,7 @@ COMPARE_PERIOD = 0.05  # s
 LONGEST_WATCH = 0.05  # s between two looks for inputs that have stopped
 OUTPUT_DEPTH = 100
 # Changes of these leave filters and models as they are.
-LIGHT = {"max_age", "stale_after", "drift_window", "drift_factor", "safe_current", "wish_timeout"}
+LIGHT = {"max_age", "stale_after", "drift_window", "drift_factor", "safe_current", "desired_force_timeout"}
 DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 FAILED = TransitionCallbackReturn.ERROR
 

@@ -95,10 +95,10 @@ def _send_from_another_context(last: Sequence[tuple[Publisher, bytes]]) -> None:
         for own, data in last:
             publishers[own].publish(data)
         _let_arrive(list(publishers.values()))
-        alone = [own.topic_name for own, publisher in publishers.items() if not publisher.get_subscription_count()]
-        if alone:
+        unheard = sorted(own.topic_name for own, sender in publishers.items() if not sender.get_subscription_count())
+        if unheard:
             print(
-                f"the context was shut down, and nobody was found on {', '.join(alone)} within {DISCOVERED:g} s to send "
+                f"the context was shut down, and within {DISCOVERED:g} s nobody was found on {', '.join(unheard)} to send "
                 "the safe current to; the driver's deadline has to act",
                 file=sys.stderr,
             )

@@ -43,7 +43,7 @@ DECLARATIONS: dict[str, Declaration] = {
     "drift_window": Declaration(60.0, "s over which the error against the gauge is averaged", low=1.0, high=3600.0),
     "drift_factor": Declaration(2.0, "growth of that error that raises the alarm", low=1.1, high=100.0),
     "safe_current": Declaration(0.0, "commanded without a fresh desired force or a good estimate", low=-1e3, high=1e3),
-    "wish_timeout": Declaration(0.1, "s after which a desired force no longer counts", low=0.002, high=10.0),
+    "desired_force_timeout": Declaration(0.1, "s after which a desired force no longer counts", low=0.002, high=10.0),
     "command_extrapolating": Declaration(False, "follow desired forces outside the region of the model's fit as well"),
     "command_lag": Declaration(
         0.05,
@@ -85,7 +85,7 @@ class Settings:
     drift_window: float
     drift_factor: float
     safe_current: float
-    wish_timeout: float
+    desired_force_timeout: float
     command_extrapolating: bool
     command_lag: float
     horizon: float

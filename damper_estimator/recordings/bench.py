@@ -145,7 +145,7 @@ def _part(path: Path, rules: ColumnMap, times: Times, columns: Mapping, rows: sl
 def _constant(path: Path, where: str, channel: Channel, name: str, number: int, parts: int) -> float:
     if len(channel.values) not in (1, parts):
         what = f"{len(channel.values)} values of {where}, but {parts} parts"
-        raise InputError(f"{path}: {what}; give one per part in the column map, or mend split")
+        raise InputError(f"{path}: {what}; give one per part in the column map, or correct split")
     return float(_converted(np.array(channel.values[number - 1 if len(channel.values) > 1 else 0]), channel, name))
 
 

@@ -67,7 +67,7 @@ def _name(part: Part, template: str | None) -> str:
         what = f"name {template!r} cannot be filled in ({error})"
         raise InputError(f"{part.source}: {what}; it may use {', '.join(f'{{{key}}}' for key in known)}") from error
     if not name or "/" in name or "\0" in name:
-        raise InputError(f"{part.source}: {name!r} is no name for a recording; mend name in the column map")
+        raise InputError(f"{part.source}: {name!r} is no name for a recording; correct name in the column map")
     return name
 
 

@@ -63,7 +63,7 @@ def _own_times(table: Table, clock: Clock) -> Times:
     if not np.isfinite(seconds).all():
         bad = int((~np.isfinite(seconds)).sum())
         raise InputError(
-            f"{table.path}: {bad} times of column {clock.column!r} are no numbers; mend them or give time.rate"
+            f"{table.path}: {bad} times of column {clock.column!r} are no numbers; correct them or give time.rate"
         )
     resolution = max(resolution, 2 * float(np.spacing(np.abs(seconds).max())))
     if seconds[0] < _UNIX:
@@ -89,7 +89,7 @@ def _dates(table: Table, clock: Clock) -> np.ndarray:
             seconds[row] = found.timestamp() if "%y" in clock.format.lower() else found.replace(year=2000).timestamp()
         except ValueError as error:
             what = f"row {row + 1}: {text!r} is no date of the form {clock.format!r}"
-            raise InputError(f"{table.path}: {what}; mend time.format (as in Python's strptime)") from error
+            raise InputError(f"{table.path}: {what}; correct time.format (as in Python's strptime)") from error
     return seconds
 
 

@@ -24,7 +24,7 @@ class SqliteFile:
 
     def __init__(self, path: Path, name: str | None = None) -> None:
         self._name = name or str(path)
-        self._remedy = f"mend a copy with: sqlite3 {self._name} .recover | sqlite3 new.db3"
+        self._remedy = f"correct a copy with: sqlite3 {self._name} .recover | sqlite3 new.db3"
         # Read-only media need immutable; a write-ahead log left by a crash is only seen without it.
         mode = "mode=ro" if path.with_name(path.name + "-wal").exists() else "mode=ro&immutable=1"
         with explained(self._name, self._remedy):

@@ -4,7 +4,7 @@ from damper_estimator.report.characteristic_page import characteristic_page, loo
 from damper_estimator.report.comparison_page import Section, comparison_page, damper_section
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.diagnosis_page import DiagnosisSection, diagnosis_page, diagnosis_section
-from damper_estimator.report.diagnosis_wording import mend_rows, plain_name, step_name
+from damper_estimator.report.diagnosis_wording import correction_rows, plain_name, step_name
 from damper_estimator.report.forces import estimates_figure, forces_figure, plotly_figure
 from damper_estimator.report.front_page import front_page
 from damper_estimator.report.import_page import column_rows, import_figures, import_page
@@ -21,6 +21,7 @@ __all__ = [
     "characteristic_page",
     "column_rows",
     "comparison_page",
+    "correction_rows",
     "damper_section",
     "diagnosis_page",
     "diagnosis_section",
@@ -32,7 +33,6 @@ __all__ = [
     "improvement_page",
     "improvement_section",
     "loops_over_velocity",
-    "mend_rows",
     "min_max_rows",
     "plain_name",
     "plan_figure",

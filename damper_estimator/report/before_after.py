@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
-from damper_estimator.diagnosis.mend import mended
+from damper_estimator.diagnosis.correction import corrected
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.validation import Comparison, Trace, compare
 
@@ -28,8 +28,8 @@ class Recording:
         path: of the bag.
         time: s since its first sample.
         displacement, velocity: m, m/s.
-        measured: N in band, with the mends of the measurement chain.
-        raw: N in band, as it was read before those mends.
+        measured: N in band, with the corrections of the measurement chain.
+        raw: N in band, as it was read before those corrections.
         before, after: N in band, of the model as given and of the improved one.
         judged: samples that count.
         zero: N, line that was taken off both measured forces.
@@ -85,16 +85,16 @@ class BeforeAfter:
 
     Attributes:
         recordings: as many as there are unseen ones.
-        before, after: how well each agrees; ``after`` with the mends of the measurement chain.
+        before, after: how well each agrees; ``after`` with the corrections of the measurement chain.
         changed: whether there is anything to show after.
-        mends: whether the measurement chain was mended.
+        corrected: whether the measurement chain was corrected.
     """
 
     recordings: tuple[Recording, ...]
     before: Comparison
     after: Comparison
     changed: bool
-    mends: bool
+    corrected: bool
 
     @cached_property
     def worst_index(self) -> int:
@@ -115,13 +115,13 @@ def before_after(found: Diagnosis | Improvement) -> BeforeAfter:
     """
     first = first_diagnosis(found)
     improved = found.improved if isinstance(found, Diagnosis) else found.model
-    put_right = [mended(own, found.signals) for own in first.unseen]
+    put_right = [corrected(own, found.signals) for own in first.unseen]
     before, after = compare(first.model, *first.unseen), compare(improved, *put_right)
     both = zip(first.unseen, put_right, strict=True)
-    mends = any(not np.array_equal(old.force, new.force, equal_nan=True) for old, new in both)
+    is_corrected = any(not np.array_equal(old.force, new.force, equal_nan=True) for old, new in both)
     recordings = tuple(_recording(*pair) for pair in zip(before.traces, after.traces, strict=True))
-    changed = mends or any(not np.array_equal(own.before, own.after) for own in recordings)
-    return BeforeAfter(recordings, before, after, changed, mends)
+    changed = is_corrected or any(not np.array_equal(own.before, own.after) for own in recordings)
+    return BeforeAfter(recordings, before, after, changed, is_corrected)
 
 
 def first_diagnosis(found: Diagnosis | Improvement) -> Diagnosis:

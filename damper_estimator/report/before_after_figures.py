@@ -26,9 +26,9 @@ def passage_figure(shown: BeforeAfter) -> Figure:
         return np.insert(np.where(own.judged, values, np.nan)[rows], breaks, np.nan)
 
     data = [line(time, column(own.raw), "measured", INK, 2.2)]
-    if shown.mends:
-        data.append(line(time, column(own.measured), "measured, mended", GREY, 2.2))
-    same = shown.mends and np.array_equal(own.before, own.after)
+    if shown.corrected:
+        data.append(line(time, column(own.measured), "measured, corrected", GREY, 2.2))
+    same = shown.corrected and np.array_equal(own.before, own.after)
     data.append(line(time, column(own.before), "model" if same else "model as given", AFTER if same else BEFORE))
     below = [line(time, column(own.error_before), "error of the model as given", BEFORE, yaxis="y2", showlegend=False)]
     if shown.changed:
@@ -37,7 +37,7 @@ def passage_figure(shown: BeforeAfter) -> Figure:
             line(
                 time,
                 column(own.error_after),
-                "error with the mends" if same else "error, improved",
+                "error with the corrections" if same else "error, improved",
                 AFTER,
                 yaxis="y2",
                 showlegend=False,

@@ -17,10 +17,10 @@ from damper_estimator.report.before_after_figures import (
     structure_figure,
 )
 from damper_estimator.report.diagnosis_wording import (
+    correction_rows,
     data_rows,
     finding_text,
     listed,
-    mend_rows,
     moved_rows,
     plain_name,
     rejected_rows,
@@ -66,7 +66,7 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
         "structure": "" if found.structure is None else found.structure.words,
         "rejected": rejected_rows(found.ranking, found.untestable),
         "data": data_rows(found),
-        "mends": mend_rows(found),
+        "corrections": correction_rows(found),
     }
     return DiagnosisSection(text, figures)
 
@@ -95,7 +95,7 @@ def force_figures(shown: BeforeAfter, findings: Sequence[Finding]) -> dict[str, 
     }
     chain = [finding for finding in findings if finding.is_channel]
     for index, finding in enumerate(findings):
-        # Mends of the measurement chain are shown together: what was measured is read anew with all of them.
+        # Corrections of the measurement chain are shown together: what was measured is read anew with all of them.
         own = None if finding in chain[1:] else explained(shown, finding)
         if own is not None:
             name = listed([own.phenomenon for own in chain], "and") if finding.is_channel else finding.phenomenon

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, Judged, Step
-from damper_estimator.diagnosis.mend import in_yaml
+from damper_estimator.diagnosis.correction import in_yaml
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
 from damper_estimator.report.wording import recording_name
@@ -41,7 +41,7 @@ def step_name(step: Step) -> str:
     name = given if step.action == "refit" else plain_name(given)
     return {
         "start": "model as given",
-        "mend": f"mend {name}",
+        "correct": f"correct {name}",
         "refit": f"refit {name}".strip(),
         "add": f"add {name}",
         "prune": f"take out {step.effect}",
@@ -124,17 +124,17 @@ def moved_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
 
 
 def data_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
-    """Mistakes of the recordings, with what mends them; those that several recordings share are told once."""
+    """Mistakes of the recordings, with what corrects them; those that several recordings share are told once."""
     same: dict[tuple[str, str], list[str]] = {}
     for own in diagnosis.data:
-        same.setdefault((own.sentence, own.mend), []).append(recording_name(own.recording))
+        same.setdefault((own.sentence, own.remedy), []).append(recording_name(own.recording))
     return [
-        {"sentence": sentence, "mend": mend, "recording": ", ".join(filter(None, dict.fromkeys(names)))}
-        for (sentence, mend), names in same.items()
+        {"sentence": sentence, "remedy": remedy, "recording": ", ".join(filter(None, dict.fromkeys(names)))}
+        for (sentence, remedy), names in same.items()
     ]
 
 
-def mend_rows(found: Diagnosis | Improvement) -> list[dict[str, str]]:
+def correction_rows(found: Diagnosis | Improvement) -> list[dict[str, str]]:
     """What the signal map's entry of the force gets."""
     old = first_diagnosis(found).fit[0].signals
     units = {"scale": "", "offset": "N", "skew": "s", "spring_rate": "N/m", "preload": "N"}

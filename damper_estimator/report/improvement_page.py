@@ -14,9 +14,9 @@ from damper_estimator.report.diagnosis_page import (
     tied_notes,
 )
 from damper_estimator.report.diagnosis_wording import (
+    correction_rows,
     data_rows,
     finding_text,
-    mend_rows,
     model_rows,
     rejected_rows,
     step_name,
@@ -39,7 +39,7 @@ def improvement_section(damper: str, found: Improvement) -> DiagnosisSection:
         "headline": found.sentence,
         "steps": _steps(found),
         "data": data_rows(first_diagnosis(found)),
-        "mends": mend_rows(found),
+        "corrections": correction_rows(found),
         "parameters": model_rows(found.model),
     }
     return DiagnosisSection(text, figures)
@@ -58,7 +58,7 @@ def improvement_page(sections: Sequence[DiagnosisSection], title: str) -> str:
 
 
 def _kept(found: Improvement) -> tuple[Finding, ...]:
-    """Findings of the steps that are in the improved model or in the mended signal map."""
+    """Findings of the steps that are in the improved model or in the corrected signal map."""
     kept: dict[str, Finding] = {}
     for step in found.steps:
         if step.action == "prune":

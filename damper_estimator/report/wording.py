@@ -67,11 +67,11 @@ def finding_rows(comparison: Comparison) -> list[dict[str, str]]:
     """What the recordings show to be wrong, once for all that show it."""
     same: dict[tuple[str, str], list[str]] = {}
     for finding in comparison.findings:
-        same.setdefault((finding.sentence, finding.mend), []).append(recording_name(finding.recording))
+        same.setdefault((finding.sentence, finding.remedy), []).append(recording_name(finding.recording))
     several = len(comparison.traces) > 1
     return [
-        {"sentence": sentence, "mend": mend, "where": ", ".join(names) if several and names[0] else ""}
-        for (sentence, mend), names in same.items()
+        {"sentence": sentence, "remedy": remedy, "where": ", ".join(names) if several and names[0] else ""}
+        for (sentence, remedy), names in same.items()
     ]
 
 

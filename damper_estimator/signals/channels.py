@@ -90,7 +90,7 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False)
         if topic is None and channels[key].given:
             there = ", ".join(t.name for t in bag.topics)
             raise InputError(
-                f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {there}; mend the signal map"
+                f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {there}; correct the signal map"
             )
     wanted: dict[str, list[str]] = {}
     for key, topic in found.items():
@@ -108,7 +108,7 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False)
     for key, channel in channels.items():
         if key in parts and (key not in data or data[key].stamp.size == 0) and channel.given:
             raise InputError(
-                f"{bag.path}: topic {found[key]} never has the field {channel.field} ({key}); mend the signal map"
+                f"{bag.path}: topic {found[key]} never has the field {channel.field} ({key}); correct the signal map"
             )
     return {key: own for key, own in data.items() if own.stamp.size}
 

@@ -107,7 +107,7 @@ def _corner(folder: Folder, task: Task, damper: str, tell: Tell) -> Corner:
         tell(text, 0.3 + 0.7 * share)
 
     if task.deed == "diagnose":
-        case = stage.mended(history.now.signals).case(history.now.step.model)
+        case = stage.corrected(history.now.signals).case(history.now.step.model)
         found = diagnose_case(case, task.mode, task.workers, later)
     elif task.deed == "improve":
         history, found = _improved(stage, history, task, later)
@@ -119,16 +119,16 @@ def _begun(stage: Stage, model: DamperModel) -> History:
 
 
 def _improved(stage: Stage, history: History, task: Task, tell: Tell) -> tuple[History, Diagnosis]:
-    case = stage.mended(history.now.signals).case(history.now.step.model)
+    case = stage.corrected(history.now.signals).case(history.now.step.model)
     found = improve_case(case, task.mode, task.workers, tell)
     for step in found.steps[1:]:
-        signals = found.signals if step.action == "mend" else history.now.signals
+        signals = found.signals if step.action == "correct" else history.now.signals
         history = history.then(Version(step, signals))
     return history, found.final
 
 
 def _summary(stage: Stage, history: History, found: Diagnosis | None) -> Corner:
-    view = shown(history.now.step.model, stage.mended(history.now.signals))
+    view = shown(history.now.step.model, stage.corrected(history.now.signals))
     compared = view.comparison()
     record = view.measures.record()
     regions = [in_signs(f"{own.where}: {own.what}") for own in compared.regions[:1]]

@@ -87,13 +87,13 @@ class Desk:
 
     @property
     def here(self) -> Stage:
-        """What is open, with the mends of the version on view.
+        """What is open, with the corrections of the version on view.
 
         Raises:
             InputError: while nothing is open.
         """
         now = self._now()
-        return self.stage.mended(now.signals)
+        return self.stage.corrected(now.signals)
 
     def models(self) -> list[DamperModel]:
         """The models on view: the one that is worked on, the same as given where it was changed, the others."""
@@ -214,5 +214,5 @@ class Desk:
 
 def _judged_again(version: Version, stage: Stage) -> Version:
     step = version.step
-    own = judged(stage.mended(version.signals).case(step.model), Deed(step.action))
+    own = judged(stage.corrected(version.signals).case(step.model), Deed(step.action))
     return replace(version, step=replace(step, rmse_fit_n=own.rmse_fit_n, rmse_unseen_n=own.rmse_unseen_n))

@@ -70,7 +70,7 @@ def read_kept(folder: Folder, name: str, kept: Kept, step: int | None, tell: Tel
 
 def _views(stage: Stage, history: History, others: Sequence[DamperModel]) -> tuple[Shown, ...]:
     now = history.now
-    return (shown(now.step.model, stage.mended(now.signals)), *(shown(own, stage) for own in others))
+    return (shown(now.step.model, stage.corrected(now.signals)), *(shown(own, stage) for own in others))
 
 
 def load_chosen(folder: Folder, name: str, damper: str) -> DamperModel:

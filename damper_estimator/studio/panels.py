@@ -40,7 +40,7 @@ def verdict(comparison: Comparison, note: str, warnings: Sequence[str], offer: s
     """The comparison in a sentence, mistakes of the recordings first; ``offer``: a model that was never identified."""
     warned = [html.P(text, className="warning") for text in (*warnings, *comparison.warnings)]
     data = [
-        html.Li([row["sentence"], html.Br(), html.Small(f"what to do: {row['mend']}")])
+        html.Li([row["sentence"], html.Br(), html.Small(f"what to do: {row['remedy']}")])
         for row in finding_rows(comparison)
     ]
     if data:

@@ -3,7 +3,7 @@
 import os
 from dataclasses import replace
 
-from damper_estimator.diagnosis.mend import mended_signals
+from damper_estimator.diagnosis.correction import corrected_signals
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, Element, save_model
@@ -170,7 +170,7 @@ class Session(Desk):
             found = run_apart(improve_case, (case, mode, os.cpu_count() or 1), tell)
             with self._lock:
                 for step in found.steps[1:]:
-                    own = found.signals if step.action == "mend" else self._now().signals
+                    own = found.signals if step.action == "correct" else self._now().signals
                     self.history = self.history.then(Version(step, own))
                 self.diagnosis, self.diagnosed = found.final, ""
                 self._changed()
@@ -178,12 +178,12 @@ class Session(Desk):
         self.start("improving", work)
 
     def add(self, name: str) -> None:
-        """Puts an effect in and identifies all free parameters together; a mend goes to the signal map instead."""
+        """Puts an effect in and identifies all free parameters together; a correction goes to the signal map."""
         effect = find_effect(name)
         self._now()
         element = element_for(effect, self.model, self.here.fit, self.diagnosis)
-        if effect.mend is not None:
-            self._mend(element, Deed("mend", name, effect.phenomenon))
+        if effect.correct is not None:
+            self._correct(element, Deed("correct", name, effect.phenomenon))
             return
         model = self.model.with_effect(element)
         self._refit(model, Deed("add", name, effect.phenomenon or name))
@@ -260,13 +260,13 @@ class Session(Desk):
 
         self.start("identifying", work)
 
-    def _mend(self, element: Element, deed: Deed) -> None:
+    def _correct(self, element: Element, deed: Deed) -> None:
         now, case = self._now(), self._case()
 
         def work(tell: Tell) -> None:
             own = run_apart(identified_alone, (case, element), tell)
-            signals = mended_signals(now.signals, own)
-            stage = self.stage.mended(signals)
+            signals = corrected_signals(now.signals, own)
+            stage = self.stage.corrected(signals)
             self._then(Version(judged(stage.case(case.model), deed), signals))
 
         self.start("identifying", work)

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis.mend import mended
+from damper_estimator.diagnosis.correction import corrected
 from damper_estimator.diagnosis.scene import early, late
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
@@ -131,17 +131,17 @@ class Stage:
         """What was opened without its samples, which take hundreds of megabytes of a long recording."""
         return replace(self, whole=(), fit=(), unseen=(), judged=(), as_read=None)
 
-    def mended(self, signals: DamperSignals) -> "Stage":
+    def corrected(self, signals: DamperSignals) -> "Stage":
         """The stage as it would have been read with another entry of the signal map."""
         if signals == self.signals:
             return self
         return replace(
             self,
             signal_map=self.signal_map.with_entry(self.damper, signals),
-            whole=tuple(mended(m, signals) for m in self.whole),
-            fit=tuple(mended(m, signals) for m in self.fit),
-            unseen=tuple(mended(m, signals) for m in self.unseen),
-            judged=tuple(replace(p, measurement=mended(p.measurement, signals)) for p in self.judged),
+            whole=tuple(corrected(m, signals) for m in self.whole),
+            fit=tuple(corrected(m, signals) for m in self.fit),
+            unseen=tuple(corrected(m, signals) for m in self.unseen),
+            judged=tuple(replace(p, measurement=corrected(p.measurement, signals)) for p in self.judged),
         )
 
 

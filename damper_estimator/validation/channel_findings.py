@@ -36,8 +36,8 @@ def channel_findings(m: Measurement) -> list[DataFinding]:
     return found + list(_slow(m, channels))
 
 
-def _told(m: Measurement, kind: str, sentence: str, mend: str, share: float) -> DataFinding:
-    return DataFinding(kind, sentence, mend, m.recording, float(min(share, 1.0)))
+def _told(m: Measurement, kind: str, sentence: str, remedy: str, share: float) -> DataFinding:
+    return DataFinding(kind, sentence, remedy, m.recording, float(min(share, 1.0)))
 
 
 def _dropped(m: Measurement) -> Iterator[DataFinding]:
@@ -51,7 +51,7 @@ def _dropped(m: Measurement) -> Iterator[DataFinding]:
             m,
             "stamps",
             f"{100.0 * share:.2g} % of the displacement's samples are dropped: {told}",
-            "let the driver stamp each sample when it is taken, once; nothing in the signal map mends it",
+            "let the driver stamp each sample when it is taken, once; nothing in the signal map corrects it",
             share,
         )
 
@@ -82,7 +82,7 @@ def _gaps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFinding]
             m,
             "gaps",
             f"{100.0 * share:.2g} % of the {role}'s samples are missing one by one; between them it is taken as linear",
-            "raise the queue's depth or the recorder's cache; nothing in the signal map mends it",
+            "raise the queue's depth or the recorder's cache; nothing in the signal map corrects it",
             share,
         )
 

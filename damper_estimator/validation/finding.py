@@ -1,4 +1,4 @@
-"""One mistake of the measurement chain, in words, with its mend."""
+"""One mistake of the measurement chain, in words, with its remedy."""
 
 from dataclasses import asdict, dataclass
 
@@ -13,14 +13,14 @@ class DataFinding:
         kind: ``gaps``, ``stamps``, ``saturation``, ``dead_channel``, ``held``, ``quantisation``, ``rate``, ``sign``,
             ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
         sentence: what is wrong, with numbers.
-        mend: what to do; what to write in the signal map, where that mends it.
+        remedy: what to do; what to write in the signal map, where that corrects it.
         recording: path of the bag; "" where it is about several together.
         share: 0 to 1, of the recording that is concerned, or of the force's rms that it makes up (drift, spring).
     """
 
     kind: str
     sentence: str
-    mend: str
+    remedy: str
     recording: str
     share: float
 

@@ -65,16 +65,16 @@ def _sign(model: DamperModel | None, m: Measurement) -> Iterator[DataFinding]:
         return
     role = _turned(model, m)
     lines = {name: entry(name, m.signals, **_negative(m, name)) for name in ("force", "displacement")}
-    mend = (
+    remedy = (
         f"`{lines[role]}`" if role else f"`{lines['force']}`, or `{lines['displacement']}`: push the damper together "
     )
     if not role:
-        mend += "by hand, displacement and force must both fall"
+        remedy += "by hand, displacement and force must both fall"
     what = role or "force or displacement"
     yield DataFinding(
         "sign",
         f"the damper seems to give energy ({-power:.3g} W on average): {what} has the wrong sign",
-        mend,
+        remedy,
         m.recording,
         1.0,
     )
@@ -170,7 +170,7 @@ def _clock(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
         "clock_drift",
         f"the force's clock runs {abs(1e6 * rate):.2g} ppm {'slow' if rate > 0.0 else 'fast'} against the "
         f"displacement's: its lateness changes by {1e3 * rate * span:+.2g} ms over the recording",
-        "stamp both channels by one clock (PTP, one converter); a skew in the signal map mends short windows only",
+        "stamp both channels by one clock (PTP, one converter); a skew in the signal map corrects short windows only",
         m.recording,
         1.0,
     )

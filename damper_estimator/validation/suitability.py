@@ -126,7 +126,7 @@ def verdict(e: Excitation, displacement: ChannelQuality, force: ChannelQuality |
     if lost > 0.2 * displacement.samples:
         faults.append(
             f"{lost} of {displacement.samples} samples must be dropped (equal or older stamps, not finite): "
-            "mend the stamps"
+            "correct the stamps"
         )
     elif lost or displacement.gaps:
         remarks.append(f"{lost} samples are dropped, {displacement.gaps} gaps are left out")

@@ -132,7 +132,7 @@ def load_car(name_or_path: str | Path) -> FullCar:
     )
     faults += [f"{key} is no key of a car's file" for key in content if key not in get_type_hints(FullCar)]
     if faults:
-        raise InputError(f"{path}: {'; '.join(faults)}; mend the file ({LIBRARY}/compact_car.yaml is an example)")
+        raise InputError(f"{path}: {'; '.join(faults)}; correct the file ({LIBRARY}/compact_car.yaml is an example)")
     return car
 
 

@@ -147,9 +147,14 @@ def improve_case(case: Case, mode: str, workers: int, tell: Tell) -> Improvement
 
 def improvement_record(found: Improvement, target: Path | None, steps: tuple[Path, ...]) -> dict[str, object]:
     """An improvement for JSON, with the files that it was written to, where it was."""
-    from damper_estimator.report import mend_rows
+    from damper_estimator.report import correction_rows
 
-    record: dict[str, Any] = {"model": found.model.name, "file": target, **found.record(), "mends": mend_rows(found)}
+    record: dict[str, Any] = {
+        "model": found.model.name,
+        "file": target,
+        **found.record(),
+        "corrections": correction_rows(found),
+    }
     if steps:
         record["steps"] = [{**step, "file": path} for step, path in zip(record["steps"], steps, strict=True)]
     return record

@@ -86,7 +86,7 @@ def _tared(bag: Bag, name: str, signals: DamperSignals) -> Tared:
     data = read_channels(bag, {"displacement": signals.displacement, "force": signals.force})
     if "displacement" not in data:
         raise InputError(
-            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); mend the signal map"
+            f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); correct the signal map"
         )
     moved = ordered(data["displacement"])
     force = ordered(data["force"]) if "force" in data else (None, None)

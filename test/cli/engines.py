@@ -73,7 +73,7 @@ class Engine:
     def improve(self, model, fit, unseen=(), *, mode="both", workers=1, progress=None, most=6):
         first = self.diagnose(model, fit, unseen, mode=mode, workers=workers, progress=progress)
         own = self.finding
-        action = "mend" if own.is_channel else "add"
+        action = "correct" if own.is_channel else "add"
         start = Step("start", None, None, model, 101.0, 100.0, None, "the model as given")
         step = Step(action, own.effect, own.phenomenon, first.improved, 19.0, 20.0, first, "")
         last = replace(first, model=first.improved, verdict="nothing_missing", findings=(), elements=())

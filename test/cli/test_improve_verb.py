@@ -55,26 +55,26 @@ def test_one_file_for_several_dampers_is_refused_before_any_work(engine, driven,
     assert not engine.asked
 
 
-def test_mends_go_to_the_signal_map_and_not_into_the_model(engine, driven, model_file, tmp_path, capsys):
+def test_corrections_go_to_the_signal_map_and_not_into_the_model(engine, driven, model_file, tmp_path, capsys):
     engine.finding = SHIFTED
     bag = driven()[0]
-    target, mended = tmp_path / "m.yaml", tmp_path / "map.yaml"
+    target, corrected = tmp_path / "m.yaml", tmp_path / "map.yaml"
     words = (bag, "-m", model_file, "-d", "front_left", "-o", target)
     assert run(*words) == 0
     assert "--signals-out MAP.yaml writes them" in capsys.readouterr().out
-    assert run(*words, "--signals-out", mended) == 0
+    assert run(*words, "--signals-out", corrected) == 0
     out = capsys.readouterr().out
-    assert "force.offset: 0 -> -35 N" in out and "--signals-out" not in out and str(mended) in out
+    assert "force.offset: 0 -> -35 N" in out and "--signals-out" not in out and str(corrected) in out
     assert not load_model(target).channel_effects and load_model(target).uses() == load_model(model_file).uses()
     with open_bag(bag) as open_one:
         before = measure(open_one, load_signal_map(None), "front_left")
-        after = measure(open_one, load_signal_map(mended), "front_left")
-        other = measure(open_one, load_signal_map(mended), "front_right")
+        after = measure(open_one, load_signal_map(corrected), "front_left")
+        other = measure(open_one, load_signal_map(corrected), "front_right")
     assert after.force == pytest.approx(before.force - 35.0)
     assert other.signals.force.offset == 0.0
 
 
-def test_the_map_that_was_used_is_kept_but_for_the_mends(engine, driven, model_file, tmp_path):
+def test_the_map_that_was_used_is_kept_but_for_the_corrections(engine, driven, model_file, tmp_path):
     engine.finding = SHIFTED
     (tmp_path / "mine.yaml").write_text(
         "filter: {cutoff: 50.0, band: 25.0}\n"
@@ -91,7 +91,7 @@ def test_the_map_that_was_used_is_kept_but_for_the_mends(engine, driven, model_f
     assert written.dampers["front_right"] == used.dampers["front_right"]
 
 
-def test_a_map_without_mends_reads_the_same(engine, driven, model_file, tmp_path):
+def test_a_map_without_corrections_reads_the_same(engine, driven, model_file, tmp_path):
     bag = driven()[0]
     words = (bag, "-m", model_file, "-o", tmp_path / "models", "--signals-out", tmp_path / "map.yaml")
     assert run(*words) == 0

@@ -37,7 +37,7 @@ def test_the_record_begins_with_the_model_as_given(story, user_model):
 
 def test_every_step_keeps_its_model_and_what_was_tried(story):
     for step in story.steps[1:]:
-        assert step.action in ("mend", "refit", "add", "prune")
+        assert step.action in ("correct", "refit", "add", "prune")
         if step.action == "add":
             assert step.effect in step.model.uses()
             assert step.diagnosis.ranking
@@ -47,7 +47,7 @@ def test_every_step_keeps_its_model_and_what_was_tried(story):
 def test_a_mistake_of_the_chain_goes_to_the_map_and_never_into_the_model(user_model, base):
     fit, unseen = halves(late(base, 0.003))
     own = improve(user_model, [fit], [unseen])
-    assert [step.action for step in own.steps] == ["start", "mend"]
+    assert [step.action for step in own.steps] == ["start", "correct"]
     assert own.model.effects == user_model.effects
     assert own.signals.force.skew == pytest.approx(0.003, abs=3e-4)
     assert own.steps[-1].rmse_unseen_n < 0.5 * own.steps[0].rmse_unseen_n

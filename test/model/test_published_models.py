@@ -91,7 +91,7 @@ def test_black_box_12_folds_back_at_the_edges_of_its_region(damper, low, high):
 
 
 @pytest.mark.parametrize("damper", "abc")
-def test_black_box_12_equals_the_mended_equation(damper):
+def test_black_box_12_equals_the_corrected_equation(damper):
     model = load_model(f"black_box_12_{damper}")
     x = [s.value for s in model.slots]
     block = sine(3.0, 0.008)

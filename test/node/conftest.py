@@ -108,7 +108,7 @@ def shared(domain, identified) -> Iterator[Callable[..., None]]:
         "dampers": ["left"],
         "signals": "",
         "stale_after": 60.0,
-        "wish_timeout": 0.1,
+        "desired_force_timeout": 0.1,
     }
     first = NOTHING_LOST | {"model": identified("coulomb"), "dampers": "[left]"}
     words = [word for name, value in first.items() for word in ("-p", f"{name}:={value}")]

@@ -34,7 +34,7 @@ def semi_active_parameters(folder: Path, dampers: tuple[str, ...] = DAMPERS) -> 
     signals = {"dampers": {name: {"command": command[name]} for name in dampers}}
     (folder / "map.yaml").write_text(yaml.safe_dump(signals))
     return {
-        "model": str(models), "signals": str(folder / "map.yaml"), "safe_current": SAFE, "wish_timeout": 10.0,
+        "model": str(models), "signals": str(folder / "map.yaml"), "safe_current": SAFE, "desired_force_timeout": 10.0,
         "stale_after": 0.2, "command_lag": 0.0,  # the car reports one current, whatever is commanded
     }  # fmt: skip
 

@@ -34,7 +34,7 @@ def semi_active(tmp_path) -> dict[str, object]:
     (tmp_path / "signals" / "map.yaml").write_text(yaml.safe_dump(signals))
     return {
         "model": str(tmp_path), "signals": str(tmp_path / "signals" / "map.yaml"), "dampers": ["left", "right"],
-        "safe_current": SAFE, "wish_timeout": 10.0, "command_extrapolating": False,
+        "safe_current": SAFE, "desired_force_timeout": 10.0, "command_extrapolating": False,
         "command_lag": 0.0,  # the driver of these tests reports what it likes
     }  # fmt: skip
 
@@ -158,12 +158,12 @@ def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_ac
     assert node.wish(500.0) != SAFE
     assert node.wish(float("nan")) == SAFE  # taken back
     assert node.wish(500.0) != SAFE
-    assert rig.set(wish_timeout=0.002) == (True, "")
+    assert rig.set(desired_force_timeout=0.002) == (True, "")
     before = len(node.currents)
     node.drive(20)
     assert set(node.currents[before:]) == {SAFE}  # the wish is old
     rig.wait(lambda: "the desired force was too old" in rig.message(": left command"), "the report")
-    assert rig.set(wish_timeout=10.0, safe_current=0.75) == (True, "")
+    assert rig.set(desired_force_timeout=10.0, safe_current=0.75) == (True, "")
     node.drive(2)
     assert node.wish(500.0) not in (SAFE, 0.75)
     assert rig.set(stale_after=0.05) == (True, "")
@@ -297,7 +297,7 @@ def test_a_command_in_another_unit_comes_back_in_that_unit():
     from damper_estimator.signals import Channel
 
     class Rules:
-        safe_current, wish_timeout, command_extrapolating = SAFE, 1.0, False
+        safe_current, desired_force_timeout, command_extrapolating = SAFE, 1.0, False
         command_lag, horizon, lead = 0.0, DECLARATIONS["horizon"].default, 0.0
 
     effects = {"name": "one", "effects": [{"viscous": {}}, {"semi_active_squash": {"gain": 600.0}}]}

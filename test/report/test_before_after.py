@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.diagnosis.mend import mended
+from damper_estimator.diagnosis.correction import corrected
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.report.before_after import before_after, explained, shares
@@ -52,20 +52,20 @@ def test_what_an_effect_explains_and_what_is_left_make_up_what_was_missing(found
     assert np.sqrt(np.mean(part.part[inside] ** 2)) > 30.0  # of 60 N of friction
 
 
-def test_a_mend_of_the_chain_explains_what_it_changes_of_the_measured_force(found):
+def test_a_correction_of_the_chain_explains_what_it_changes_of_the_measured_force(found):
     signals = replace(found.signals, force=replace(found.signals.force, offset=-40.0))
     finding = replace(found.findings[0], effect="force_offset", phenomenon="force_offset", is_channel=True)
     shown = before_after(replace(found, findings=(finding,), signals=signals, improved=found.model))
     part = explained(shown, finding)
-    assert shown.mends and shown.changed
+    assert shown.corrected and shown.changed
     assert part.part[shown.worst.judged] == pytest.approx(40.0, abs=1e-6)
-    twice = mended(mended(found.unseen[0], signals), signals)
+    twice = corrected(corrected(found.unseen[0], signals), signals)
     assert twice.force == pytest.approx(found.unseen[0].force - 40.0)
 
 
 def test_nothing_to_show_after_where_nothing_changed(found):
     shown = before_after(replace(found, findings=(), improved=found.model))
-    assert not shown.changed and not shown.mends
+    assert not shown.changed and not shown.corrected
 
 
 def test_shares_of_effects_inside_a_compliance_add_up_to_the_force(found):

@@ -83,7 +83,7 @@ def test_names_from_files_cannot_become_markup(found):
     assert evil not in page and "&lt;/script&gt;" in page
 
 
-def test_mistakes_of_the_recordings_are_told_once_with_their_mend(found):
+def test_mistakes_of_the_recordings_are_printed_once_with_their_remedy(found):
     one = DataFinding("gaps", "12 gaps", "check the logger", "/data/a.mcap", 0.1)
     text = words(page_of(replace(found, data=(one, replace(one, recording="/data/b.mcap")))))
     assert text.count("12 gaps") == 1 and "check the logger" in text and "a.mcap, b.mcap" in text
@@ -165,7 +165,7 @@ def test_what_stays_unexplained_has_its_picture(found):
     assert "too low somewhere" in words(page) and len(figure(page, "maps")["data"]) == 1
 
 
-def test_mends_are_told_for_the_signal_map(found):
+def test_corrections_are_printed_for_the_signal_map(found):
     signals = replace(found.signals, force=replace(found.signals.force, offset=-35.0), spring_rate=1200.0)
     text = words(page_of(replace(found, signals=signals)))
     assert "force.offset" in text and "-35" in text and "force.spring_rate" in text and "1200" in text

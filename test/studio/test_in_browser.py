@@ -132,7 +132,7 @@ def test_what_cannot_be_read_is_told_and_leaves_the_page_usable(folder):
         own.choose("models", "odd.yaml", "before.yaml")
         own.choose("map", "wrong.yaml")
         page.click("#open")
-        own.until(lambda: "mend the signal map" in own.told("open-told"))
+        own.until(lambda: "correct the signal map" in own.told("open-told"))
         page.reload()
         own.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         assert float(own.rms()) > 0.0 and not own.faults

@@ -75,7 +75,7 @@ def test_a_fixed_parameter_keeps_its_value_in_a_refit(session):
     assert sum(values[own.address] != own.value for own in session.history.versions[0].step.model.slots) > 5
 
 
-def test_a_mend_goes_to_the_map_and_not_into_the_model(session):
+def test_a_correction_goes_to_the_map_and_not_into_the_model(session):
     before = error(session)
     session.add("force_offset")
     session.job.wait()
@@ -117,7 +117,7 @@ def test_what_goes_wrong_leaves_what_was_open(session, folder):
     (folder / "code.yaml").write_text("effects:\n- !!python/object/apply:os.system [touch hacked]\n")
     cases = [
         (Choice(("cut.mcap",)), ["before.yaml"], "cut off"),
-        (Choice(("hidden_fit.mcap",), signals="wrong.yaml"), ["before.yaml"], "mend the signal map"),
+        (Choice(("hidden_fit.mcap",), signals="wrong.yaml"), ["before.yaml"], "correct the signal map"),
         (Choice(("hidden_fit.mcap",)), ["odd.yaml"], "unknown effect"),
         (Choice(("hidden_fit.mcap",)), ["code.yaml"], "not valid YAML"),
         (Choice(("hidden_fit.mcap",), damper="nobody"), ["before.yaml"], "no damper"),

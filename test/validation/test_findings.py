@@ -1,4 +1,4 @@
-"""Data before physics: mistakes of the measurement chain are found, named and mended; good recordings have none."""
+"""Data before physics: mistakes of the measurement chain are found, named and corrected; good recordings have none."""
 
 import re
 from dataclasses import replace
@@ -112,27 +112,27 @@ def test_gaps_and_lost_samples_are_told_apart(role, recorded):
 
 
 @pytest.mark.parametrize("role", ["displacement", "force"])
-def test_a_wrong_sign_is_named_and_its_mend_mends_it(role, recorded):
+def test_a_wrong_sign_is_named_and_its_remedy_corrects_it(role, recorded):
     turned = values(role, lambda t, v: -v)
     model = load_model("carrera_akutain", "passenger_front")
     finding = only(recorded(change=turned), model)
     assert finding.kind == "sign" and f": {role} has the wrong sign" in finding.sentence
-    assert kinds(recorded(change=turned, signal_map=mended(finding))) == []
+    assert kinds(recorded(change=turned, signal_map=corrected(finding))) == []
     unknown = only(recorded(change=turned))
-    assert "force or displacement" in unknown.sentence and "push the damper together" in unknown.mend
+    assert "force or displacement" in unknown.sentence and "push the damper together" in unknown.remedy
 
 
-def mended(finding):
-    """The signal map with the first line that a mend says to write."""
-    line = yaml.safe_load(re.search(r"`([^`]*)`", finding.mend).group(1))
+def corrected(finding):
+    """The signal map with the first line that a correction says to write."""
+    line = yaml.safe_load(re.search(r"`([^`]*)`", finding.remedy).group(1))
     content = line if "filter" in line or "use" in line else {"dampers": {"passenger_front": line}}
-    return parse_signal_map(content, "mended")
+    return parse_signal_map(content, "corrected")
 
 
 def test_an_offset_turns_with_the_sign(recorded):
     own = parse_signal_map({"dampers": {"passenger_front": {"force": {"scale": 2.0, "offset": 30.0}}}}, "map")
     finding = only(recorded(change=values("force", lambda t, v: -0.5 * v), signal_map=own))
-    force = mended(finding).dampers["passenger_front"].force
+    force = corrected(finding).dampers["passenger_front"].force
     assert (force.scale, force.offset) == (-2.0, -30.0)
 
 
@@ -141,7 +141,7 @@ def test_a_drift_of_the_zero_is_told_in_newtons_and_time(recorded):
     assert finding.kind == "zero_drift"
     drift, begin, end = (float(x) for x in re.findall(r"[-+]?\d+\.?\d*", finding.sentence))
     assert drift == pytest.approx(80.0, abs=12.0) and begin < 8.0 and end > 14.0
-    assert mended(finding).windows[0][1] - mended(finding).windows[0][0] == pytest.approx(9.0, abs=1.0)
+    assert corrected(finding).windows[0][1] - corrected(finding).windows[0][0] == pytest.approx(9.0, abs=1.0)
 
 
 def test_zeros_that_differ_between_recordings_are_told(recorded):
@@ -165,18 +165,18 @@ def test_a_gauge_of_another_damper_is_dead_for_this_one(recorded):
 
 
 @pytest.mark.parametrize("role", ["displacement", "force"])
-def test_a_logger_that_repeats_values_is_named_and_the_lateness_mended(role, recorded):
+def test_a_logger_that_repeats_values_is_named_and_the_lateness_corrected(role, recorded):
     finding = only(recorded(change=held(role, 5)))
     assert finding.kind == "held" and "comes 5 times" in finding.sentence
-    channel = getattr(mended(finding).dampers["passenger_front"], role)
+    channel = getattr(corrected(finding).dampers["passenger_front"], role)
     assert channel.skew == pytest.approx(0.004, abs=2e-4)
 
 
-def test_coarse_steps_of_the_displacement_are_named_and_the_cutoff_mends_them(recorded):
+def test_coarse_steps_of_the_displacement_are_named_and_the_cutoff_reduces_them(recorded):
     finding = only(recorded(displacement_step=5e-4))
     assert finding.kind == "quantisation" and "steps of 0.5 mm" in finding.sentence
-    assert mended(finding).cutoff < 60.0
-    assert kinds(recorded(displacement_step=5e-4, signal_map=mended(finding))) == []
+    assert corrected(finding).cutoff < 60.0
+    assert kinds(recorded(displacement_step=5e-4, signal_map=corrected(finding))) == []
 
 
 def test_coarse_steps_of_the_gauge_are_named(recorded):
@@ -184,10 +184,10 @@ def test_coarse_steps_of_the_gauge_are_named(recorded):
     assert finding.kind == "quantisation" and "the gauge comes in steps of 150 N" in finding.sentence
 
 
-def test_a_rate_too_low_for_the_filter_is_named_and_mended(recorded):
+def test_a_rate_too_low_for_the_filter_is_named_and_corrected(recorded):
     finding = only(recorded(rate=100.0))
     assert finding.kind == "rate" and "50 Hz" in finding.sentence
-    assert kinds(recorded(rate=100.0, signal_map=mended(finding))) == []
+    assert kinds(recorded(rate=100.0, signal_map=corrected(finding))) == []
 
 
 def test_rounded_equal_and_uneven_stamps_are_told_apart(recorded):
@@ -213,9 +213,9 @@ def test_clocks_that_run_apart_are_told_in_ppm(recorded):
 def test_a_spring_in_the_gauge_is_a_hint_with_its_rate(sign, recorded):
     finding = only(recorded(excitation="road", change=with_spring(sign * SPRING)))
     assert finding.kind == "spring"
-    rate = mended(finding).dampers["passenger_front"].spring_rate
+    rate = corrected(finding).dampers["passenger_front"].spring_rate
     assert rate == pytest.approx(sign * SPRING, rel=0.15)
-    assert kinds(recorded(excitation="road", change=with_spring(sign * SPRING), signal_map=mended(finding))) == []
+    assert kinds(recorded(excitation="road", change=with_spring(sign * SPRING), signal_map=corrected(finding))) == []
 
 
 def test_what_is_said_of_parts_of_a_recording_is_said_once(recorded):
@@ -227,4 +227,4 @@ def test_what_is_said_of_parts_of_a_recording_is_said_once(recorded):
 def test_compare_tells_the_findings_with_the_quality_of_the_data(viscous, recorded):
     record = compare(viscous, recorded(saturation=700.0)).record()["data_quality"]
     assert [own["kind"] for own in record["findings"]] == ["saturation"] and record["saturated"] > 0
-    assert set(record["findings"][0]) == {"kind", "sentence", "mend", "recording", "share"}
+    assert set(record["findings"][0]) == {"kind", "sentence", "correct", "recording", "share"}

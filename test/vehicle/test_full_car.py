@@ -152,7 +152,7 @@ def car_file(tmp_path: Path) -> Callable[[str, str], Path]:
 def test_a_wrong_file_is_refused_in_one_line_with_all_that_is_wrong(
     car_file: Callable[[str, str], Path], old: str, new: str, said: str
 ) -> None:
-    with pytest.raises(InputError, match="mend the file") as refusal:
+    with pytest.raises(InputError, match="correct the file") as refusal:
         load_car(car_file(old, new))
     assert said in str(refusal.value)
     assert "\n" not in str(refusal.value)

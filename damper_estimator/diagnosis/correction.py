@@ -1,4 +1,4 @@
-"""Mends mistakes of the measurement chain: in the signal map, and in what was measured with the old one."""
+"""Corrects mistakes of the measurement chain: in the signal map, and in what was measured with the old one."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,10 +10,10 @@ from damper_estimator.signals import Measurement
 from damper_estimator.signals.signal_map import DamperSignals
 
 
-def mended_signals(signals: DamperSignals, element: Element) -> DamperSignals:
+def corrected_signals(signals: DamperSignals, element: Element) -> DamperSignals:
     """The damper's entry of the signal map, with what a channel effect says changed."""
     old = chain_of(signals)
-    new = {**old, **element.effect.mend(element.parameters, old)}
+    new = {**old, **element.effect.correct(element.parameters, old)}
     force = replace(signals.force, scale=new["scale"], offset=new["offset"], skew=new["skew"])
     return replace(signals, force=force, spring_rate=new["spring_rate"], preload=new["preload"])
 
@@ -30,7 +30,7 @@ def chain_of(signals: DamperSignals) -> dict[str, float]:
     }
 
 
-def mended(measurement: Measurement, signals: DamperSignals) -> Measurement:
+def corrected(measurement: Measurement, signals: DamperSignals) -> Measurement:
     """What would have been measured with another entry of the signal map.
 
     The filter is linear and the same before and after, so the filtered force can be turned over directly.

@@ -1,4 +1,4 @@
-"""Mends of the measurement chain: what would have been measured with the mended map."""
+"""Corrects of the measurement chain: what would have been measured with the corrected map."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from faults import BAGS, DAMPER
 
-from damper_estimator.diagnosis.mend import mended, mended_signals
+from damper_estimator.diagnosis.correction import corrected, corrected_signals
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.model import make_element
 from damper_estimator.recordings import open_bag
@@ -21,19 +21,19 @@ MISTAKES = {
 }
 
 
-def test_every_channel_effect_knows_its_mend():
+def test_every_channel_effect_knows_its_correction():
     channel = {name for name, effect in all_effects().items() if effect.kind == "channel"}
     assert channel == set(MISTAKES)
-    assert all(all_effects()[name].mend is not None for name in channel)
+    assert all(all_effects()[name].correct is not None for name in channel)
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_mending_is_reading_with_the_mended_map(name, base):
+def test_correcting_is_reading_with_the_corrected_map(name, base):
     element = make_element(all_effects()[name], MISTAKES[name])
     bag = open_bag(BAGS / "hidden_base.mcap")
-    signals = mended_signals(base.signals, element)
+    signals = corrected_signals(base.signals, element)
     given = replace(signals_for(bag, SignalMap(), DAMPER), dampers={DAMPER: signals})
-    anew, turned = measure(bag, given, DAMPER), mended(base, signals)
+    anew, turned = measure(bag, given, DAMPER), corrected(base, signals)
     both = anew.judged & turned.judged
     scale = np.std(base.force[both])
     # A skew moves the filter's start: apart from that only interpolation between samples differs.
@@ -41,13 +41,13 @@ def test_mending_is_reading_with_the_mended_map(name, base):
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mend_takes_back_what_the_effect_does(name, base, user_model):
-    """The effect says how the mistake shows in the force; the mend must undo just that."""
+def test_a_correction_takes_back_what_the_effect_does(name, base, user_model):
+    """The effect says how the mistake shows in the force; the correction must undo just that."""
     element = make_element(all_effects()[name], MISTAKES[name])
     block = base.kinematics.block
     right = replace(base, force=user_model.force(block))
     wrong = replace(base, force=user_model.with_effect(element).force(block))
-    again = mended(wrong, mended_signals(base.signals, element))
+    again = corrected(wrong, corrected_signals(base.signals, element))
     judged = base.judged.copy()
     judged[-50:] = False  # a lead cannot look beyond the end
     error = (again.in_band(again.force) - right.in_band(right.force))[judged]
