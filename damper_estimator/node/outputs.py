@@ -98,8 +98,8 @@ def _send_from_another_context(last: Sequence[tuple[Publisher, bytes]]) -> None:
         unheard = sorted(own.topic_name for own, sender in publishers.items() if not sender.get_subscription_count())
         if unheard:
             print(
-                f"the context was shut down, and within {DISCOVERED:g} s nobody was found on {', '.join(unheard)} to send "
-                "the safe current to; the driver's deadline has to act",
+                f"the context was shut down, and within {DISCOVERED:g} s no driver was found on {', '.join(unheard)} "
+                "for the safe current; the driver's deadline has to act",
                 file=sys.stderr,
             )
     finally:
