@@ -13,7 +13,7 @@ from math import isfinite
 
 import numpy as np
 from soak_plant import LIMITS, NAMES, SAFE, TEMPERATURE
-from soak_rule import AHEAD, COMMAND_AGE, FELT_AGE, MAX_AGE, RACE, Current, Displacement, Slow
+from soak_rule import AHEAD, COMMAND_AGE, FELT_AGE, MAX_AGE, RACE, SETTLING, Current, Displacement, Slow
 from soak_tally import Sent, Tally
 from soak_wire import Commands, Forces, States
 
@@ -127,8 +127,9 @@ class Judge:
                 rule.forbid("waited while currents came")
             elif is_answered and age > AHEAD:
                 self.excuse(k, WAITED_LITTLE, now + MEMORY)
-            if rule.is_unknown:
+            if rule.is_unknown:  # by now the node may know the sensor's noise or not
                 self.excuse(k, "it stands still, its noise was not seen for long", now + MEMORY)
+                self.expect_nothing([k], now + SETTLING * 1e-9)
             if max(age, waited) > 0.5 * AHEAD:
                 self.expect_nothing([k], now)
             race = RACE if now - self._foreign <= 1.0 else 0.0  # messages of two publishers overtake each other

@@ -186,6 +186,20 @@ def test_a_status_that_does_not_recover_is_seen():
     assert any("not GOOD again" in what for what in judged(status=3, seconds=3.0).violations.values())
 
 
+def test_a_stuck_sensor_whose_noise_is_hardly_known_may_be_good_or_not():
+    judge = Judge(2 * MS, [True] * 4, np.full(4, SIGMA))
+    judge.pause(False, 0.0)
+    for i in range(1500):
+        stamp, now = STAMP + 2 * MS * i, 0.002 * i
+        is_stuck = 250 <= i < 1250
+        values = [0.0 if is_stuck else 1e-5 * (1 + i % 2)] * 4
+        m = States(list(NAMES), values, stamp, truth=np.zeros(4), undisturbed=np.zeros(4))
+        judge.hear(m, now, 0.0, ("kind",), time.monotonic())
+        status = 1 if i < 100 else 3 * (255 <= i < 1350)  # the node learned the noise within half a second
+        judge.answer(Forces(stamp, list(NAMES), (0.0,) * 4, (SIGMA,) * 4, bytes([status] * 4)))
+    assert not judge.violations
+
+
 def test_commands_are_held_against_limits_and_the_safe_current():
     judge = judged()
     judge.command(0, LIMITS[1] + 0.01, 2.0)
