@@ -20,7 +20,6 @@ MAX_GAP = 100_000_000  # ns
 MAX_AGE = 0.5  # s
 LARGEST = 1e6  # m; beyond, a displacement counts as no number
 JUMP, SPEED = 0.001, 5.0  # m, and m/s beyond which it is one
-LONGEST = 10_000_000_000  # ns
 LATE = 7  # usual steps; the node counts from three on, of a step that it learns as well
 RECENT, LONGEST_ONES = 100, 20  # steps that the node may have learned from, and those whose mean bounds what it learned
 RACE = 0.03  # s by which messages of two topics may overtake each other
@@ -39,7 +38,7 @@ class Displacement:
     counts: Counter[str] = field(default_factory=Counter)
     last: int | None = None
     value: float = 0.0
-    changed: int = 0
+    still: int = 0  # ns for which equal values have come; a gap between two of them hides what came in it
     forbidden_until: int = -(2**62)
     reason: str = ""
     since: int = 0  # ns, when the node began to learn the sensor's noise
@@ -61,8 +60,8 @@ class Displacement:
             counts["dropped: not finite"] += 1
             self.forbid("no number")
             return False
+        step = 0 if self.last is None else stamp - self.last
         if self.last is not None:
-            step = stamp - self.last
             if step == 0:
                 counts["dropped: equal stamp"] += 1
                 return False
@@ -88,10 +87,9 @@ class Displacement:
             self.last = stamp
             self.forbid("start")
         counts["estimates"] += 1
-        if value != self.value or not 0 <= stamp - self.changed <= LONGEST:
-            self.changed = stamp
+        self.still = self.still + min(max(step, 0), 2 * self.step) if value == self.value else 0
         self.last, self.value = stamp, value
-        is_still, self.since = stamp - self.changed > STILL * 1e9, self.since or stamp
+        is_still, self.since = self.still > STILL * 1e9, self.since or stamp
         self.is_unknown = is_still and stamp - self.since < LEARNING * 1e9
         if is_still and not self.is_unknown:
             self.forbid("stands still")

@@ -132,6 +132,16 @@ def test_a_displacement_that_stands_still_is_a_fault_where_its_noise_was_seen(be
             assert rule.verdict(STAMP + 2 * MS * i) == (reason if is_still else "")
 
 
+def test_two_equal_values_around_a_gap_do_not_stand_still():
+    rule, stamp = Displacement(2 * MS), STAMP
+    for i in range(6000):
+        stamp += 2 * MS
+        rule.take(stamp, 0.01 + 1e-5 * (i % 2))
+    for after in (MAX_GAP - MS, MAX_GAP + MS):
+        rule.take(stamp + after, 0.01 + 1e-5 * (5999 % 2))
+        assert rule.verdict(rule.last) == "late"
+
+
 def test_a_current_is_held_against_the_commands_of_the_last_moment():
     current = Current(0.0, 1.6)
     assert not current.is_contradicted(0.0)
