@@ -217,10 +217,10 @@ def main() -> None:
     parser.add_argument("--executor", default="events", choices=("events", "single"))
     parser.add_argument("--only", metavar="TITLE", default="", help="the cases whose title begins so")
     arguments = parser.parse_args()
-    from damper_estimator.node.domain import own_domain
+    from damper_estimator.node.playback.domain import free_ros_domain
 
     rows = []
-    with own_domain():
+    with free_ros_domain():
         for case in (case for case in CASES if case.title.startswith(arguments.only)):
             seconds, pairs = (FULL_WITH_BARS if case.has_bars else FULL) if arguments.full else LOOK
             rows.append(compare(arguments.executor, case, arguments.seconds or seconds, arguments.pairs or pairs))

@@ -53,9 +53,9 @@ def main(words: list[str] | None = None) -> int:
     from soak_model import models
     from soak_verdict import verdict
 
-    from damper_estimator.node.domain import own_domain
+    from damper_estimator.node.playback.domain import free_ros_domain
 
-    with own_domain(), tempfile.TemporaryDirectory() as folder:
+    with free_ros_domain(), tempfile.TemporaryDirectory() as folder:
         chosen = [] if arguments.without else kinds
         campaign = Campaign(Path(folder), models(MODELS), arguments.rate, seed, chosen, arguments.first)
         try:

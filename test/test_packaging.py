@@ -260,7 +260,7 @@ def test_package_xml_names_every_ros_package_that_is_imported():
     package = ElementTree.parse(ROOT / "package.xml").getroot()
     run_time, in_tests = ({entry.text for entry in package.iter(f"{kind}_depend")} for kind in ("exec", "test"))
     # The node makes message types by name; those are in its source as text.
-    text = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "damper_estimator" / "node").glob("*.py"))
+    text = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "damper_estimator" / "node").rglob("*.py"))
     by_name = set(re.findall(r'"(\w+_msgs)/msg/\w+"', text))
     needed = ros_packages(ROOT / "damper_estimator", ROOT / "launch") | by_name
     assert {"rclpy", "launch", "sensor_msgs", "geometry_msgs"} <= needed

@@ -49,9 +49,9 @@ def signals() -> None:
 @pytest.fixture(scope="session", autouse=True)
 def domain(ros, tmp_path_factory) -> Iterator[None]:
     """A ROS domain that nothing else on this machine uses, and a folder for ROS's logs."""
-    from damper_estimator.node.domain import own_domain
+    from damper_estimator.node.playback.domain import free_ros_domain
 
-    with pytest.MonkeyPatch.context() as patch, own_domain():
+    with pytest.MonkeyPatch.context() as patch, free_ros_domain():
         patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros_log")))
         yield
 
@@ -138,7 +138,7 @@ def player(domain) -> Iterator[object]:
     """Plays to an estimator of the default name."""
     import rclpy
 
-    from damper_estimator.node.player import Player
+    from damper_estimator.node.playback.player import Player
 
     rclpy.init()
     player = Player()

@@ -33,7 +33,7 @@ def replayed(bag: Path, model: Path | str, *options: str) -> Path:
 
 
 def rehearsed(player, output: Path, signals: Path | None = None):
-    from damper_estimator.node.rehearsal import rehearse
+    from damper_estimator.node.playback.rehearsal import rehearse
 
     return rehearse(player, output, load_signal_map(signals))
 
@@ -186,7 +186,7 @@ def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line
 def test_a_difference_is_seen():
     from damper_msgs.msg import DamperForces
 
-    from damper_estimator.node.rehearsal import compared
+    from damper_estimator.node.playback.rehearsal import compared
 
     one, other, late = (DamperForces(name=["a"], force=[force]) for force in (1.0, np.nextafter(1.0, 2.0), 1.0))
     late.header.stamp.sec = 1

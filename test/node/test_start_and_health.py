@@ -143,7 +143,7 @@ def test_a_publisher_that_cannot_be_heard_is_reported(start, player):
 def test_namespace_and_remapping_move_the_relative_topics(start, tmp_path):
     import rclpy
 
-    from damper_estimator.node.player import Player
+    from damper_estimator.node.playback.player import Player
 
     start("-r", "__ns:=/car_7", "-r", "suspension/displacement:=sensors/stroke", model="coulomb")
     rclpy.init()

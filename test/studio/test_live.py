@@ -110,10 +110,10 @@ def running():
     """A node and its sensors on a ROS domain that nothing else uses."""
     for name in ("rclpy", "damper_msgs"):
         pytest.importorskip(name, reason="ROS 2 is not complete here")
-    from damper_estimator.node.domain import own_domain
+    from damper_estimator.node.playback.domain import free_ros_domain
 
     before = dict(os.environ)
-    with own_domain():
+    with free_ros_domain():
         node = [NODE, "--ros-args", "-p", "model:=linear_viscous", "-p", "dampers:=[left, right]"]
         processes = [subprocess.Popen(node), subprocess.Popen([sys.executable, "-c", SENSORS])]
         yield processes

@@ -11,7 +11,7 @@ DOMAINS = range(20, 100)  # above 101 the ports may collide with those that Linu
 
 
 @contextmanager
-def own_domain() -> Iterator[int]:
+def free_ros_domain() -> Iterator[int]:
     """Sets ``ROS_DOMAIN_ID`` to a free domain, and discovery to this machine, for this process and those it starts.
 
     The domain is reserved by the name of a socket that the kernel frees however the process ends.

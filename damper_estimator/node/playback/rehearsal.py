@@ -3,7 +3,7 @@
 ::
 
     damper-estimator replay bag.mcap -m model.yaml -o replayed.mcap
-    python -m damper_estimator.node.rehearsal replayed.mcap -m model.yaml
+    python -m damper_estimator.node.playback.rehearsal replayed.mcap -m model.yaml
 """
 
 import argparse
@@ -19,8 +19,8 @@ import numpy as np
 import rclpy
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.domain import own_domain
-from damper_estimator.node.player import Player
+from damper_estimator.node.playback.domain import free_ros_domain
+from damper_estimator.node.playback.player import Player
 from damper_estimator.recordings import Bag, open_bag
 from damper_estimator.runtime import SLOW
 from damper_estimator.signals import SignalMap, load_signal_map
@@ -140,7 +140,7 @@ def main() -> int:
     parser.add_argument("-s", "--signals", type=Path, help="the signal map that it was replayed with")
     arguments = parser.parse_args()
     try:
-        with own_domain():
+        with free_ros_domain():
             outcome = _rehearse_with_own_node(arguments.replayed, arguments.model, arguments.signals)
     except InputError as error:
         print(f"rehearsal: {error}", file=sys.stderr)

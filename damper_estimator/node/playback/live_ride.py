@@ -1,6 +1,6 @@
 """A simulated quarter car in the loop over DDS, in simulated time: the same ride live as off line.
 
-    python -m damper_estimator.node.live_ride -m semi_active_on_mount --surface bump
+    python -m damper_estimator.node.playback.live_ride -m semi_active_on_mount --surface bump
 
 Plant, road and sensors run here; estimator and controller are processes of their own. Every sample of the sensors goes
 out with its time on ``/clock``, and the plant stands still until the current that answers it is back, so a ride does
@@ -38,9 +38,9 @@ from damper_estimator.control import (
 )
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
-from damper_estimator.node.domain import own_domain
 from damper_estimator.node.inputs import message_type
-from damper_estimator.node.rehearsal import EXECUTABLE
+from damper_estimator.node.playback.domain import free_ros_domain
+from damper_estimator.node.playback.rehearsal import EXECUTABLE
 from damper_estimator.node.wire import NANOSECONDS, float_message
 from damper_estimator.recordings import accelerations, joint_states
 from damper_estimator.runtime import DamperEstimator, deployed
@@ -254,7 +254,7 @@ def main() -> int:
     corner = CORNER_CASES[arguments.corner]
     scenario = Scenario(corner, road, arguments.model, arguments.table)
     try:
-        with own_domain():
+        with free_ros_domain():
             rides = {"live": live(scenario), "off line": offline(scenario)}
     except InputError as error:
         print(f"live_ride: {error}", file=sys.stderr)

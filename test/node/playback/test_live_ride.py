@@ -16,7 +16,7 @@ def rms(values: np.ndarray) -> float:
 
 @pytest.mark.parametrize("by_table", [False, True])
 def test_the_ride_over_dds_is_the_ride_off_line(by_table, identified, domain, tmp_path):
-    from damper_estimator.node.live_ride import Scenario, live, offline
+    from damper_estimator.node.playback.live_ride import Scenario, live, offline
 
     name, table = identified(MODEL, command=list(LIMITS)), None
     if by_table:
