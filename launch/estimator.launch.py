@@ -19,7 +19,7 @@ from damper_estimator.node.launch_arguments import (
     parameter_files,
     parameters,
 )
-from damper_estimator.node.settings import Declaration
+from damper_estimator.node.parameter import Declaration
 from launch import LaunchDescription
 
 REQUIRED = {"required": Declaration(False, "end the launch when the node ends, unless it is started again")}

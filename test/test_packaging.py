@@ -1,5 +1,6 @@
 """What is installed: by pip without ROS, by colcon as ament_python package; and that the files about it agree."""
 
+import importlib
 import os
 import re
 import shutil
@@ -16,6 +17,7 @@ import pytest
 import yaml
 
 from damper_estimator import __version__
+from damper_estimator.node.parameter_files import parameter_files
 
 ROOT = Path(__file__).resolve().parents[1]
 NOT_SOURCE = (
@@ -280,13 +282,19 @@ def test_the_environment_has_what_the_project_requires():
     [("node", "settings", "/**"), ("controller", "controller_settings", "/**/damper_controller")],
 )
 def test_the_parameter_files_explain_every_parameter(file, settings, node):
-    source = (ROOT / "damper_estimator" / "node" / f"{settings}.py").read_text()
+    declared = importlib.import_module(f"damper_estimator.node.{settings}").DECLARATIONS
     text = (ROOT / "config" / f"{file}.yaml").read_text()
-    declared = set(re.findall(r'(?m)^    "(\w+)": Declaration\(', source))
     given = yaml.safe_load(text)[node]["ros__parameters"]
-    assert declared and set(given) == declared
-    for name in declared:
-        assert re.search(rf"(?m)^    # .*\n    {name}:", text), name
+    defaults = {name: declaration.default for name, declaration in declared.items()}
+    assert given == {name: list(value) if isinstance(value, tuple) else value for name, value in defaults.items()}
+    for name, declaration in declared.items():
+        assert len(declaration.explanation) > 20 and re.search(rf"(?m)^    # .*\n    {name}:", text), name
+
+
+@pytest.mark.parametrize("file", ["node.yaml", "controller.yaml"])
+def test_the_parameter_files_are_those_made_from_the_declarations(file):
+    remedy = "run python -m damper_estimator.node.parameter_files config"
+    assert (ROOT / "config" / file).read_text() == parameter_files()[file], remedy
 
 
 def test_make_help_lists_every_target():

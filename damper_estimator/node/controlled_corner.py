@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 
 from damper_estimator.control import Action, CornerController
+from damper_estimator.node.controller_settings import ControllerSettings
 from damper_estimator.node.wire import NANOSECONDS
 from damper_estimator.runtime import EXTRAPOLATING, GOOD, STALE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
@@ -41,15 +42,6 @@ class CornerTally:
     ignored: int = 0
 
 
-@dataclass(frozen=True)
-class Rules:
-    """Times in s, forces in N; see ``node.controller_settings``."""
-
-    timeout: float
-    rest_force: float
-    extrapolating_limit: float
-
-
 class ControlledCorner:
     """One damper and the body above it; final.
 
@@ -58,9 +50,9 @@ class ControlledCorner:
         desired: N, the last desired force; NaN where there is none.
     """
 
-    def __init__(self, controller: CornerController, rules: Rules) -> None:
+    def __init__(self, controller: CornerController, settings: ControllerSettings) -> None:
         self.tally, self.desired = CornerTally(), float("nan")
-        self._controller, self._rules = controller, rules
+        self._controller, self._settings = controller, settings
         self._sample = np.zeros(ROWS)
         self._stamp = 0
         self._felt = self._added = 0.0
@@ -117,7 +109,7 @@ class ControlledCorner:
         self._sample[DT] = step if 0.0 < step <= MAX_GAP else 0.0
         self._sample[X], self._sample[V], self._sample[A] = motion
         added = self._added if self._is_recent(self._added_at, now) else 0.0
-        limit = self._rules.extrapolating_limit if status == EXTRAPOLATING else float("inf")
+        limit = self._settings.extrapolating_limit if status == EXTRAPOLATING else float("inf")
         # The law takes every sample, so that it knows the body's velocity when the status is good again.
         action = self._controller.step(self._sample, self._felt, added, limit)
         if status not in (GOOD, EXTRAPOLATING):
@@ -126,9 +118,9 @@ class ControlledCorner:
         if not isfinite(action.wanted):
             self.tally.not_finite += 1
             return None
-        self.tally.limited += abs(action.wanted - self._rules.rest_force) >= limit
+        self.tally.limited += abs(action.wanted - self._settings.rest_force) >= limit
         return action
 
     def _is_recent(self, at: float, now: float) -> bool:
         """A clock that was set back makes everything before old."""
-        return 0.0 <= now - at <= self._rules.timeout
+        return 0.0 <= now - at <= self._settings.timeout

@@ -19,13 +19,13 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
 from damper_estimator.control import LAWS, ConstantCommand, CornerController, Law, TableCommand, load_table, mixed
-from damper_estimator.node.controlled_corner import ControlledCorner, CornerTally, Rules
+from damper_estimator.node.controlled_corner import ControlledCorner, CornerTally
 from damper_estimator.node.controller_health import corner_status
-from damper_estimator.node.controller_settings import DECLARATIONS
+from damper_estimator.node.controller_settings import DECLARATIONS, ControllerSettings
 from damper_estimator.node.health import WARN, status
 from damper_estimator.node.outputs import CommandOutputs, settle
 from damper_estimator.node.rclpy_private import RCLError
-from damper_estimator.node.settings import check_words, declare
+from damper_estimator.node.ros_parameters import check_words, declare
 from damper_estimator.node.wire import NANOSECONDS, float_message
 
 NAME = "damper_controller"
@@ -42,13 +42,12 @@ class ControllerNode(Node):
         super().__init__(NAME)
         declare(self, DECLARATIONS)
         check_words(self, DECLARATIONS)
-        value = {name: self.get_parameter(name).value for name in DECLARATIONS}
+        settings = ControllerSettings(**{name: self.get_parameter(name).value for name in DECLARATIONS})
         self._law: Law = (
-            mixed(value["damping"], value["share"]) if value["law"] == "mixed" else LAWS[value["law"]](value["damping"])
+            mixed(settings.damping, settings.share) if settings.law == "mixed" else LAWS[settings.law](settings.damping)
         )
-        self._rules = Rules(value["timeout"], value["rest_force"], value["extrapolating_limit"])
-        self._safe = value["safe_current"]
-        self._table = TableCommand(load_table(value["table"])) if value["table"] else None
+        self._settings = settings
+        self._table = TableCommand(load_table(settings.table)) if settings.table else None
         self._corners: dict[str, ControlledCorner] = {}
         self._before: dict[str, CornerTally] = {}
         self._currents = CommandOutputs(self)
@@ -60,7 +59,7 @@ class ControllerNode(Node):
         self.create_subscription(JointState, "~/added_force", self._take_added, qos_profile_sensor_data)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(HEALTH_PERIOD, self._tell_health, clock=steady)
-        self.create_timer(min(0.5 * self._rules.timeout, LONGEST_WATCH), self._watch, clock=steady)
+        self.create_timer(min(0.5 * settings.timeout, LONGEST_WATCH), self._watch, clock=steady)
 
     def end(self) -> None:
         """By table: leaves the dampers at the safe current, also where the context was shut down."""
@@ -68,7 +67,7 @@ class ControllerNode(Node):
             return
         if self.context.ok():
             self._command_safe(list(self._corners))
-        last = self._currents.last((name, float_message(self._safe)) for name in self._corners)
+        last = self._currents.last((name, float_message(self._settings.safe_current)) for name in self._corners)
         settle(self, self._currents.publishers, last)
 
     def _now(self) -> float:
@@ -78,8 +77,8 @@ class ControllerNode(Node):
         """Of the damper; the first time its topics are made."""
         if name not in self._corners:
             command = ConstantCommand(float("nan")) if self._table is None else self._table
-            controller = CornerController(self._law, command, self._rules.rest_force, self._safe)
-            corner = self._corners[name] = ControlledCorner(controller, self._rules)
+            controller = CornerController(self._law, command, self._settings.rest_force, self._settings.safe_current)
+            corner = self._corners[name] = ControlledCorner(controller, self._settings)
 
             def feel(message: AccelStamped) -> None:
                 corner.feel(message.accel.linear.z, self._now())
@@ -105,7 +104,9 @@ class ControllerNode(Node):
             motion = message.displacement[k], message.velocity[k], message.acceleration[k]
             action = self._corner(name).step(stamp, motion, message.status[k], now)
             if self._table is not None:
-                self._currents.publish(name, float_message(self._safe if action is None else action.current))
+                self._currents.publish(
+                    name, float_message(self._settings.safe_current if action is None else action.current)
+                )
             desired[name] = float("nan") if action is None else action.wanted
         self._desired.publish(JointState(header=message.header, name=list(desired), effort=list(desired.values())))
 
@@ -118,7 +119,7 @@ class ControllerNode(Node):
 
     def _command_safe(self, names: Sequence[str]) -> None:
         for name in names:
-            self._currents.publish(name, float_message(self._safe))
+            self._currents.publish(name, float_message(self._settings.safe_current))
 
     def _tell_health(self) -> None:
         prefix = self.get_fully_qualified_name().lstrip("/")

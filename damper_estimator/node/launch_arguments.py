@@ -17,7 +17,8 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from damper_estimator.errors import InputError
 from damper_estimator.node.controller_settings import DECLARATIONS as CONTROLLER_PARAMETERS
-from damper_estimator.node.settings import DECLARATIONS, Declaration, wanted
+from damper_estimator.node.parameter import Declaration
+from damper_estimator.node.settings import DECLARATIONS
 from launch import LaunchContext
 
 PACKAGE = "damper_estimator"
@@ -66,7 +67,7 @@ class LaunchArguments:
             if value is not None:
                 values[name] = value
             elif text:
-                faults.append(f"{name}:={text}: {name} must be {wanted(self._declarations[name])}")
+                faults.append(f"{name}:={text}: {name} must be {self._declarations[name].requirement}")
         if faults:
             raise InputError(f"{self._file.name}: {'; '.join(faults)}")
         return values

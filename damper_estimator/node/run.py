@@ -16,7 +16,7 @@ from damper_estimator.node.estimator_node import EstimatorNode
 from damper_estimator.node.executors import make_executor
 from damper_estimator.node.process import set_realtime_priority
 from damper_estimator.node.rclpy_private import RCLError
-from damper_estimator.node.settings import check_words
+from damper_estimator.node.ros_parameters import check_words
 from damper_estimator.node.stopping import Stop
 
 WAKE_UP = 0.1  # s, longest time until a signal is seen

@@ -55,7 +55,7 @@ def test_what_it_cannot_run_with_is_refused_with_the_reason(parameters, content,
     import rclpy
 
     from damper_estimator.node.estimator_node import EstimatorNode
-    from damper_estimator.node.settings import check_words
+    from damper_estimator.node.ros_parameters import check_words
 
     (tmp_path / "broken.yaml").write_text(content)
     monkeypatch.chdir(tmp_path)
