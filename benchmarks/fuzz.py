@@ -275,7 +275,7 @@ def parameters(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         except rclpy.exceptions.ParameterNotDeclaredException:
             return
         assert result.successful or result.reason, "refused without a reason"
-        assert node.estimation is not None and node.get_parameter("model").value
+        assert node.state.estimation is not None and node.get_parameter("model").value
 
     return run, [bytes([i]) for i in range(3)]
 

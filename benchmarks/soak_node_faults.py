@@ -42,7 +42,7 @@ def _(fault: Fault, campaign) -> Iterator[None]:
     campaign.shift -= shift
 
 
-@on_node("second publisher", 0.3, 1.0, needs="damper_estimator.node.senders", is_alone=True)
+@on_node("second publisher", 0.3, 1.0, needs="damper_estimator.node.sequence_numbers", is_alone=True)
 def _(fault: Fault, campaign) -> Iterator[None]:
     publish = campaign.node.second_publisher(DISPLACEMENT)
     begin = campaign.time + DISCOVERY

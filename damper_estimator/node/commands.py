@@ -15,7 +15,7 @@ import numpy as np
 
 from damper_estimator.control import InverseModel, checked_limits, usable_limits
 from damper_estimator.errors import InputError
-from damper_estimator.node.current import Current
+from damper_estimator.node.current_check import CurrentCheck
 from damper_estimator.runtime import EXTRAPOLATING, GOOD, STALE, Deployed
 from damper_estimator.signals.layout import COMMAND, ROWS
 
@@ -81,7 +81,7 @@ class Follower:
         refusal: why its model has no inverse; "" where it has one.
         warnings: what its limits and the safe current mean for the region of the fit, in words.
         tally: counts.
-        wanted: N, the last desired force; NaN before the first.
+        desired: N, the last desired force; NaN before the first.
         sent: the last command, in the unit of the command's messages; NaN before the first.
         sent_at: steady time of it, s.
         current: what its driver reports, held against the commands.
@@ -91,7 +91,7 @@ class Follower:
         """Raises InputError as `usable_limits`, and where the safe current lies outside the driver's limits."""
         self.name, self.refusal, self.tally = name, "", CommandTally()
         self.warnings: tuple[str, ...] = ()
-        self.wanted = self.sent = float("nan")
+        self.desired = self.sent = float("nan")
         self.sent_at = self._asked = float("-inf")
         self._is_followed = False  # whether a desired force came since the last sample
         self._channel = channel = deployed.signals.command
@@ -100,9 +100,9 @@ class Follower:
         try:
             low, high = checked_limits(deployed.model, channel.value_limits)
         except InputError as error:
-            self.refusal, self.current = str(error), Current(float("nan"), 0.0)
+            self.refusal, self.current = str(error), CurrentCheck(float("nan"), 0.0)
             return
-        self.current = Current(high - low, rules.command_lag)
+        self.current = CurrentCheck(high - low, rules.command_lag)
         limits, narrowed = usable_limits(name, deployed, rules.command_extrapolating)
         self.warnings = (*self.check_safe_current(rules.safe_current), *narrowed)
         self._inverse = InverseModel(deployed.model, limits, rules.horizon, rules.lead)
@@ -143,7 +143,7 @@ class Follower:
 
     def ask(self, force: float, now: float) -> None:
         """Takes a desired force in N (NaN takes the last one back) at the steady time ``now``, s."""
-        self.wanted, self._asked = force, now if np.isfinite(force) else float("-inf")
+        self.desired, self._asked = force, now if np.isfinite(force) else float("-inf")
         self.tally.desired += 1
         self._is_followed = True
 
@@ -181,7 +181,7 @@ class Follower:
         if status != GOOD and not (status == EXTRAPOLATING and rules.command_extrapolating):
             tally.not_good += 1
             return self._safe(stamp, rules, SAFE_STOPPED if status == STALE else SAFE_NOT_TRUSTED)
-        answer = self._inverse.again(self.wanted)
+        answer = self._inverse.again(self.desired)
         if not np.isfinite(answer.current):
             tally.unanswered += 1
             return self._safe(stamp, rules, SAFE_UNANSWERED)
@@ -189,7 +189,7 @@ class Follower:
         tally.limited += not answer.reached
         self.sent = self._channel.raw(answer.current)
         source = FOLLOWED if answer.reached else LIMITED
-        return Command(self.name, stamp, self.sent, self.wanted, answer.expected, source)
+        return Command(self.name, stamp, self.sent, self.desired, answer.expected, source)
 
     def safe(self, stamp: int, rules: Rules) -> Command | None:
         """The safe current; None where this damper was never commanded."""
@@ -203,4 +203,4 @@ class Follower:
 
     def _safe(self, stamp: int, rules: Rules, source: int) -> Command:
         self.sent = rules.safe_current
-        return Command(self.name, stamp, self.sent, self.wanted, float("nan"), source)
+        return Command(self.name, stamp, self.sent, self.desired, float("nan"), source)

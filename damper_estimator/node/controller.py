@@ -22,8 +22,8 @@ from damper_estimator.control import LAWS, ConstantCommand, CornerController, La
 from damper_estimator.node.controlled_corner import ControlledCorner, CornerTally
 from damper_estimator.node.controller_health import corner_status
 from damper_estimator.node.controller_settings import DECLARATIONS, ControllerSettings
+from damper_estimator.node.current_topics import CurrentTopics, deliver
 from damper_estimator.node.health import WARN, status
-from damper_estimator.node.outputs import CommandOutputs, settle
 from damper_estimator.node.rclpy_private import RCLError
 from damper_estimator.node.ros_parameters import check_words, declare
 from damper_estimator.node.wire import NANOSECONDS, float_message
@@ -50,7 +50,7 @@ class ControllerNode(Node):
         self._table = TableCommand(load_table(settings.table)) if settings.table else None
         self._corners: dict[str, ControlledCorner] = {}
         self._before: dict[str, CornerTally] = {}
-        self._currents = CommandOutputs(self)
+        self._currents = CurrentTopics(self)
         # By table the force is published only for those who judge it.
         topic = "damper_estimator/desired_force" if self._table is None else "~/desired_force"
         self._desired = self.create_publisher(JointState, topic, OUTPUT_DEPTH)
@@ -68,7 +68,7 @@ class ControllerNode(Node):
         if self.context.ok():
             self._command_safe(list(self._corners))
         last = self._currents.last((name, float_message(self._settings.safe_current)) for name in self._corners)
-        settle(self, self._currents.publishers, last)
+        deliver(self, self._currents.publishers, last)
 
     def _now(self) -> float:
         return self.get_clock().now().nanoseconds / NANOSECONDS
@@ -104,9 +104,8 @@ class ControllerNode(Node):
             motion = message.displacement[k], message.velocity[k], message.acceleration[k]
             action = self._corner(name).step(stamp, motion, message.status[k], now)
             if self._table is not None:
-                self._currents.publish(
-                    name, float_message(self._settings.safe_current if action is None else action.current)
-                )
+                current = self._settings.safe_current if action is None else action.current
+                self._currents.publish(name, float_message(current))
             desired[name] = float("nan") if action is None else action.wanted
         self._desired.publish(JointState(header=message.header, name=list(desired), effort=list(desired.values())))
 

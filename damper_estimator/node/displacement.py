@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damper_estimator.node.commands import Command, Follower, Rules
-from damper_estimator.node.current import Current
+from damper_estimator.node.current_check import CurrentCheck
 from damper_estimator.node.stamp_age import StampAge
 from damper_estimator.node.wire import ForcesTemplate, MalformedMessage, names_and_frame, reader_of
 from damper_estimator.runtime import FIELDS, SLOW, STALE, Deployed, Line
@@ -64,7 +64,7 @@ class DisplacementInput:
         self.followers: tuple[Follower, ...] = ()
         self._rules = rules
         self._leading: list[tuple[int, Follower]] = []
-        self._driven: list[tuple[int, Current]] = []  # the dampers whose force depends on a current
+        self._driven: list[tuple[int, CurrentCheck]] = []  # the dampers whose force depends on a current
         self.line = Line()
         self.missing = np.zeros(0, np.int64)
         self.last_good = np.zeros(0)
@@ -99,8 +99,8 @@ class DisplacementInput:
         self.last_good = np.append(self.last_good, np.full(len(more), np.nan))
         self._templates.clear()
 
-    def held(self, data: bytes) -> frozenset[str]:
-        """The dampers that one message holds.
+    def dampers_in(self, data: bytes) -> frozenset[str]:
+        """The dampers that one message contains.
 
         Raises:
             MalformedMessage: where the bytes do not fit the type.
@@ -232,7 +232,7 @@ class HeldInput:
     """A slow channel of one damper: its value reaches the line as it arrives; final."""
 
     def __init__(
-        self, role: str, type_name: str, channel: Channel, line: Line, damper: int, current: Current | None
+        self, role: str, type_name: str, channel: Channel, line: Line, damper: int, current: CurrentCheck | None
     ) -> None:
         """Of the damper of this number on the line; ``current`` where it is one that the node may command.
 

@@ -3,7 +3,7 @@
     python -m damper_estimator.node.driver_example --ros-args -p damper:=front_left -p safe_current:=0.4
 
 A process that is killed, or a network that breaks, commands nothing any more, not even the safe current. Only the
-driver can notice. It asks for the deadline and the liveliness that the command's publisher offers (`node.outputs`), and
+driver can notice. It asks for the deadline and the liveliness that the command's publisher offers (`quality_of_service`), and
 falls back when no command has come for ``deadline`` s, when the publisher's process is gone for ``lease`` s, and when a
 command is not finite. The next good command counts again. A real driver has a watchdog in its hardware besides.
 """
@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Float64
 
-from damper_estimator.node.quality import DEADLINE, LEASE
+from damper_estimator.node.quality_of_service import DEADLINE, LEASE
 
 PERIOD = 0.01  # s between two reports of the current that flows
 PARAMETERS = {

@@ -242,7 +242,7 @@ class CommandNow:
     name: str
     refusal: str
     tally: CommandTally
-    wanted: float
+    desired: float
     sent: float
     complaint: str = ""
 
@@ -257,7 +257,7 @@ def command_status(prefix: str, now: CommandNow, before: CommandTally) -> Diagno
         "safe current: desired force too old": tally.old,
         "safe current: estimate not good": tally.not_good,
         "safe current: no answer": tally.unanswered,
-        "last desired force [N]": f"{now.wanted:.4g}",
+        "last desired force [N]": f"{now.desired:.4g}",
         "last command": f"{now.sent:.4g}",
     }
     return status(f"{prefix}: {now.name} command", *_judge_command(now, before), values)

@@ -1,4 +1,4 @@
-"""The node's subscriptions: every message is taken as bytes, counted, and given to the estimation of the moment."""
+"""The node's subscriptions: every message arrives as bytes, is counted, and is passed to the present estimation."""
 
 import time
 import traceback
@@ -8,34 +8,43 @@ from dataclasses import replace
 from importlib import import_module
 
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.lifecycle import LifecycleNode
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from damper_estimator.errors import InputError
+from damper_estimator.node.command_publisher import CommandPublisher
 from damper_estimator.node.estimation import Arrival, Estimation
 from damper_estimator.node.health import InputTally
 from damper_estimator.node.message_info import with_info
-from damper_estimator.node.quality import OVERRIDABLE
+from damper_estimator.node.ports import NodeState, SubscribingNode
+from damper_estimator.node.quality_of_service import OVERRIDABLE
 from damper_estimator.node.rclpy_private import RCLError, take
-from damper_estimator.node.senders import DoubleSenders, Losses
+from damper_estimator.node.sequence_numbers import DoubleSenders, Losses
 from damper_estimator.node.wire import MalformedMessage
 
-LOG_PERIOD = 1.0  # s, at most one complaint per topic
+LOG_PERIOD = 1.0  # s, at most one error per topic
 
 
 class Inputs:
-    """What comes in, by topic as the signal map names it; final.
+    """The subscriptions by topic, as the signal map names it; final.
 
     Attributes:
         tallies: counts by topic; they survive changes of parameters.
         data: the last message by topic.
-        is_simulated: whether the node's time is a simulated one; see `look_at_clock`.
-        busy: s, time spent on messages; ``longest`` the longest of one since `take_longest`.
+        is_simulated: whether the node's time is simulated; see `check_clock`.
+        busy: s, time spent on messages.
     """
 
-    def __init__(self, node: LifecycleNode) -> None:
-        self._node = node
+    def __init__(
+        self,
+        node: SubscribingNode,
+        state: NodeState,
+        publish_forces: Callable[[bytes], None],
+        commands: CommandPublisher,
+    ) -> None:
+        """Answers go to ``publish_forces`` and ``commands``."""
+        self._node, self._state = node, state
+        self._publish_forces, self._commands = publish_forces, commands
         self._quality: QoSProfile | None = None
         self._subscriptions: dict[tuple[str, str], Subscription] = {}
         self.tallies: dict[str, InputTally] = {}
@@ -46,11 +55,11 @@ class Inputs:
         self._longest = 0.0
 
     def open(self, quality: QoSProfile) -> None:
-        """From now on with this quality of service."""
+        """Further subscriptions have this quality of service."""
         self._quality = quality
 
     def close(self) -> None:
-        """Gives all subscriptions up."""
+        """Destroys all subscriptions."""
         for subscription in self._subscriptions.values():
             self._node.destroy_subscription(subscription)
         self._subscriptions.clear()
@@ -58,10 +67,10 @@ class Inputs:
         self.data.clear()
 
     def check(self, estimation: Estimation) -> None:
-        """Leaves out the topics that a damper's name cannot be part of, such as one with a blank.
+        """Drops the topics whose name a damper's name makes invalid, for example by a blank.
 
         Raises:
-            InputError: where a topic that somebody named cannot be one.
+            InputError: if a topic that the signal map names is invalid.
         """
         for topic in list(estimation.topics):
             try:
@@ -69,22 +78,22 @@ class Inputs:
             except (ValueError, RCLError) as error:
                 if topic in estimation.named:
                     raise InputError(
-                        f"{estimation.roster.signal_map.where}: {topic!r} cannot be a topic: letters, digits, _ and / "
-                        "can, and no part begins with a digit"
+                        f"{estimation.roster.signal_map.where}: {topic!r} cannot be a topic: use letters, digits, _ "
+                        "and /, and begin no part with a digit"
                     ) from error
                 del estimation.topics[topic]
 
     def subscribe(self, estimation: Estimation) -> None:
-        """Subscribes what the estimation wants and is not there yet, and gives up what it does not want."""
-        wanted = set(estimation.topics.items())
-        for key in [key for key in self._subscriptions if key not in wanted]:
+        """Creates the missing subscriptions of the estimation, and destroys those that it does not need."""
+        required = set(estimation.topics.items())
+        for key in [key for key in self._subscriptions if key not in required]:
             self._node.destroy_subscription(self._subscriptions.pop(key))
             self.tallies.pop(key[0], None)
-        for topic, type_name in wanted - self._subscriptions.keys():
+        for topic, type_name in required - self._subscriptions.keys():
             self._subscriptions[topic, type_name] = self._subscription(topic, type_name)
 
     def take_waiting(self) -> bool:
-        """Answers the messages that wait, where the executor cannot; whether there were any."""
+        """Answers the waiting messages while the executor cannot; returns whether there were any."""
         found = False
         for subscription in list(self._subscriptions.values()):
             taken = take(subscription)
@@ -93,19 +102,20 @@ class Inputs:
                 subscription.callback(*taken)
         return found
 
-    def look_at_clock(self) -> None:
-        """Whether time is simulated; looked up once a second, since asking costs too much."""
+    def check_clock(self) -> None:
+        """Updates whether time is simulated; once a second, because the query takes too long for every message."""
         is_simulated = self._node.get_clock().ros_time_is_active
         if is_simulated != self.is_simulated:
             self.is_simulated, self._latest = is_simulated, float("inf")
             self.now()
 
     def now(self) -> float:
-        """Time for staleness, s: the simulated clock where that is in use, since it may run at another pace. A clock
-        that is set back takes along what was received and asked before."""
+        """Time for staleness, s: that of the simulated clock if it is in use, since it may run at another pace. If a
+        clock is set back, times of earlier messages and requests are set back as well.
+        """
         now = self._clock() / 1e9 if self.is_simulated else time.monotonic()
-        if now < self._latest and self._node.estimation is not None:
-            self._node.estimation.rewind(now)
+        if now < self._latest and self._state.estimation is not None:
+            self._state.estimation.rewind(now)
         self._latest = now
         return now
 
@@ -113,7 +123,7 @@ class Inputs:
         return self._node.get_clock().now().nanoseconds
 
     def take_longest(self) -> float:
-        """The longest time that one message took since the last call, s."""
+        """The longest time that one message has taken since the last call, s."""
         longest, self._longest = self._longest, 0.0
         return longest
 
@@ -122,16 +132,16 @@ class Inputs:
         return {topic: replace(self.tallies[topic]) for topic in topics}
 
     def _subscription(self, topic: str, type_name: str) -> Subscription:
-        node = self._node
+        node, state = self._node, self._state
         tally, losses = InputTally(node.resolve_topic_name(topic)), Losses()
         self.tallies[topic] = tally
         answer = self._answering(topic, type_name, tally)
 
         def receive(data: bytes, number: int | None, received: int) -> None:
             begin = time.monotonic()
-            if node.is_active:
+            if state.is_active:
                 answer(data, number, received, begin)
-            # The answer has gone; what is only told once a second comes after it.
+            # The answer has been published; counts for the report once a second come after it.
             tally.messages += 1
             tally.last = begin
             self.data[topic] = data
@@ -156,12 +166,13 @@ class Inputs:
     def _answering(
         self, topic: str, type_name: str, tally: InputTally
     ) -> Callable[[bytes, int | None, int, float], None]:
-        """What answers a message on this topic; arguments as in `with_info`, and the steady time, s."""
-        node, senders = self._node, DoubleSenders()
+        """The function that answers a message on this topic; arguments as in `with_info`, and the steady time, s."""
+        node, state, senders = self._node, self._state, DoubleSenders()
+        publish_forces, commands = self._publish_forces, self._commands
 
         def answer(data: bytes, number: int | None, received: int, now: float) -> None:
-            if node.recorder is not None:
-                node.recorder.keep(tally.topic, type_name, data)
+            if state.recorder is not None:
+                state.recorder.keep(tally.topic, type_name, data)
             try:
                 is_simulated = self.is_simulated
                 if is_simulated:
@@ -172,20 +183,20 @@ class Inputs:
                 )  # fmt: skip
                 if is_simulated or not received:
                     received = clock
-                told = node.estimation.take(topic, data, Arrival(now, clock, received, suspect, is_simulated))
-                if told.forces is not None:
-                    node.publish_forces(told.forces)
-                if told.commands:
-                    node.commanding.publish(told.commands)
-                if told.has_grown:
-                    self.check(node.estimation)
-                    self.subscribe(node.estimation)
-                    node.commanding.offer(node.estimation.commanded)
+                answers = state.estimation.take(topic, data, Arrival(now, clock, received, suspect, is_simulated))
+                if answers.forces is not None:
+                    publish_forces(answers.forces)
+                if answers.commands:
+                    commands.publish(answers.commands)
+                if answers.has_grown:
+                    self.check(state.estimation)
+                    self.subscribe(state.estimation)
+                    commands.offer(state.estimation.commanded)
             except MalformedMessage:
                 tally.malformed += 1
             except Exception:
                 if not node.context.ok():
-                    return  # a signal has taken ROS away
+                    return  # a signal has shut ROS down
                 tally.failures += 1
                 node.get_logger().error(
                     f"message on {topic}: {traceback.format_exc()}", throttle_duration_sec=LOG_PERIOD
@@ -195,17 +206,17 @@ class Inputs:
 
     def _is_suspect(self, topic: str, senders: DoubleSenders, data: bytes, number: int, now: float) -> bool:
         """Whether another publisher may have sent the same damper as this message of this sequence number."""
-        tally, estimation = self.tallies[topic], self._node.estimation
+        tally, estimation = self.tallies[topic], self._state.estimation
         displacement = estimation.displacement.get(topic)
         if displacement is None:
             return False
-        suspect = senders.take(number, displacement.source.held(data), now, estimation.settings.max_gap)
+        suspect = senders.take(number, displacement.source.dampers_in(data), now, estimation.settings.max_gap)
         tally.doubled = senders.confirmed
         return suspect
 
 
 def _events(tally: InputTally, losses: Losses) -> SubscriptionEventCallbacks:
-    """What the middleware says of the publishers of one topic."""
+    """Handlers of the middleware's events about the publishers of one topic."""
 
     def on_incompatible(event: object) -> None:
         tally.incompatible = event.total_count

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.meanwhile import SWITCH
+from damper_estimator.node.background import SWITCH
 
 if TYPE_CHECKING:
     from damper_estimator.recordings import LiveBagWriter

@@ -81,8 +81,8 @@ def test_a_transition_out_of_active_leaves_the_dampers_at_the_safe_current(trans
 
 def test_a_context_that_is_shut_down_by_others_leaves_the_dampers_at_the_safe_current(running, rig, car, parameters):
     code = BEFORE + (
-        "from damper_estimator.node import outputs\n"
-        "outputs.DISCOVERED = 60.0\n"  # a busy machine may take long to find the drivers again
+        "from damper_estimator.node import current_topics\n"
+        "current_topics.DISCOVERED = 60.0\n"  # a busy machine may take long to find the drivers again
         "signal.signal(signal.SIGUSR1, lambda *_: rclpy.shutdown())\n"
     ) + AFTER  # fmt: skip
     process = running(sys.executable, "-c", code, **NOTHING_LOST | parameters)

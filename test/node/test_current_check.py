@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from damper_estimator.node.current import Current
+from damper_estimator.node.current_check import CurrentCheck
 
 LAG, STEP = 0.02, 0.002  # s
 WIDTH = 1.6  # A
@@ -15,7 +15,7 @@ def driven(report, lag: float = LAG, seconds: float = 2.0, coil: float = 0.003) 
     currents (n,) at sample i."""
     time = np.arange(0.0, seconds, STEP)
     commands = 0.8 + 0.7 * np.sin(12.0 * time) * np.sign(np.sin(31.0 * time))
-    current, own, found = Current(WIDTH, lag), [commands[0]], []
+    current, own, found = CurrentCheck(WIDTH, lag), [commands[0]], []
     for i, (now, command) in enumerate(zip(time, commands, strict=True)):
         own.append(own[-1] + (1.0 - np.exp(-STEP / coil)) * (command - own[-1]))
         current.take(report(i, own), now, 1)
@@ -47,7 +47,7 @@ def test_no_lag_compares_nothing():
 
 
 def test_nothing_is_said_of_a_damper_that_the_node_does_not_command():
-    current = Current(WIDTH, LAG)
+    current = CurrentCheck(WIDTH, LAG)
     current.take(5.0, 0.0, 1)
     assert not current.is_contradicted
     for i in range(100):
@@ -59,7 +59,7 @@ def test_nothing_is_said_of_a_damper_that_the_node_does_not_command():
 
 
 def test_what_was_commanded_before_is_known_only_after_the_lag():
-    current = Current(WIDTH, LAG)
+    current = CurrentCheck(WIDTH, LAG)
     current.command(1.0, 0.0)
     current.take(0.2, 0.01, 1)
     assert not current.is_contradicted
@@ -68,7 +68,7 @@ def test_what_was_commanded_before_is_known_only_after_the_lag():
 
 
 def test_a_current_that_came_long_after_the_sample_is_not_its_own():
-    current = Current(WIDTH, LAG)
+    current = CurrentCheck(WIDTH, LAG)
     current.take(1.0, 0.0, 1_000_000_000)
     assert not current.is_ahead(960_000_000, 0.0) and current.is_ahead(940_000_000, 0.0)
     assert not current.is_ahead(940_000_000, 0.02)  # all samples take so long

@@ -1,4 +1,4 @@
-"""The topics on which currents are commanded, one per damper whose force depends on one."""
+"""The topics of commanded currents, one per damper whose force depends on a current."""
 
 import sys
 import time
@@ -10,24 +10,25 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import Float64
 
-from damper_estimator.node.quality import OVERRIDABLE, offered
+from damper_estimator.node.ports import LoggingNode, PublishingNode
+from damper_estimator.node.quality_of_service import OVERRIDABLE, offered
 from damper_estimator.node.rclpy_private import RCLError
 
 DEPTH = 10
 ACKNOWLEDGED = 0.5  # s, longest wait for the last commands to be acknowledged
 ON_THE_WAY = 0.05  # s for subscriptions that acknowledge nothing
-DISCOVERED = 5.0  # s, longest wait for the drivers to be found by another context
+DISCOVERED = 5.0  # s, longest wait until another context discovers the drivers
 
 
-class CommandOutputs:
+class CurrentTopics:
     """Publishers of ``suspension/<damper>/current_command``; final."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: PublishingNode) -> None:
         self._node = node
         self._publishers: dict[str, Publisher] = {}
 
     def offer(self, names: Iterable[str]) -> None:
-        """Has a topic for each of these dampers; one whose name cannot be part of a topic has none."""
+        """Creates a topic for each of these dampers; one whose name cannot be part of a topic has none."""
         for name in names:
             if name in self._publishers:
                 continue
@@ -41,14 +42,14 @@ class CommandOutputs:
                 self._node.get_logger().warning(f"{name}: no currents can be commanded on {topic}: {reason}")
 
     def publish(self, name: str, data: bytes) -> Publisher | None:
-        """Publishes a serialised command; on what, None where the damper has no topic."""
+        """Publishes a serialised command; returns the publisher, None if the damper has no topic."""
         publisher = self._publishers.get(name)
         if publisher is not None:
             publisher.publish(data)
         return publisher
 
     def last(self, commands: Iterable[tuple[str, bytes]]) -> list[tuple[Publisher, bytes]]:
-        """For `settle`: commands (name of the damper, serialised) with their publishers."""
+        """For `deliver`: commands (name of the damper, serialised) with their publishers."""
         return [(self._publishers[name], data) for name, data in commands if name in self._publishers]
 
     @property
@@ -57,15 +58,15 @@ class CommandOutputs:
         return list(self._publishers.values())
 
     def close(self) -> None:
-        """Gives the topics up."""
+        """Destroys the topics."""
         for publisher in self._publishers.values():
             self._node.destroy_publisher(publisher)
         self._publishers.clear()
 
 
-def settle(node: Node, publishers: Sequence[Publisher], last: Sequence[tuple[Publisher, bytes]] = ()) -> None:
-    """Waits, but not long, until what the node has published has arrived. Where its context was shut down, so that it
-    could not publish the ``last`` messages, another one sends them.
+def deliver(node: LoggingNode, publishers: Sequence[Publisher], last: Sequence[tuple[Publisher, bytes]] = ()) -> None:
+    """Waits briefly until the node's published messages have arrived. If its context was shut down, so that it could
+    not publish the ``last`` messages, another context sends them.
     """
     if node.context.ok():
         _let_arrive(publishers)
@@ -82,20 +83,22 @@ def _let_arrive(publishers: Sequence[Publisher]) -> None:
 
 
 def _send_from_another_context(last: Sequence[tuple[Publisher, bytes]]) -> None:
-    """Sends messages as other publishers would have, to whoever is found on their topics."""
+    """Sends messages as the given publishers would have, to the subscribers discovered on their topics."""
     context = Context()
     context.init()
     node = Node("last_commands", context=context, use_global_arguments=False, enable_rosout=False,
                 start_parameter_services=False)  # fmt: skip
     try:
-        publishers = {own: node.create_publisher(own.msg_type, own.topic_name, offered(DEPTH)) for own, _ in last}
+        senders = {
+            closed: node.create_publisher(closed.msg_type, closed.topic_name, offered(DEPTH)) for closed, _ in last
+        }
         end = time.monotonic() + DISCOVERED
-        while time.monotonic() < end and not all(own.get_subscription_count() for own in publishers.values()):
+        while time.monotonic() < end and not all(sender.get_subscription_count() for sender in senders.values()):
             time.sleep(0.01)
-        for own, data in last:
-            publishers[own].publish(data)
-        _let_arrive(list(publishers.values()))
-        unheard = sorted(own.topic_name for own, sender in publishers.items() if not sender.get_subscription_count())
+        for closed, data in last:
+            senders[closed].publish(data)
+        _let_arrive(list(senders.values()))
+        unheard = sorted(closed.topic_name for closed, sender in senders.items() if not sender.get_subscription_count())
         if unheard:
             print(
                 f"the context was shut down, and within {DISCOVERED:g} s no driver was found on {', '.join(unheard)} "

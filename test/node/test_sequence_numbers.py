@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper_estimator.node.senders import CONFIRMING, DoubleSenders, Losses
+from damper_estimator.node.sequence_numbers import CONFIRMING, DoubleSenders, Losses
 
 FRONT, REAR, BOTH = frozenset({"front"}), frozenset({"rear"}), frozenset({"front", "rear"})
 SILENCE = 0.1

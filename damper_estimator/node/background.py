@@ -1,4 +1,4 @@
-"""Long work beside the input: in a thread of its own, while the messages go on being answered in this one."""
+"""Long work in a thread of its own, while this thread continues to answer messages."""
 
 import sys
 import time
@@ -8,13 +8,15 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 Result = TypeVar("Result")
-# A thread that waits for the interpreter gets it after this time, s; the usual 5 ms would be seen in the latency.
+# A thread that waits for the interpreter gets it after this time, s; the usual 5 ms would show in the latency.
 SWITCH = 0.0005
-PAUSE = 0.0002  # s between two looks for messages
+PAUSE = 0.0002  # s between two checks for messages
 
 
-def meanwhile(work: Callable[[], Result], serve: Callable[[], bool]) -> Result:
-    """What ``work`` gives, or its exception; ``serve`` answers what waits and says whether there was anything."""
+def in_background(work: Callable[[], Result], serve: Callable[[], bool]) -> Result:
+    """The result of ``work``, or its exception; ``serve`` answers waiting messages and returns whether there were
+    any.
+    """
     with _quick_switches(), ThreadPoolExecutor(1) as pool:
         future = pool.submit(work)
         while not future.done():

@@ -15,7 +15,7 @@ TOLERANCE = 0.1  # of the width of the limits
 _FRESH = 0.25  # s since the last command from which on the node no longer commands
 
 
-class Current:
+class CurrentCheck:
     """The current of one damper, as the node commands it and as its driver reports it; final.
 
     Attributes:
