@@ -1,1 +1,1 @@
-"""The ROS 2 node. Nothing outside this room imports ROS."""
+"""The ROS 2 nodes. Nothing outside this package imports ROS."""

@@ -1,4 +1,4 @@
-"""Serialised ``damper_msgs/DamperCommand``: what was commanded, and which sample it answers. Knows no ROS."""
+"""Serialised ``damper_msgs/DamperCommand``: the commands, and the sample that they answer. Knows no ROS."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -17,14 +17,14 @@ _MOST_TEMPLATES = 64
 
 
 class CommandMessages:
-    """Numbers the messages and fills them in; final."""
+    """Numbers and serialises the messages; final."""
 
     def __init__(self) -> None:
         self._sequence = 0
         self._templates: dict[tuple[str, ...], _Template] = {}
 
     def of(self, commands: Sequence[Command]) -> list[bytes]:
-        """One message for all commands that answer the same stamp, oldest first."""
+        """One message per stamp for all commands that answer it, oldest first."""
         messages = []
         for stamp, group in groupby(sorted(commands, key=lambda command: command.stamp), lambda c: c.stamp):
             together = list(group)
@@ -39,7 +39,7 @@ class CommandMessages:
 
 
 class _Template:
-    """A message for given dampers, to be filled in; final."""
+    """A message for given dampers, to be filled; final."""
 
     def __init__(self, names: Sequence[str]) -> None:
         k = len(names)

@@ -1,11 +1,11 @@
-"""Currents that give desired forces: the inverse of a damper's model behind its estimate. Knows no ROS.
+"""Currents for desired forces, by the inverse of a damper's model after its estimate. Knows no ROS.
 
-A desired force is answered at once, at the last sample. Where samples come faster than desired forces, a sample is
-answered with the one that holds when none came since the sample before. Where the desired force is old or the estimate
-not trusted, the safe current is commanded; before the first desired force nothing is.
+A desired force is answered immediately, at the last sample. If no desired force came since the previous sample, a
+sample is answered with the last one. If the desired force is old or the estimate is not trusted, the safe current is
+commanded; before the first desired force nothing is commanded.
 
 Whether the estimate is trusted does not depend on where the present command lies in the region of the fit: the safe
-current itself may lie outside of it, and would otherwise keep the damper passive for ever.
+current itself can lie outside it, and would otherwise keep the damper passive forever.
 """
 
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ from damper_estimator.node.current_check import CurrentCheck
 from damper_estimator.runtime import EXTRAPOLATING, GOOD, STALE, Deployed
 from damper_estimator.signals.layout import COMMAND, ROWS
 
-# Where a command comes from: the constants of damper_msgs/DamperCommand.
+# Source of a command: the constants of damper_msgs/DamperCommand.
 FOLLOWED, LIMITED, SAFE_OLD, SAFE_NOT_TRUSTED, SAFE_UNANSWERED, SAFE_STOPPED, IDLE = range(7)
 
 
 class Rules(Protocol):
-    """What the node's settings say about commands; see ``node.settings``."""
+    """The node's settings about commands; see ``node.settings``."""
 
     safe_current: float
     desired_force_timeout: float
@@ -41,7 +41,7 @@ class Command(NamedTuple):
         damper: its name.
         stamp: ns, of the sample that it answers; 0 before the first.
         current: in the unit of the command's messages.
-        desired, achievable: N; NaN where there is none.
+        desired, achievable: N; NaN if there is none.
         source: one of the constants above.
     """
 
@@ -55,14 +55,14 @@ class Command(NamedTuple):
 
 @dataclass
 class CommandTally:
-    """What became of one damper's desired forces since the start; counts only ever grow.
+    """The outcome of one damper's desired forces since the start; counts never decrease.
 
     Attributes:
-        desired: desired forces that came.
-        followed: commands whose force the desired one is.
+        desired: received desired forces.
+        followed: commands that reach the desired force.
         limited: commands at the nearest force that can be reached.
-        old, not_good, unanswered: safe currents, because the desired force was old, the estimate not trusted, the
-            inverse without an answer.
+        old, not_good, unanswered: safe currents, because the desired force was old, the estimate was not trusted, or
+            the inverse had no answer.
     """
 
     desired: int = 0
@@ -74,25 +74,25 @@ class CommandTally:
 
 
 class Follower:
-    """What turns the desired forces of one damper into currents; final.
+    """Follows the desired forces of one damper by currents; final.
 
     Attributes:
         name: of the damper.
-        refusal: why its model has no inverse; "" where it has one.
-        warnings: what its limits and the safe current mean for the region of the fit, in words.
+        refusal: why its model has no inverse; "" if it has one.
+        warnings: consequences of its limits and the safe current for the region of the fit, in words.
         tally: counts.
         desired: N, the last desired force; NaN before the first.
         sent: the last command, in the unit of the command's messages; NaN before the first.
         sent_at: steady time of it, s.
-        current: what its driver reports, held against the commands.
+        current: comparison of the current that its driver reports with the commands.
     """
 
     def __init__(self, name: str, deployed: Deployed, rules: Rules) -> None:
-        """Raises InputError as `usable_limits`, and where the safe current lies outside the driver's limits."""
+        """Raises InputError as `usable_limits`, and if the safe current lies outside the driver's limits."""
         self.name, self.refusal, self.tally = name, "", CommandTally()
         self.warnings: tuple[str, ...] = ()
         self.desired = self.sent = float("nan")
-        self.sent_at = self._asked = float("-inf")
+        self.sent_at = self._requested = float("-inf")
         self._is_followed = False  # whether a desired force came since the last sample
         self._channel = channel = deployed.signals.command
         self._sample = np.zeros(ROWS)
@@ -109,7 +109,7 @@ class Follower:
         self._warm_up()
 
     def check_safe_current(self, safe_current: float) -> tuple[str, ...]:
-        """What the user should know about a safe current; raises InputError where the driver cannot set it."""
+        """Warnings about a safe current; raises InputError if the driver cannot set it."""
         if self.refusal:
             return ()
         channel = self._channel
@@ -128,54 +128,54 @@ class Follower:
         )
 
     def _warm_up(self) -> None:
-        """Has the search compiled now, so that the first sample does not wait for it."""
+        """Compiles the search now, so that the first sample does not wait for it."""
         self._inverse.solve(self._sample, 0.0, slope=True)
         self._inverse.again(0.0)
         self._inverse.reset()
 
-    def look(self, sample: np.ndarray) -> tuple[float, ...]:
-        """Takes a sample (8,) in; reachable interval and slopes as `Inverse.reach`. Only where there is an inverse."""
+    def update(self, sample: np.ndarray) -> tuple[float, ...]:
+        """Takes a sample (8,); returns reachable interval and slopes as `Inverse.reach`. Only without a refusal."""
         if np.isnan(sample[COMMAND]) and np.isfinite(self.sent):
             self._sample[:] = sample
             self._sample[COMMAND] = self._channel.value(self.sent)
             sample = self._sample
         return self._inverse.solve(sample, slope=True).reach
 
-    def ask(self, force: float, now: float) -> None:
-        """Takes a desired force in N (NaN takes the last one back) at the steady time ``now``, s."""
-        self.desired, self._asked = force, now if np.isfinite(force) else float("-inf")
+    def request(self, force: float, now: float) -> None:
+        """Takes a desired force in N (NaN withdraws the last one) at the steady time ``now``, s."""
+        self.desired, self._requested = force, now if np.isfinite(force) else float("-inf")
         self.tally.desired += 1
         self._is_followed = True
 
     def drop_desired_force(self) -> None:
         """The last desired force no longer counts, and the next command is due."""
-        self.sent_at = self._asked = float("-inf")
+        self.sent_at = self._requested = float("-inf")
 
     def is_due(self) -> bool:
-        """Asked once per sample: whether the sample is answered without waiting for a desired force."""
+        """Called once per sample: whether the sample is answered without waiting for a desired force."""
         due = self.tally.desired > 0 and not self._is_followed
         self._is_followed = False
         return due and not self.refusal
 
     def command(self, status: int, stamp: int, now: float, rules: Rules) -> Command | None:
-        """The command for the last sample; None where the model has no inverse. Arguments as `_answer`."""
+        """The command for the last sample; None if the model has no inverse. Arguments as `_answer`."""
         if self.refusal:
             return None
         command = self._answer(status, stamp, now, rules)
-        self.current.command(float(self._channel.value(command.current)), now)
+        self.current.note_command(float(self._channel.value(command.current)), now)
         return command
 
     def _answer(self, status: int, stamp: int, now: float, rules: Rules) -> Command:
         """The command for the last sample.
 
         Args:
-            status: by which the damper may be commanded (``DisplacementInput.trusted``).
+            status: decides whether the damper is commanded (``DisplacementInput.trusted``).
             stamp: ns, of the sample.
             now: steady time, s.
-            rules: at present.
+            rules: present settings.
         """
         tally, self.sent_at = self.tally, now
-        if not 0.0 <= now - self._asked <= rules.desired_force_timeout:
+        if not 0.0 <= now - self._requested <= rules.desired_force_timeout:
             tally.old += 1
             return self._safe(stamp, rules, SAFE_OLD)
         if status != GOOD and not (status == EXTRAPOLATING and rules.command_extrapolating):
@@ -192,11 +192,11 @@ class Follower:
         return Command(self.name, stamp, self.sent, self.desired, answer.expected, source)
 
     def safe(self, stamp: int, rules: Rules) -> Command | None:
-        """The safe current; None where this damper was never commanded."""
+        """The safe current; None if this damper was never commanded."""
         return None if self.refusal or not self.tally.desired else self._safe(stamp, rules, SAFE_STOPPED)
 
     def idle(self, stamp: int, rules: Rules) -> Command | None:
-        """What holds before the first desired force, for drivers that want to hear from the node; None after it."""
+        """The command before the first desired force, for drivers that expect messages; None after it."""
         if self.refusal or self.tally.desired:
             return None
         return Command(self.name, stamp, rules.safe_current, float("nan"), float("nan"), IDLE)

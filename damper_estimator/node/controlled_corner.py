@@ -1,6 +1,4 @@
-"""One damper under the example controller: what arrives is checked, and acted on only as its status allows. Knows no
-ROS.
-"""
+"""One damper under the example controller, which acts only on checked estimates with a usable status. Knows no ROS."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -13,20 +11,20 @@ from damper_estimator.node.wire import NANOSECONDS
 from damper_estimator.runtime import EXTRAPOLATING, GOOD, STALE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
 
-MAX_GAP = 0.1  # s between two estimates, after which the law starts afresh
+MAX_GAP = 0.1  # s between two estimates, after which the law restarts
 MOST_ACCELERATION = 500.0  # m/s^2; more than any body has
 
 
 @dataclass
 class CornerTally:
-    """What became of the messages for one damper since the start; counts only ever grow.
+    """The outcome of the messages for one damper since the start; counts never decrease.
 
     Attributes:
-        estimates: that came.
-        acted: of them, those that were answered by the law; ``limited`` because they were EXTRAPOLATING.
-        not_usable, not_felt, not_finite: those that were not: because of the status, without a recent acceleration,
-            because the law gave no finite force.
-        silences: times that the estimates stopped.
+        estimates: received.
+        acted: estimates that the law answered; ``limited``: with a limited force, because they were EXTRAPOLATING.
+        not_usable, not_felt, not_finite: estimates that it did not answer: because of the status, without a recent
+            acceleration, because the law's force was not finite.
+        silences: how often the estimates stopped.
         rejected: accelerations that are not finite or not plausible.
         ignored: added forces that are not finite.
     """
@@ -47,7 +45,7 @@ class ControlledCorner:
 
     Attributes:
         tally: counts.
-        desired: N, the last desired force; NaN where there is none.
+        desired: N, the last desired force; NaN if there is none.
     """
 
     def __init__(self, controller: CornerController, settings: ControllerSettings) -> None:
@@ -56,25 +54,25 @@ class ControlledCorner:
         self._sample = np.zeros(ROWS)
         self._stamp = 0
         self._felt = self._added = 0.0
-        self._felt_at = self._added_at = self._told_at = float("-inf")
+        self._felt_at = self._added_at = self._estimated_at = float("-inf")
         self._is_silent = False
 
-    def feel(self, acceleration: float, now: float) -> None:
-        """Takes the body's acceleration in m/s^2; the last good one is kept where this one cannot be."""
+    def add_acceleration(self, acceleration: float, now: float) -> None:
+        """Takes the body's acceleration in m/s^2; the last good one is kept if this one is implausible."""
         if not abs(acceleration) <= MOST_ACCELERATION:
             self.tally.rejected += 1
             return
         self._felt, self._felt_at = acceleration, now
 
-    def add(self, force: float, now: float) -> None:
-        """Takes a force in N that another controller adds; the last one is kept where this one is not finite."""
+    def add_force(self, force: float, now: float) -> None:
+        """Takes a force in N that another controller adds; the last one is kept if this one is not finite."""
         if not isfinite(force):
             self.tally.ignored += 1
             return
         self._added, self._added_at = force, now
 
     def step(self, stamp: int, motion: tuple[float, float, float], status: int, now: float) -> Action | None:
-        """Desired force and current for an estimate; None where there is nothing to act on.
+        """Desired force and current for an estimate; None if it is not usable.
 
         Args:
             stamp: ns.
@@ -83,7 +81,7 @@ class ControlledCorner:
             now: s.
         """
         self.tally.estimates += 1
-        self._told_at, self._is_silent = now, False
+        self._estimated_at, self._is_silent = now, False
         action = self._decide(stamp, motion, status, now)
         self.tally.acted += action is not None
         self.desired = float("nan") if action is None else action.wanted
@@ -91,13 +89,13 @@ class ControlledCorner:
 
     def is_silent(self, now: float) -> bool:
         """Whether no estimate has come for too long."""
-        is_silent = not self._is_recent(self._told_at, now)
+        is_silent = not self._is_recent(self._estimated_at, now)
         self.tally.silences += is_silent and not self._is_silent
         self._is_silent = is_silent
         return is_silent
 
     def _decide(self, stamp: int, motion: tuple[float, float, float], status: int, now: float) -> Action | None:
-        if status == STALE:  # under its old stamp
+        if status == STALE:  # repeated with its old stamp
             self.tally.not_usable += 1
             return None
         if not self._is_recent(self._felt_at, now):
@@ -110,7 +108,7 @@ class ControlledCorner:
         self._sample[X], self._sample[V], self._sample[A] = motion
         added = self._added if self._is_recent(self._added_at, now) else 0.0
         limit = self._settings.extrapolating_limit if status == EXTRAPOLATING else float("inf")
-        # The law takes every sample, so that it knows the body's velocity when the status is good again.
+        # The law processes every sample, so that it knows the body's velocity when the status is good again.
         action = self._controller.step(self._sample, self._felt, added, limit)
         if status not in (GOOD, EXTRAPOLATING):
             self.tally.not_usable += 1
@@ -122,5 +120,5 @@ class ControlledCorner:
         return action
 
     def _is_recent(self, at: float, now: float) -> bool:
-        """A clock that was set back makes everything before old."""
+        """Everything before a clock was set back is old."""
         return 0.0 <= now - at <= self._settings.timeout

@@ -1,9 +1,9 @@
-"""An example controller: skyhook, groundhook or both mixed for every damper, behind the estimator.
+"""An example controller: skyhook, groundhook or both mixed for every damper, by the estimates.
 
-It hears the estimates and the acceleration of the body above every damper, and asks the estimator for forces, which
-answers with currents by the inverse model. Given a look-up table it commands currents by that, as is usual without a
-model. Controllers chain: what another one asks for on ``~/added_force`` is added. Where there is nothing to act on it
-asks for NaN, which the estimator answers with the safe current; by table it commands the safe current itself.
+It subscribes to the estimates and to the acceleration of the body above every damper, and requests forces from the
+estimator, which answers with currents by the inverse model. With a look-up table it commands the currents itself, as is
+usual without a model. Controllers chain: a force on ``~/added_force`` is added. Without a usable estimate it requests
+NaN, which the estimator answers with the safe current; with a table it commands the safe current itself.
 """
 
 from collections.abc import Sequence
@@ -31,14 +31,14 @@ from damper_estimator.node.wire import NANOSECONDS, float_message
 NAME = "damper_controller"
 OUTPUT_DEPTH = 10
 HEALTH_PERIOD = 1.0  # s, REP-107
-LONGEST_WATCH = 0.05  # s between two looks for estimates that have stopped
+LONGEST_WATCH = 0.05  # s between two checks for estimates that have stopped
 
 
 class ControllerNode(Node):
-    """Answers every estimate with a desired force, or by table with a current; final."""
+    """Answers every estimate with a desired force, or with a current from a table; final."""
 
     def __init__(self) -> None:
-        """Raises InputError where a parameter or the table is unusable."""
+        """Raises InputError if a parameter or the table is unusable."""
         super().__init__(NAME)
         declare(self, DECLARATIONS)
         check_words(self, DECLARATIONS)
@@ -51,18 +51,18 @@ class ControllerNode(Node):
         self._corners: dict[str, ControlledCorner] = {}
         self._before: dict[str, CornerTally] = {}
         self._currents = CurrentTopics(self)
-        # By table the force is published only for those who judge it.
+        # With a table the force is published for evaluation only.
         topic = "damper_estimator/desired_force" if self._table is None else "~/desired_force"
         self._desired = self.create_publisher(JointState, topic, OUTPUT_DEPTH)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", OUTPUT_DEPTH)
         self.create_subscription(DamperForces, "damper_estimator/force", self._take_estimates, qos_profile_sensor_data)
         self.create_subscription(JointState, "~/added_force", self._take_added, qos_profile_sensor_data)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(HEALTH_PERIOD, self._tell_health, clock=steady)
+        self.create_timer(HEALTH_PERIOD, self._publish_health, clock=steady)
         self.create_timer(min(0.5 * settings.timeout, LONGEST_WATCH), self._watch, clock=steady)
 
     def end(self) -> None:
-        """By table: leaves the dampers at the safe current, also where the context was shut down."""
+        """With a table: leaves the dampers at the safe current, even if the context was shut down."""
         if self._table is None:
             return
         if self.context.ok():
@@ -74,18 +74,18 @@ class ControllerNode(Node):
         return self.get_clock().now().nanoseconds / NANOSECONDS
 
     def _corner(self, name: str) -> ControlledCorner:
-        """Of the damper; the first time its topics are made."""
+        """The corner of the damper; the first call creates its topics."""
         if name not in self._corners:
             command = ConstantCommand(float("nan")) if self._table is None else self._table
             controller = CornerController(self._law, command, self._settings.rest_force, self._settings.safe_current)
             corner = self._corners[name] = ControlledCorner(controller, self._settings)
 
-            def feel(message: AccelStamped) -> None:
-                corner.feel(message.accel.linear.z, self._now())
+            def take_acceleration(message: AccelStamped) -> None:
+                corner.add_acceleration(message.accel.linear.z, self._now())
 
             topic = f"suspension/{name}/body_acceleration"
             try:
-                self.create_subscription(AccelStamped, topic, feel, qos_profile_sensor_data)
+                self.create_subscription(AccelStamped, topic, take_acceleration, qos_profile_sensor_data)
             except (ValueError, RCLError) as error:
                 reason = str(error).partition(", at ")[0]
                 self.get_logger().warning(f"{name}: passive, {topic} cannot be subscribed: {reason}")
@@ -95,7 +95,7 @@ class ControllerNode(Node):
 
     def _take_added(self, message: JointState) -> None:
         for name, effort in zip(message.name, message.effort, strict=False):
-            self._corner(name).add(effort, self._now())
+            self._corner(name).add_force(effort, self._now())
 
     def _take_estimates(self, message: DamperForces) -> None:
         stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
@@ -110,7 +110,7 @@ class ControllerNode(Node):
         self._desired.publish(JointState(header=message.header, name=list(desired), effort=list(desired.values())))
 
     def _watch(self) -> None:
-        """Looks for estimates that have stopped."""
+        """Checks for estimates that have stopped."""
         now = self._now()
         silent = [name for name, corner in self._corners.items() if corner.is_silent(now)]
         if self._table is not None:
@@ -120,7 +120,7 @@ class ControllerNode(Node):
         for name in names:
             self._currents.publish(name, float_message(self._settings.safe_current))
 
-    def _tell_health(self) -> None:
+    def _publish_health(self) -> None:
         prefix = self.get_fully_qualified_name().lstrip("/")
         message = DiagnosticArray()
         message.header.stamp = self.get_clock().now().to_msg()

@@ -1,4 +1,4 @@
-"""What the example controller says of itself once a second (REP-107)."""
+"""Health of the example controller, once a second (REP-107)."""
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
@@ -30,7 +30,7 @@ def _judge(tally: CornerTally, before: CornerTally) -> tuple[bytes, str]:
     causes = {
         "the estimate was not usable": tally.not_usable - before.not_usable,
         "there was no recent acceleration of the body": tally.not_felt - before.not_felt,
-        "the law gave no finite force": tally.not_finite - before.not_finite,
+        "the law's force was not finite": tally.not_finite - before.not_finite,
     }
     found = [f"{cause} ({count} of {estimates} estimates)" for cause, count in causes.items() if count]
     if found:

@@ -21,7 +21,7 @@ _MOST_TEMPLATES = 256
 
 @dataclass(frozen=True, eq=False)
 class Estimator:
-    """One damper as the node estimates it: where its channels are, and what runs."""
+    """One damper that the node estimates: its channels and its model."""
 
     name: str
     signals: DamperSignals
@@ -33,8 +33,8 @@ class Arrival(NamedTuple):
 
     Attributes:
         now: steady time, s.
-        clock: ROS time, ns, and ``received`` the same, when the middleware had it.
-        suspect: whether its sender is in doubt.
+        clock: ROS time, ns; ``received``: the same, when the middleware received it.
+        suspect: whether its sender is doubtful.
         is_simulated: whether ``clock`` is simulated.
     """
 
@@ -50,16 +50,17 @@ class DisplacementInput:
 
     Attributes:
         line: their running state.
-        followers: what turns desired forces for them into currents.
-        missing: (k,) int64, messages that did not hold the damper.
-        last_good: (k,) steady time of the last sample that was used, s; NaN before the first.
+        followers: they follow the dampers' desired forces by currents.
+        missing: (k,) int64, messages that did not contain the damper.
+        last_good: (k,) steady time of the last used sample, s; NaN before the first.
         age: of the stamps on arrival.
         stamp: of the last message, ns.
     """
 
     def __init__(self, estimators: Sequence[Estimator], rules: Rules) -> None:
-        """Raises InputError where a field path does not fit the message type, or limits and safe current do not fit a
-        model."""
+        """Raises InputError if a field path does not fit the message type, or limits and safe current do not fit a
+        model.
+        """
         self.estimators: tuple[Estimator, ...] = ()
         self.followers: tuple[Follower, ...] = ()
         self._rules = rules
@@ -74,25 +75,25 @@ class DisplacementInput:
         self._frame = b""
         self._grow(estimators)
 
-    def add(self, one: Estimator) -> None:
-        """Takes one more damper; the others' states stay."""
-        self._grow([one])
+    def add(self, estimator: Estimator) -> None:
+        """Adds a damper; the others' states stay."""
+        self._grow([estimator])
 
     def _grow(self, more: Sequence[Estimator]) -> None:
         self.estimators = (*self.estimators, *more)
-        for one in more:
-            channel = one.signals.displacement
+        for estimator in more:
+            channel = estimator.signals.displacement
             scaling = (channel.scale, channel.offset) if channel.table is None else (1.0, 0.0)
-            self.line.add(one.name, one.deployed, *scaling)
-        self.followers += tuple(Follower(one.name, one.deployed, self._rules) for one in more)
+            self.line.add(estimator.name, estimator.deployed, *scaling)
+        self.followers += tuple(Follower(estimator.name, estimator.deployed, self._rules) for estimator in more)
         self._leading = [(d, follower) for d, follower in enumerate(self.followers) if not follower.refusal]
         self._driven = [
             (d, follower.current)
-            for d, (one, follower) in enumerate(zip(self.estimators, self.followers, strict=True))
-            if one.deployed.memories["command"] is not None
+            for d, (estimator, follower) in enumerate(zip(self.estimators, self.followers, strict=True))
+            if estimator.deployed.memories["command"] is not None
         ]
         self._whole = np.ones(len(self.estimators), bool)
-        channels = [one.signals.displacement for one in self.estimators]
+        channels = [estimator.signals.displacement for estimator in self.estimators]
         self._reader = reader_of("displacement", JOINT_STATE, channels)
         self._tables = [(d, channel) for d, channel in enumerate(channels) if channel.table is not None]
         self.missing = np.append(self.missing, np.zeros(len(more), np.int64))
@@ -103,26 +104,30 @@ class DisplacementInput:
         """The dampers that one message contains.
 
         Raises:
-            MalformedMessage: where the bytes do not fit the type.
+            MalformedMessage: if the bytes do not fit the type.
         """
         present = self._reader.place(data).present
-        return frozenset(one.name for one, there in zip(self.estimators, present.tolist(), strict=True) if there)
+        return frozenset(
+            estimator.name
+            for estimator, is_present in zip(self.estimators, present.tolist(), strict=True)
+            if is_present
+        )
 
     @property
     def stamps(self) -> np.ndarray:
-        """(k,) int64 ns of the last sample that was used; 0 before the first."""
+        """(k,) int64 ns of the last used sample; 0 before the first."""
         return self.line.records["last"]
 
     def take(self, data: bytes, arrival: Arrival, max_age: float = 0.0) -> bytes | None:
-        """The answer to one message, None where it gives no estimate.
+        """The answer to one message, None if it gives no estimate.
 
         Args:
             data: serialised JointState.
             arrival: when and how it came.
-            max_age: s after its stamp from which on a sample is too old; 0 to judge no age.
+            max_age: s after its stamp from which on a sample is too old; 0 judges no age.
 
         Raises:
-            MalformedMessage: where the bytes do not fit the type.
+            MalformedMessage: if the bytes do not fit the type.
         """
         place = self._reader.place(data)
         raw, stamp = place.values(data), place.stamp(data)
@@ -141,19 +146,19 @@ class DisplacementInput:
         answered = self.line.answered
         for d, follower in self._leading:
             if self.line.is_good(d):
-                answered.numbers[0, _REACH, d] = follower.look(self.line.sample(d))
+                answered.numbers[0, _REACH, d] = follower.update(self.line.sample(d))
         chosen = self._whole if count == self._whole.size else self.line.is_good(slice(None))
         self.last_good[chosen] = arrival.now
         return self._template(chosen).message(stamp, answered.numbers[0], answered.status[0], chosen)
 
     def _doubt_currents(self, stamp: int, judges_age: bool) -> None:
-        """Tells the line which dampers' currents cannot be those that flowed at the sample."""
+        """Marks on the line the dampers whose reported current cannot be the one that flowed at the sample."""
         fastest = self.age.fastest if judges_age else float("inf")
         for d, current in self._driven:
             self.line.doubted[d] = current.is_contradicted or current.is_ahead(stamp, fastest)
 
     def due(self, now: float, after: float, rules: Rules) -> list[Command]:
-        """Commands that the last message brings about by itself; arguments as `trusted`, and the present rules."""
+        """Commands that are due without a new desired force; arguments as `trusted`, and the present rules."""
         return [
             follower.command(self.trusted(d, now, after), int(self.stamps[d]), now, rules)
             for d, follower in self._leading
@@ -161,18 +166,20 @@ class DisplacementInput:
         ]
 
     def trusted(self, damper: int, now: float, after: float) -> int:
-        """Status by which the damper of this number may be commanded at the steady time ``now``: that of the line,
-        STALE where its last sample is older than ``after`` s or none came."""
+        """Status that decides whether the damper of this number is commanded at the steady time ``now``: that of the
+        line, STALE if its last sample is older than ``after`` s or none came.
+        """
         fresh = now - self.last_good[damper] <= after
         return int(self.line.answered.trusted[0, damper]) if fresh else STALE
 
     def is_new_structure(self, data: bytes) -> bool:
-        """Whether the message differs in names or lengths from those that were read lately."""
+        """Whether the message differs in names or lengths from the recently read ones."""
         return not self._reader.knows(data)
 
     def stale(self, now: float, after: float) -> list[bytes]:
-        """What to say of the dampers whose input stopped ``after`` s ago or earlier: their last estimate, marked STALE,
-        under its stamp."""
+        """Messages about the dampers whose input stopped ``after`` s ago or earlier: their last estimate, marked STALE,
+        under its stamp.
+        """
         silent = now - self.last_good > after
         if not silent.any():
             return []
@@ -184,7 +191,7 @@ class DisplacementInput:
         return messages
 
     def rewind(self, now: float) -> None:
-        """After the clock was set back to ``now`` s: what was received counts from now, desired forces are dropped."""
+        """After the clock was set back to ``now`` s: earlier samples count from now, desired forces are dropped."""
         self.last_good = np.minimum(self.last_good, now)
         for follower in self.followers:
             follower.drop_desired_force()
@@ -195,7 +202,7 @@ class DisplacementInput:
         if found is None:
             if len(self._templates) >= _MOST_TEMPLATES:
                 self._templates.clear()
-            names = [one.name for d, one in enumerate(self.estimators) if chosen[d]]
+            names = [estimator.name for d, estimator in enumerate(self.estimators) if chosen[d]]
             found = self._templates[key] = ForcesTemplate(names, self._frame.rstrip(b"\0").decode("utf-8", "replace"))
         return found
 
@@ -204,7 +211,7 @@ def names_in(data: bytes) -> list[str]:
     """The names in a JointState.
 
     Raises:
-        MalformedMessage: where the bytes are none.
+        MalformedMessage: if the bytes are no JointState.
     """
     if len(data) < _SHORTEST or data[0] != 0 or data[1] > 1:
         raise MalformedMessage("it is not plain CDR")
@@ -212,15 +219,15 @@ def names_in(data: bytes) -> list[str]:
 
 
 class AccelerationInput:
-    """The accelerometer of one damper, where it is taken in; final."""
+    """The accelerometer of one damper, if the signal map fuses it; final."""
 
     def __init__(self, type_name: str, channel: Channel, line: Line, damper: int) -> None:
-        """Of the damper of this number on the line; raises InputError where the field path does not fit the type."""
+        """Of the damper of this number on the line; raises InputError if the field path does not fit the type."""
         self._reader = reader_of("acceleration", type_name, [channel])
         self._channel, self._line, self._damper = channel, line, damper
 
     def take(self, data: bytes, now: float, received: int) -> None:
-        """Holds value and stamp of one message."""
+        """Passes value and stamp of one message to the line."""
         reading = self._reader.read(data)
         if reading.is_whole:
             arrived = self._line.arrived
@@ -228,27 +235,27 @@ class AccelerationInput:
             arrived.felt_at[0, self._damper] = reading.stamp
 
 
-class HeldInput:
-    """A slow channel of one damper: its value reaches the line as it arrives; final."""
+class SlowInput:
+    """A slow channel of one damper, passed to the line as it arrives; final."""
 
     def __init__(
         self, role: str, type_name: str, channel: Channel, line: Line, damper: int, current: CurrentCheck | None
     ) -> None:
-        """Of the damper of this number on the line; ``current`` where it is one that the node may command.
+        """Of the damper of this number on the line; ``current`` if the node can command this channel.
 
         Raises:
-            InputError: where the field path does not fit the type.
+            InputError: if the field path does not fit the type.
         """
         self._current = current
         self._reader = reader_of(role, type_name, [channel])
         self._channel, self._line, self._row, self._damper = channel, line, SLOW.index(role), damper
 
     def take(self, data: bytes, now: float, received: int) -> None:
-        """Holds the value of one message that came at the steady time ``now`` in s, ``received`` in ns of the clock."""
+        """Passes on the value of one message of the steady time ``now`` in s, ``received`` in ns of the clock."""
         reading = self._reader.read(data)
         if reading.is_whole:
             arrived, value = self._line.arrived, float(self._channel.value(float(reading.values[0])))
             arrived.slow[0, self._row, self._damper] = value
             arrived.heard[0, self._row, self._damper] += 1
             if self._current is not None:
-                self._current.take(value, now, received)
+                self._current.note_report(value, now, received)

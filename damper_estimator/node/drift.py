@@ -1,8 +1,8 @@
-"""Whether the error against the gauge grows, and with what. Knows no ROS.
+"""Whether the error against the gauge grows, and with which quantity. Knows no ROS.
 
 The error of a window is rms(model - measured) / rms(measured). The reference is the median of the first windows in
 which the damper worked. The alarm is raised when the median of the last windows is ``factor`` times as large, and at
-least two percentage points more; it is withdrawn below four fifths of that. What it grows with is the quantity
+least two percentage points more; it is withdrawn below four fifths of that. The error grows with the quantity
 (temperature, speed, stroke, offset of the gauge) whose windows rank like those of the error (Spearman's coefficient,
 equal values with their mean rank); a quantity that hardly varies is not named.
 """
@@ -16,7 +16,7 @@ from damper_estimator.numerics import rank_correlation
 REFERENCE, RECENT = 3, 3  # windows
 _LEAST_GROWTH = 0.02
 _RELEASE = 0.8
-_LEAST_SPEED = 0.01  # m/s rms; a damper that stands says nothing
+_LEAST_SPEED = 0.01  # m/s rms; a standing damper shows no error
 _MOST_WINDOWS = 600
 _RELATED = 0.7  # rank correlation
 _LEAST_RELATED = 6  # windows
@@ -27,7 +27,7 @@ QUANTITIES = ("temperature", "speed", "stroke", "offset")
 
 
 @dataclass
-class _Window:
+class _OpenWindow:
     """Sums over one window."""
 
     start: float = float("nan")
@@ -36,7 +36,7 @@ class _Window:
 
 
 @dataclass(frozen=True)
-class Told:
+class WindowError:
     """The error of one damper in one window, and the quantities by ``QUANTITIES``."""
 
     end: float
@@ -58,12 +58,12 @@ class Drift:
     def __init__(self, name: str, window: float, factor: float) -> None:
         """``window`` in s of the input's stamps; ``factor`` of growth that raises the alarm."""
         self.name = name
-        self.windows: list[Told] = []
+        self.windows: list[WindowError] = []
         self.rms_n = float("nan")
         self.is_alarm = False
         self._window, self._factor = window, factor
-        self._reference: list[Told] = []
-        self._open = _Window()
+        self._reference: list[WindowError] = []
+        self._open = _OpenWindow()
 
     def add(
         self,
@@ -82,43 +82,43 @@ class Drift:
         e, f, v, x = (column[good] for column in columns)
         end = float(stamp[good][-1]) / 1e9
         if not 0.0 <= end - self._open.start <= 2.0 * self._window:  # also the first, and a clock that was set
-            self._open = _Window(float(stamp[good][0]) / 1e9)
-        own = self._open
-        own.count += e.size
-        own.sums += [e @ e, f @ f, v @ v, e.sum(), x.sum(), x @ x, temperature * e.size, f.sum()]
-        if end - own.start >= self._window:
+            self._open = _OpenWindow(float(stamp[good][0]) / 1e9)
+        window = self._open
+        window.count += e.size
+        window.sums += [e @ e, f @ f, v @ v, e.sum(), x.sum(), x @ x, temperature * e.size, f.sum()]
+        if end - window.start >= self._window:
             self._close(end)
 
     def _close(self, end: float) -> None:
-        own, self._open = self._open, _Window(end)
-        squared, force, speed, bias, place, stroke, temperature, _ = own.sums / own.count
+        closed, self._open = self._open, _OpenWindow(end)
+        squared, force, speed, bias, place, stroke, temperature, _ = closed.sums / closed.count
         self.rms_n = float(np.sqrt(squared))
         if speed < _LEAST_SPEED**2 or force <= 0.0:
             return
         deviation = float(np.sqrt(max(stroke - place**2, 0.0)))
-        told = Told(
+        window = WindowError(
             end, float(np.sqrt(squared / force)), self.rms_n, (temperature, np.sqrt(speed), deviation, abs(bias))
         )
         if len(self._reference) < REFERENCE:
-            self._reference.append(told)
-        self.windows = [*self.windows[-_MOST_WINDOWS + 1 :], told]
+            self._reference.append(window)
+        self.windows = [*self.windows[-_MOST_WINDOWS + 1 :], window]
         limit = max(self._factor * self.reference, self.reference + _LEAST_GROWTH)
         self.is_alarm = len(self._reference) == REFERENCE and self.error > limit * (_RELEASE if self.is_alarm else 1.0)
 
     @property
     def reference(self) -> float:
         """The error at the beginning; NaN before the first window."""
-        return _median([told.error for told in self._reference])
+        return _median([window.error for window in self._reference])
 
     @property
     def error(self) -> float:
         """The error now; NaN before the first window."""
-        return _median([told.error for told in self.windows[-RECENT:]])
+        return _median([window.error for window in self.windows[-RECENT:]])
 
     def sentence(self) -> str:
-        """What has become of the error, in words."""
+        """The development of the error in words."""
         if not self.windows:
-            return "not known yet"
+            return "no error known yet"
         if not self.is_alarm:
             return f"error {100 * self.error:.0f} % of the measured force"
         minutes = (self.windows[-1].end - self._reference[0].end) / 60.0
@@ -129,15 +129,15 @@ class Drift:
         )
 
     def _related(self) -> str:
-        """The quantity that the error follows most closely, "" where it follows none."""
+        """The quantity that the error follows most closely, "" if it follows none."""
         if len(self.windows) < _LEAST_RELATED:
             return ""
-        errors = np.array([told.error for told in self.windows])
-        values = np.array([told.quantities for told in self.windows])
-        force = np.median([told.rms_n for told in self.windows] / errors)
+        errors = np.array([window.error for window in self.windows])
+        values = np.array([window.quantities for window in self.windows])
+        force = np.median([window.rms_n for window in self.windows] / errors)
         _, speed, stroke, _ = _LEAST_VARIATION * np.median(values, axis=0)
         least = (_LEAST_WARMING, speed, stroke, _LEAST_GROWTH * force)
-        varies = np.subtract(*np.percentile(values, [90.0, 10.0], axis=0)) > least  # False where one is NaN
+        varies = np.subtract(*np.percentile(values, [90.0, 10.0], axis=0)) > least  # False if one is NaN
         found = {name: rank_correlation(values[:, i], errors) for i, name in enumerate(QUANTITIES) if varies[i]}
         best = max(found, key=found.get, default="")
         return best if best and found[best] > _RELATED else ""

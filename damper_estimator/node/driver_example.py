@@ -1,11 +1,11 @@
-"""An example driver of a damper's coil: it sets what is commanded, and its own safe current when commands fail to come.
+"""An example driver of a damper's coil: it sets the commanded current, and a safe current when commands fail to come.
 
     python -m damper_estimator.node.driver_example --ros-args -p damper:=front_left -p safe_current:=0.4
 
-A process that is killed, or a network that breaks, commands nothing any more, not even the safe current. Only the
-driver can notice. It asks for the deadline and the liveliness that the command's publisher offers (`quality_of_service`), and
-falls back when no command has come for ``deadline`` s, when the publisher's process is gone for ``lease`` s, and when a
-command is not finite. The next good command counts again. A real driver has a watchdog in its hardware besides.
+After a process was killed or a network broke, no command arrives, not even the safe current. Only the driver can
+notice. It requests the deadline and the liveliness that the command's publisher offers (`quality_of_service`), and
+falls back when no command has come for ``deadline`` s, when the publisher's process has been gone for ``lease`` s, and
+when a command is not finite. The next good command counts again. A real driver also has a watchdog in its hardware.
 """
 
 import sys
@@ -24,11 +24,11 @@ from damper_estimator.node.quality_of_service import DEADLINE, LEASE
 PERIOD = 0.01  # s between two reports of the current that flows
 PARAMETERS = {
     "damper": "left",  # name of the damper
-    "safe_current": 0.0,  # A, where no command can be trusted
-    "lowest": 0.0,  # A, what the coil bears
+    "safe_current": 0.0,  # A, set while no command can be trusted
+    "lowest": 0.0,  # A, limits of the coil
     "highest": 2.0,
-    "deadline": DEADLINE,  # s without a command; not below what is offered, or nothing is received
-    "lease": LEASE,  # s without a sign of life of the commanding process
+    "deadline": DEADLINE,  # s without a command; not below the offered deadline, or nothing is received
+    "lease": LEASE,  # s without a sign of life from the commanding process
 }
 
 
@@ -36,7 +36,7 @@ class DriverExample(Node):
     """Sets ``suspension/<damper>/current_command`` and reports ``suspension/<damper>/current``; final.
 
     Attributes:
-        current: A, what is set now.
+        current: A, set now.
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class DriverExample(Node):
         value = {name: self.get_parameter(name).value for name in PARAMETERS}
         self._safe, self._limits = value["safe_current"], (value["lowest"], value["highest"])
         self.current = self._safe
-        asked = QoSProfile(
+        requested = QoSProfile(
             depth=1,
             deadline=Duration(seconds=value["deadline"]),
             liveliness=LivelinessPolicy.AUTOMATIC,
@@ -57,7 +57,7 @@ class DriverExample(Node):
         )
         topic = f"suspension/{value['damper']}"
         self._flowing = self.create_publisher(Float64, f"{topic}/current", 10)
-        self.create_subscription(Float64, f"{topic}/current_command", self._take, asked, event_callbacks=events)
+        self.create_subscription(Float64, f"{topic}/current_command", self._take, requested, event_callbacks=events)
         self.create_timer(PERIOD, self._report)
 
     def _take(self, command: Float64) -> None:
@@ -72,7 +72,7 @@ class DriverExample(Node):
         self.current = self._safe
 
     def _report(self) -> None:
-        """Where a real driver would measure."""
+        """Reports the set current; a real driver would measure it."""
         self._flowing.publish(Float64(data=self.current))
 
 

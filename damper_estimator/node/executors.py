@@ -1,4 +1,4 @@
-"""Chooses what delivers the messages: by events where that works here, else rclpy's default."""
+"""Chooses the executor: by events if that works in this installation, else rclpy's default."""
 
 import time
 
@@ -14,9 +14,7 @@ PROBE_TIME = 2.0  # s, far more than one timer needs
 
 
 def make_executor(wanted: str, logger: RcutilsLogger) -> Executor:
-    """An executor that was seen to deliver: ``events`` where it is wanted and works, else ``single`` (and a log
-    line).
-    """
+    """The ``wanted`` executor; ``single``, with a log line, if ``events`` does not work."""
     if wanted == "events":
         executor = events_executor()
         if executor is not None and _delivers(executor):
@@ -26,7 +24,7 @@ def make_executor(wanted: str, logger: RcutilsLogger) -> Executor:
 
 
 def _delivers(executor: Executor) -> bool:
-    """Whether a timer reaches its callback; found by trying, since releases of Jazzy differ."""
+    """Whether a timer reaches its callback; tried out, since releases of Jazzy differ."""
     seen: list[bool] = []
     node = rclpy.create_node(
         "damper_estimator_probe", enable_rosout=False, start_parameter_services=False, use_global_arguments=False

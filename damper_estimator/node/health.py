@@ -1,4 +1,4 @@
-"""What the node says of itself once a second (REP-107): counts since the start, judged by the last second."""
+"""The node's health once a second (REP-107): counts since the start, judged by the last second."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,24 +34,24 @@ OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.E
 
 @dataclass
 class InputTally:
-    """What arrived on one topic; counts only ever grow.
+    """The messages of one topic; counts never decrease.
 
     Attributes:
         topic: resolved name.
         messages: received.
         malformed: messages that do not fit their type.
-        failures: messages that the node could not process because of a bug of its own.
-        lost: messages that are missing by their sequence numbers, between the first and the last that came.
+        failures: messages that the node could not process because of an internal error.
+        lost: messages missing by their sequence numbers, between the first and the last received.
         reported_lost: messages that the middleware reports as lost.
         doubled: messages by damper that came from one of two publishers of it.
-        publishers: whom we hear at the moment.
-        incompatible: publishers whose quality of service does not match ours.
-        other_types: publishers of another type than ours.
+        publishers: present number.
+        incompatible: publishers whose quality of service does not match the subscription.
+        other_types: publishers of another message type.
         last: steady time of the last message, s; None before the first.
         names: of the last message whose structure was new.
         age: s, age of the last stamp on arrival; NaN before the first.
         late: samples that were too old on arrival.
-        is_other_clock: whether the stamps do not mean this machine's time.
+        is_other_clock: whether the stamps are not of this machine's time.
     """
 
     topic: str
@@ -78,7 +78,7 @@ def input_status(prefix: str, now: InputTally, before: InputTally, time: float, 
         prefix: the node's name.
         now, before: counts now and a period ago.
         time: steady time, s.
-        known: names of the dampers that are estimated.
+        known: names of the estimated dampers.
     """
     values = {
         "topic": now.topic,
@@ -101,12 +101,12 @@ def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[byte
     if now.incompatible and now.messages == before.messages:
         return (
             ERROR,
-            "a publisher is there, but its quality of service does not match; set qos_reliability to best_effort",
+            "there is a publisher, but its quality of service does not match; set qos_reliability to best_effort",
         )
     if now.other_types and now.last is None:
-        return ERROR, "a publisher is there, but it publishes another type of message"
+        return ERROR, "there is a publisher, but of another type of message"
     if now.last is None and now.publishers:
-        return WARN, "a publisher is there, but it has sent nothing yet"
+        return WARN, "there is a publisher, but it has not sent a message yet"
     if now.last is None:
         return WARN, "no message yet; check the topic, the namespace and ROS_DOMAIN_ID"
     if now.messages == before.messages:
@@ -130,13 +130,13 @@ def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[byte
 
 @dataclass(frozen=True, eq=False)
 class DamperNow:
-    """What the node knows of one damper at one moment.
+    """The state of one damper at one moment.
 
     Attributes:
         counts: by the constants of ``runtime.record``.
         noise: m/s, standard deviation of the velocity.
         is_identified: whether the model was fitted to measurements.
-        heeded: the slow channels that the model's force depends on.
+        influential: the slow channels that the model's force depends on.
     """
 
     name: str
@@ -145,13 +145,13 @@ class DamperNow:
     counts: np.ndarray
     noise: float
     is_identified: bool
-    heeded: Sequence[str]
+    influential: Sequence[str]
     missing: int
     is_stale: bool
     drift: Drift | None
 
 
-def nothing_yet(now: DamperNow) -> DamperNow:
+def before_first_sample(now: DamperNow) -> DamperNow:
     """The same damper before its first sample."""
     return replace(now, counts=np.zeros(COUNTS, np.int64), missing=0)
 
@@ -198,46 +198,46 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
     new = now.counts - before.counts
     samples, missing = int(new[: NON_FINITE + 1].sum()), now.missing - before.missing
     if new[NOT_FINITE]:
-        return ERROR, "the model gives no finite force"
+        return ERROR, "the model's force is not finite"
     if not samples and missing:
-        return ERROR, "the messages do not hold this damper"
+        return ERROR, "the messages do not contain this damper"
     if now.is_stale:
         return ERROR, "the input has stopped; estimates are stale"
     if not samples:
         return WARN, "no samples"
     dropped, resets = int(new[DUPLICATE : NON_FINITE + 1].sum()), int(new[GAP] + new[STEP_BACK])
-    told = [f"{dropped} of {samples} samples were dropped"] if dropped else []
-    told += [f"gaps or clock steps: {resets} resets"] if resets else []
-    told += [f"{missing} messages did not hold this damper"] if missing else []
-    told += [f"{new[JUMPS]} jumps of the displacement"] if new[JUMPS] else []
-    told += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
-    told += ["the displacement stands still, although its sensor is noisy"] if new[STUCK] else []
-    told += [f"{new[SUSPECT]} samples in doubt: their age, sender or current"] if new[SUSPECT] else []
-    told += _judge_slow(now, new)
-    told += [] if now.is_identified else ["the model was never identified: fit it to recordings of this damper"]
+    warnings = [f"{dropped} of {samples} samples were dropped"] if dropped else []
+    warnings += [f"gaps or clock steps: {resets} resets"] if resets else []
+    warnings += [f"{missing} messages did not contain this damper"] if missing else []
+    warnings += [f"{new[JUMPS]} jumps of the displacement"] if new[JUMPS] else []
+    warnings += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
+    warnings += ["the displacement is constant, although its sensor is noisy"] if new[STUCK] else []
+    warnings += [f"{new[SUSPECT]} samples in doubt because of their age, sender or current"] if new[SUSPECT] else []
+    warnings += _judge_slow(now, new)
+    warnings += [] if now.is_identified else ["the model was never identified: fit it to recordings of this damper"]
     if now.drift is not None and now.drift.is_alarm:
-        told.insert(0, now.drift.sentence())
-    told += ["the displacement is noisy"] if not told and new[BY_STATUS + DEGRADED] else []
-    if told:
-        return WARN, "; ".join(told)
+        warnings.insert(0, now.drift.sentence())
+    warnings += ["the displacement is noisy"] if not warnings and new[BY_STATUS + DEGRADED] else []
+    if warnings:
+        return WARN, "; ".join(warnings)
     outside = int(new[BY_STATUS + EXTRAPOLATING])
     return OK, f"estimating; {outside} of {samples} samples outside the region of the fit" if outside else "estimating"
 
 
 def _judge_slow(now: DamperNow, new: np.ndarray) -> list[str]:
-    told = []
+    warnings = []
     for row, role in enumerate(SLOW):
-        effect = "the force depends on it" if role in now.heeded else "the force does not depend on it"
+        effect = "the force depends on it" if role in now.influential else "the force does not depend on it"
         if new[IMPLAUSIBLE + row]:
-            told.append(f"{new[IMPLAUSIBLE + row]} values of {role} cannot be and were dropped ({effect})")
+            warnings.append(f"{new[IMPLAUSIBLE + row]} implausible values of {role} were dropped ({effect})")
         if new[SILENT + row]:
-            told.append(f"{role} is silent, its last value is held ({effect})")
-    return told
+            warnings.append(f"{role} is silent, its last value is kept ({effect})")
+    return warnings
 
 
 @dataclass(frozen=True)
 class CommandNow:
-    """What the node knows of one damper's commands at one moment; forces in N, ``sent`` as in the messages."""
+    """The state of one damper's commands at one moment; forces in N, ``sent`` as in the messages."""
 
     name: str
     refusal: str
@@ -248,7 +248,7 @@ class CommandNow:
 
 
 def command_status(prefix: str, now: CommandNow, before: CommandTally) -> DiagnosticStatus:
-    """Health of the commands for one damper for which forces are desired; ``before`` is the tally of a period ago."""
+    """Health of the commands for one damper with desired forces; ``before`` is the tally of a period ago."""
     tally = now.tally
     values = {
         "desired forces": tally.desired,
@@ -272,9 +272,9 @@ def _judge_command(now: CommandNow, before: CommandTally) -> tuple[bytes, str]:
         "the estimate was not good": tally.not_good - before.not_good,
         "the inverse had no answer": tally.unanswered - before.unanswered,
     }
-    told = [f"{cause} ({count} commands)" for cause, count in causes.items() if count]
-    if told:
-        return WARN, "; ".join(["safe current: " + "; ".join(told), *filter(None, [now.complaint])])
+    warnings = [f"{cause} ({count} commands)" for cause, count in causes.items() if count]
+    if warnings:
+        return WARN, "; ".join(["safe current: " + "; ".join(warnings), *filter(None, [now.complaint])])
     if now.complaint:
         return WARN, now.complaint
     if tally.desired == before.desired:
@@ -283,12 +283,12 @@ def _judge_command(now: CommandNow, before: CommandTally) -> tuple[bytes, str]:
 
 
 def output_status(prefix: str, values: Mapping[str, object], incompatible: int) -> DiagnosticStatus:
-    """Health of the force topic; that nobody listens is no fault. ``values`` has ``SUBSCRIBERS``."""
+    """Health of the force topic; no subscriber is no fault. ``values`` has ``SUBSCRIBERS``."""
     if incompatible:
         return status(
-            f"{prefix}: output", WARN, "a subscriber asks for a quality of service that is not offered", values
+            f"{prefix}: output", WARN, "a subscriber requests a quality of service that is not offered", values
         )
-    return status(f"{prefix}: output", OK, "publishing" if values[SUBSCRIBERS] else "nobody listens", values)
+    return status(f"{prefix}: output", OK, "publishing" if values[SUBSCRIBERS] else "no subscriber", values)
 
 
 def status(name: str, level: bytes, message: str, values: Mapping[str, object]) -> DiagnosticStatus:

@@ -1,8 +1,8 @@
-"""The arguments of the project's launch files: read and checked before anything starts.
+"""The arguments of the project's launch files, checked before anything starts.
 
-``ros2 launch`` accepts any argument with any value. Here a value must fit its parameter, and an argument that nobody
-declared is refused: always where it is a slip of the pen, and whatever it is where the launch file was started by
-itself. A launch file that includes ours may have arguments of its own.
+``ros2 launch`` accepts any argument with any value. Here a value must fit its parameter, and an undeclared argument is
+refused: always if it looks like a typing mistake, and in every case if the launch file was started directly. A launch
+file that includes ours can have further arguments.
 """
 
 import sys
@@ -28,19 +28,19 @@ Value = str | float | int | bool
 TIME = {"use_sim_time": Declaration(False, "take the time from /clock")}
 ESTIMATOR_PARAMETERS = {name: DECLARATIONS[name] for name in ("model", "signals", "safe_current", "autostart")} | TIME
 COMMON = {
-    "params_file": Declaration("", "YAML file with parameters; config/node.yaml and controller.yaml explain them"),
+    "params_file": Declaration("", "YAML file with parameters; see config/node.yaml and controller.yaml"),
     "namespace": Declaration("", "namespace of the nodes and their relative topics, one per vehicle"),
     "log_level": Declaration("", "of the log", allowed=("debug", "info", "warn", "error", "fatal")),
-    "respawn": Declaration(False, "start a node again when it ends"),
+    "respawn": Declaration(False, "restart a node when it ends"),
 }
 ESTIMATOR = ESTIMATOR_PARAMETERS | COMMON | {
-    "displacement": Declaration("", "topic that the default displacement topic is remapped to"),
+    "displacement": Declaration("", "topic to which the default displacement topic is remapped"),
 }  # fmt: skip
 CONTROLLER = CONTROLLER_PARAMETERS | TIME | COMMON
 
 
 class LaunchArguments:
-    """The arguments of one launch file; final. One that is not given leaves its parameter as it is elsewhere."""
+    """The arguments of one launch file; final. A missing one leaves its parameter as set elsewhere."""
 
     def __init__(self, file: str, declarations: Mapping[str, Declaration]) -> None:
         """``file`` is the launch file's ``__file__``."""
@@ -48,14 +48,14 @@ class LaunchArguments:
         self._declarations = dict(declarations)
 
     def declare(self) -> list[DeclareLaunchArgument]:
-        """What ``ros2 launch --show-args`` lists."""
+        """The declarations that ``ros2 launch --show-args`` lists."""
         return [
-            DeclareLaunchArgument(name, default_value="", description=_described(own))
-            for name, own in self._declarations.items()
+            DeclareLaunchArgument(name, default_value="", description=_described(declaration))
+            for name, declaration in self._declarations.items()
         ]
 
     def given(self, context: LaunchContext) -> dict[str, Value]:
-        """The arguments that were given, with the type of their parameter.
+        """The given arguments, with the type of their parameter.
 
         Raises:
             InputError: one line with every unknown argument and every value that does not fit.
@@ -73,17 +73,15 @@ class LaunchArguments:
         return values
 
     def _unknown(self, context: LaunchContext, given: set[str]) -> list[str]:
-        free, others = (
-            self._declarations.keys() - given,
-            context.launch_configurations.keys() - self._declarations.keys(),
-        )
-        found = {name: f"; {meant} is meant?" for name in others for meant in free if is_slip(name, meant)}
-        if self._is_started_by_itself():
+        free = self._declarations.keys() - given
+        others = context.launch_configurations.keys() - self._declarations.keys()
+        found = {name: f"; did you mean {meant}?" for name in others for meant in free if is_misspelt(name, meant)}
+        if self._is_started_directly():
             words = [word.partition(":=")[0] for word in context.argv if ":=" in word]
             found = {name: "" for name in words if name not in self._declarations} | found
         return [f"there is no argument {name}{hint}" for name, hint in found.items()]
 
-    def _is_started_by_itself(self) -> bool:
+    def _is_started_directly(self) -> bool:
         """Whether ``ros2 launch`` was given this file, by package and name or by path."""
         words = sys.argv[1:]
         by_name = (PACKAGE, self._file.name) in zip(words, words[1:], strict=False)
@@ -91,7 +89,7 @@ class LaunchArguments:
 
 
 def parsed(text: str, declaration: Declaration) -> Value | None:
-    """The value that a text stands for; None where it does not fit. Truth is what YAML calls so: true, Yes, off ..."""
+    """The value of a text; None if it does not fit. True and false are spelled as in YAML: true, Yes, off ..."""
     kind = type(declaration.default)
     if kind is str:
         return text if not declaration.allowed or text in declaration.allowed else None
@@ -111,9 +109,9 @@ def _described(declaration: Declaration) -> str:
     return declaration.description + by_default
 
 
-def is_slip(written: str, meant: str) -> bool:
-    """Whether two different names differ by one letter (another, missing or surplus), by two that are exchanged, or in
-    nothing but case and hyphens.
+def is_misspelt(written: str, meant: str) -> bool:
+    """Whether two different names differ by one letter (another, missing or surplus), by two exchanged letters, or only
+    in case and hyphens.
     """
     a, b = (name.lower().replace("-", "_") for name in (written, meant))
     while a and b and a[0] == b[0]:
@@ -124,19 +122,19 @@ def is_slip(written: str, meant: str) -> bool:
 
 
 def parameter_files(given: Mapping[str, Value]) -> list[str]:
-    """The ``params_file``, where it was given.
+    """The ``params_file``, if it was given.
 
     Raises:
-        InputError: where it is no file; launch itself would go on without it.
+        InputError: if it is no file; launch itself would continue without it.
     """
     path = given.get("params_file", "")
     if path and not Path(path).is_file():
-        raise InputError(f"params_file:={path}: there is no such file")
+        raise InputError(f"params_file:={path}: no such file")
     return [path] if path else []
 
 
 def parameters(given: Mapping[str, Value], names: Mapping[str, object]) -> list[dict[str, object]]:
-    """Those of the given arguments that are parameters ``names``, for a node; texts stay texts, whatever is in them."""
+    """The given arguments among the parameters ``names``, for a node; a text stays a text, also if it reads ``1``."""
     chosen = {
         name: ParameterValue(value, value_type=str) if isinstance(value, str) else value
         for name, value in given.items()
@@ -146,24 +144,24 @@ def parameters(given: Mapping[str, Value], names: Mapping[str, object]) -> list[
 
 
 def end_launch(event: ProcessExited, context: LaunchContext) -> list[Shutdown]:
-    """For ``on_exit`` of a node without which the others are of no use."""
+    """For ``on_exit`` of a node without which the others are useless."""
     return [] if context.is_shutdown else [Shutdown(reason=f"{event.process_name} has ended")]
 
 
 def is_set_elsewhere(name: str, files: list[str], context: LaunchContext) -> bool:
     """Whether a parameter file, or ``SetParameter`` of an including launch file, gives the parameter a value.
 
-    For any node: the node itself judges what is its own.
+    For any node: the node itself checks whether the value is for it.
     """
     shared = context.launch_configurations.get("global_params", ())
-    paths = [*files, *(own for own in shared if not isinstance(own, tuple))]
-    return any(own[0] == name and own[1] for own in shared if isinstance(own, tuple)) or any(
+    paths = [*files, *(entry for entry in shared if not isinstance(entry, tuple))]
+    return any(entry[0] == name and entry[1] for entry in shared if isinstance(entry, tuple)) or any(
         _is_in(_loaded(Path(path).read_text(encoding="utf-8")), name) for path in paths
     )
 
 
 def _loaded(text: str) -> object:
-    """What YAML makes of a text; None where it is none, which the node complains about."""
+    """The content of a YAML text; None if it is invalid, which the node reports."""
     try:
         return yaml.safe_load(text)
     except yaml.YAMLError:
@@ -173,5 +171,6 @@ def _loaded(text: str) -> object:
 def _is_in(content: object, name: str) -> bool:
     if not isinstance(content, dict):
         return False
-    own = content.get("ros__parameters")
-    return bool(isinstance(own, dict) and own.get(name)) or any(_is_in(value, name) for value in content.values())
+    parameters_of_node = content.get("ros__parameters")
+    is_set = isinstance(parameters_of_node, dict) and bool(parameters_of_node.get(name))
+    return is_set or any(_is_in(value, name) for value in content.values())

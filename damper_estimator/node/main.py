@@ -1,4 +1,4 @@
-"""Entry points of the executables; importable without ROS, so that its absence is one line and no traceback."""
+"""Entry points of the executables; importable without ROS, so that its absence is one line and not a traceback."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -14,7 +14,7 @@ def main() -> int:
     """Runs the estimator until a signal comes.
 
     Returns:
-        The exit status: 0 after a signal, 1 where the node refuses to start (one line on standard error).
+        The exit status: 0 after a signal, 1 if the node refuses to start (one line on standard error).
     """
 
     def run(words: Sequence[str], stop: Stop) -> None:

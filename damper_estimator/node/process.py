@@ -1,4 +1,4 @@
-"""What the process asks of the machine: real-time priority, and no pauses for the garbage collector."""
+"""Settings of the process: real-time priority, and no pauses by the garbage collector."""
 
 import gc
 import os
@@ -6,22 +6,22 @@ from pathlib import Path
 
 
 def tame_garbage_collector() -> None:
-    """Takes everything that is loaded out of the collector's sight and leaves collecting to `collect_garbage`."""
+    """Exempts all present objects from collection, and leaves collecting to `collect_garbage`."""
     gc.collect()
     gc.freeze()
     gc.disable()
 
 
 def collect_garbage() -> None:
-    """Collects what came since; short, because all older objects are out of sight."""
+    """Collects newer objects; short, because all older ones are exempt."""
     gc.collect()
 
 
 def set_realtime_priority(priority: int) -> str:
-    """Asks for SCHED_FIFO for every thread of the process; 0 asks for nothing.
+    """Requests SCHED_FIFO for every thread of the process; 0 requests nothing.
 
     Returns:
-        What to tell the user where it is not allowed, else "".
+        A message for the user if it is not permitted, else "".
     """
     if not priority:
         return ""

@@ -1,6 +1,6 @@
-"""The only file that uses names of rclpy outside its public interface; each says why there is no public way.
+"""The only file that uses names of rclpy outside its public interface; each comment says why.
 
-Written against rclpy 7.1 (Jazzy). ``test/node/test_rclpy_private.py`` holds each against the installed release and
+Written against rclpy 7.1 (Jazzy). ``test/node/test_rclpy_private.py`` compares each with the installed release and
 fails, with the name, when a release changes it.
 """
 
@@ -13,13 +13,13 @@ from rclpy.subscription import Subscription
 __all__ = ["RCLError", "RcutilsLogger", "RefusingLifecycleNode", "events_executor", "take"]
 
 # RCLError, of rclpy._rclpy_pybind11: what the C++ part raises for a topic that cannot be one, unknown arguments and
-# transitions that do not exist. rclpy.exceptions has no class for it; its base, RuntimeError, would take in our bugs.
+# transitions that do not exist. rclpy.exceptions has no class for it; its base, RuntimeError, would include our bugs.
 #
 # RcutilsLogger, of rclpy.impl: the type of what the public Node.get_logger() returns; needed for annotations only.
 
 
 def events_executor() -> Executor | None:
-    """An ``EventsExecutor``, or None where the release has none.
+    """An ``EventsExecutor``, or None if the release has none.
 
     ``rclpy.experimental`` may change without notice. Since rclpy 7.1 it delivers a message at half the processor time
     of the public executors, but ``spin`` delivers nothing in some builds (see `executors`).
@@ -32,7 +32,7 @@ def events_executor() -> Executor | None:
 
 
 def take(subscription: Subscription) -> tuple[object, object] | None:
-    """The next message that waits and what is known of it, outside the executor; None where none does.
+    """The next waiting message and its information, outside the executor; None if none waits.
 
     ``Subscription.handle`` is public, its ``take_message`` is not documented; the executors of rclpy 7.1 and
     ``rclpy.wait_for_message`` call it in the same way.
@@ -42,11 +42,11 @@ def take(subscription: Subscription) -> tuple[object, object] | None:
 
 
 class RefusingLifecycleNode(LifecycleNode):
-    """A managed node that refuses a transition which its present state does not have.
+    """A managed node that refuses a transition that its present state does not have.
 
     ``LifecycleNodeMixin.__change_state`` of rclpy 7.1 raises then: the service ``change_state`` never answers, and the
     exception ends the process (rclpy issue 1209). Later releases refuse by themselves (rclpy pull request 1319); then
-    a plain ``LifecycleNode`` will do.
+    a plain ``LifecycleNode`` suffices.
     """
 
     def _LifecycleNodeMixin__change_state(self, transition_id: int) -> TransitionCallbackReturn:

@@ -1,7 +1,7 @@
-"""Records inputs and estimates while the node runs, in a thread of its own; what is written survives ``kill -9``.
+"""Records inputs and estimates while the node runs, in a separate thread; written messages survive ``kill -9``.
 
-Twice a second what came is put into a chunk and handed to the operating system. A full or slow disk costs recorded
-messages, which are counted, and never estimates. Files are ``damper_estimator_<date>_<time>_<number>.mcap``.
+Twice a second the new messages are put into a chunk and passed to the operating system. A full or slow disk costs
+recorded messages, which are counted, and never estimates. Files are ``damper_estimator_<date>_<time>_<number>.mcap``.
 """
 
 import sys
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from damper_estimator.recordings import LiveBagWriter
 
 PERIOD = 0.5  # s between chunks
-PATIENCE = 10.0  # s after which a disk that was full is tried again
+PATIENCE = 10.0  # s until a full disk is tried again
 MOST_WAITING = 100_000  # messages; more are not kept
 PREFIX = "damper_estimator_"
 
 
 def _writer_class() -> "type[LiveBagWriter]":
-    """What writes the files, loaded here because a node that does not record runs without the packages it takes."""
+    """The writer of the files; imported here, because a node that does not record runs without its packages."""
     try:
         from damper_estimator.recordings import LiveBagWriter
     except ModuleNotFoundError as error:
@@ -42,10 +42,10 @@ class Recorder:
     """A series of files in one folder; final."""
 
     def __init__(self, folder: str, size: int, files: int) -> None:
-        """``size`` of a file in MB; ``files`` that are kept, 0 for all.
+        """``size`` of a file in MB; number of ``files`` to keep, 0 for all.
 
         Raises:
-            InputError: where the folder cannot be made or written to, or a package that writes files is missing.
+            InputError: if the folder cannot be created or written to, or a package that writes files is missing.
         """
         self._writer_class = _writer_class()
         self._folder, self._size, self._files = Path(folder).expanduser(), size * 1_000_000, files
@@ -53,7 +53,7 @@ class Recorder:
         self._end = Event()
         self._thread: Thread | None = None
         self._writer: LiveBagWriter | None = None
-        self._number = self._written = self._bytes = self._lost = self._told = 0
+        self._number = self._written = self._bytes = self._lost = self._reported = 0
         self._complaint = ""
         self._full_until = 0.0
         try:
@@ -74,21 +74,21 @@ class Recorder:
         self._thread.start()
 
     def stop(self) -> None:
-        """Completes the file; nothing happens where it is not recording."""
+        """Completes the file; does nothing if it is not recording."""
         if self._thread is not None:
             self._end.set()
             self._thread.join()
             self._thread = None
 
     def keep(self, topic: str, type_name: str, data: bytes) -> None:
-        """Records a serialised message as having come or gone now."""
+        """Records a serialised message as received or sent now."""
         if len(self._waiting) < MOST_WAITING:
             self._waiting.append((topic, type_name, time.time_ns(), data))
         else:
             self._lost += 1
 
     def health(self) -> tuple[bytes, str, dict[str, object]]:
-        """Level, sentence and values for ``/diagnostics``."""
+        """Level, message and values for ``/diagnostics``."""
         values = {
             "folder": self._folder,
             "file": self._writer.path.name if self._writer else "",
@@ -96,7 +96,7 @@ class Recorder:
             "not recorded": self._lost,
             "bytes": self._bytes,
         }
-        new, self._told = self._lost - self._told, self._lost
+        new, self._reported = self._lost - self._reported, self._lost
         if self._complaint:
             return DiagnosticStatus.ERROR, self._complaint, values
         if new:
@@ -110,7 +110,7 @@ class Recorder:
         self._close()
 
     def _write(self) -> None:
-        """Writes what waits; a failure costs these messages and ends the file."""
+        """Writes the waiting messages; a failure costs these messages and ends the file."""
         batch = [self._waiting.popleft() for _ in range(len(self._waiting))]
         if not batch:
             return
@@ -138,10 +138,10 @@ class Recorder:
             self._close()
 
     def _open(self) -> None:
-        """The next file; the oldest go where more than the wanted number would stay."""
+        """Opens the next file, and deletes the oldest ones beyond the number to keep."""
         if self._files:
-            there = sorted(self._folder.glob(f"{PREFIX}*.mcap"), key=lambda path: path.stat().st_mtime)
-            for path in there[: max(len(there) - self._files + 1, 0)]:
+            existing = sorted(self._folder.glob(f"{PREFIX}*.mcap"), key=lambda path: path.stat().st_mtime)
+            for path in existing[: max(len(existing) - self._files + 1, 0)]:
                 path.unlink()
         while True:
             self._number += 1

@@ -109,7 +109,7 @@ class Reporter:
         before = self._before.get(name)
         # A change of parameters resets the counts.
         if before is None or (now.counts < before.counts).any() or now.missing < before.missing:
-            before = health.nothing_yet(now)
+            before = health.before_first_sample(now)
         self._before[name] = now
         roster = estimation.roster
         return health.damper_status(prefix, now, before, roster.signal_map.cutoff, roster.delay)

@@ -1,7 +1,7 @@
 """The estimates against the strain gauges, live: residual messages, running error and drift. Knows no ROS.
 
 Samples are collected as they come and compared a few times a second: gauge and displacement of the same instant arrive
-one after the other in any case, and the estimates must not wait for the comparison.
+one after the other anyway, and the estimates must not wait for the comparison.
 """
 
 from collections.abc import Sequence
@@ -18,27 +18,27 @@ from damper_estimator.signals.admission import ACCEPTED, DUPLICATE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
 
 _SILENT = 40  # comparisons without a sample of a gauge until estimates are no longer collected
-_ROOM = 2048  # samples between two comparisons; more are not compared
+_CAPACITY = 2048  # samples between two comparisons; more are not compared
 _X, _V, _A = (FIELDS.index(name) for name in ("displacement", "velocity", "acceleration"))
-_NOTHING = np.zeros(0, np.int64)
+_NO_STAMPS = np.zeros(0, np.int64)
 
 
 class GaugeInput:
     """One topic of measured forces, of one or more dampers; final."""
 
     def __init__(self, signals: Sequence[DamperSignals]) -> None:
-        """Raises InputError where a field path does not fit the message type."""
-        self._channels = [own.force for own in signals]
+        """Raises InputError if a field path does not fit the message type."""
+        self._channels = [damper.force for damper in signals]
         self._reader = reader_of("force", JOINT_STATE, self._channels)
-        self._stamps = np.zeros(_ROOM, np.int64)
-        self._values = np.full((_ROOM, len(signals)), np.nan)
-        self._present = np.zeros((_ROOM, len(signals)), bool)
+        self._stamps = np.zeros(_CAPACITY, np.int64)
+        self._values = np.full((_CAPACITY, len(signals)), np.nan)
+        self._present = np.zeros((_CAPACITY, len(signals)), bool)
         self._count = 0
 
     def take(self, data: bytes) -> None:
         """Keeps the values of one message until they are compared."""
         reading = self._reader.read(data)
-        if self._count < _ROOM:
+        if self._count < _CAPACITY:
             self._stamps[self._count] = reading.stamp
             self._values[self._count] = reading.values
             self._present[self._count] = reading.present
@@ -46,13 +46,13 @@ class GaugeInput:
 
     @property
     def has_samples(self) -> bool:
-        """Whether any came since the last comparison."""
+        """Whether there are samples since the last comparison."""
         return self._count > 0
 
     def taken(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Stamps (n,) ns and SI values (n,) by damper since the last call."""
         count, self._count = self._count, 0
-        stamps, values, present = (own[:count].copy() for own in (self._stamps, self._values, self._present))
+        stamps, values, present = (part[:count].copy() for part in (self._stamps, self._values, self._present))
         return [
             (stamps[present[:, d]], channel.value(values[present[:, d], d])) for d, channel in enumerate(self._channels)
         ]
@@ -68,17 +68,17 @@ class Collected:
 
     def _allocate(self) -> None:
         k = len(self._source.line.names)
-        self._stamps = np.zeros(_ROOM, np.int64)
-        self._verdicts, self._status = np.zeros((_ROOM, k), np.int64), np.zeros((_ROOM, k), np.uint8)
-        self._numbers, self._modelled = np.zeros((_ROOM, len(FIELDS), k)), np.zeros((_ROOM, k))
+        self._stamps = np.zeros(_CAPACITY, np.int64)
+        self._verdicts, self._status = np.zeros((_CAPACITY, k), np.int64), np.zeros((_CAPACITY, k), np.uint8)
+        self._numbers, self._modelled = np.zeros((_CAPACITY, len(FIELDS), k)), np.zeros((_CAPACITY, k))
 
     def keep(self, stamp: int) -> None:
-        """Keeps what the line has just estimated."""
+        """Keeps the line's latest estimates."""
         line = self._source.line
         if self._verdicts.shape[1] != len(line.names):
             self._allocate()
             self._count = 0
-        if self._count < _ROOM:
+        if self._count < _CAPACITY:
             self._stamps[self._count] = stamp
             answered = line.answered
             self._verdicts[self._count], self._status[self._count] = answered.verdict[0], answered.status[0]
@@ -98,7 +98,7 @@ class Collected:
         numbers = self._numbers[:count, :, d][good]
         block = np.full((ROWS, numbers.shape[0]), np.nan)
         block[X], block[V], block[A] = numbers[:, _X], numbers[:, _V], numbers[:, _A]
-        block[DT] = np.where(verdict[verdict < DUPLICATE] == ACCEPTED, 1.0, 0.0)  # only whether it is a start counts
+        block[DT] = np.where(verdict[verdict < DUPLICATE] == ACCEPTED, 1.0, 0.0)  # only zero or not matters
         modelled, status = self._modelled[:count, d][good], self._status[:count, d][good]
         force = np.where(np.isfinite(modelled), modelled, np.nan)
         return Estimates(Kinematics(self._stamps[:count][good], block), force, force, force, status, verdict)
@@ -109,7 +109,7 @@ class Comparison:
 
     Attributes:
         drifts: by damper.
-        is_measured: whether a gauge was heard in the last two seconds, or may still be; if not, no sample is collected.
+        is_measured: whether a gauge was received in the last two seconds, or still can be; else no sample is collected.
     """
 
     def __init__(self, source: DisplacementInput, cutoff: float, max_gap: float, window: float, factor: float) -> None:
@@ -123,40 +123,42 @@ class Comparison:
         self._motion: dict[str, tuple[np.ndarray, ...]] = {}
 
     def compare(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> list[bytes]:
-        """The residual messages that can now be told; ``gauges`` are new samples by damper."""
-        if not self._hear(gauges):
+        """The residual messages that are now complete; ``gauges`` are new samples by damper."""
+        if not self._has_gauge(gauges):
             return []
         cutoff, max_gap, window, factor = self._settings
-        told: dict[str, Residuals] = {}
-        for one, estimates in zip(self._source.estimators, self.collected.taken(), strict=False):
-            stamp, force = gauges.get(one.name, (_NOTHING, np.zeros(0)))
-            if one.name not in self._lines:
+        residuals: dict[str, Residuals] = {}
+        for estimator, estimates in zip(self._source.estimators, self.collected.taken(), strict=False):
+            name = estimator.name
+            stamp, force = gauges.get(name, (_NO_STAMPS, np.zeros(0)))
+            if name not in self._lines:
                 if not stamp.size:
                     continue
-                self._lines[one.name] = ResidualLine(one.signals, cutoff, max_gap)
-                self.drifts[one.name] = Drift(one.name, window, factor)
-            told[one.name] = self._lines[one.name].block(estimates, estimates.kinematics.stamp, stamp, force)
-            self._judge(one.name, estimates, told[one.name])
+                self._lines[name] = ResidualLine(estimator.signals, cutoff, max_gap)
+                self.drifts[name] = Drift(name, window, factor)
+            residuals[name] = self._lines[name].block(estimates, estimates.kinematics.stamp, stamp, force)
+            self._judge(name, estimates, residuals[name])
         messages = []
-        for stamp, rows in together({name: own.stamp for name, own in told.items()}):
-            effort = np.stack([told[name].value[own] for name, own in rows.items()], axis=1)
+        for stamp, rows in together({name: residual.stamp for name, residual in residuals.items()}):
+            effort = np.stack([residuals[name].value[row] for name, row in rows.items()], axis=1)
             messages += joint_states(list(rows), stamp, effort=effort)
         return messages
 
-    def _hear(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> bool:
-        """Whether there is, or was lately, something to compare with."""
-        heard = any(gauges[one.name][0].size for one in self._source.estimators if one.name in gauges)
-        self._silent = 0 if heard else self._silent + 1
+    def _has_gauge(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> bool:
+        """Whether a gauge is, or was recently, received."""
+        names = [estimator.name for estimator in self._source.estimators]
+        is_received = any(gauges[name][0].size for name in names if name in gauges)
+        self._silent = 0 if is_received else self._silent + 1
         self.is_measured = self._silent < _SILENT
         return self.is_measured
 
     def _judge(self, name: str, estimates: Estimates, residuals: Residuals) -> None:
-        """Gives the settled ones of the residuals to the damper's drift."""
+        """Passes the residuals of settled estimates to the damper's drift."""
         new = (estimates.kinematics.stamp, estimates.force, estimates.kinematics.velocity,
                estimates.kinematics.displacement, estimates.status.astype(float))  # fmt: skip
         kept = self._motion.get(name, tuple(part[:0] for part in new))
         stamp, force, velocity, displacement, status = (
-            np.concatenate([old, own])[-_ROOM:] for old, own in zip(kept, new, strict=True)
+            np.concatenate([old, added])[-_CAPACITY:] for old, added in zip(kept, new, strict=True)
         )
         self._motion[name] = (stamp, force, velocity, displacement, status)
         rising = bool(np.all(np.diff(stamp) > 0))

@@ -1,4 +1,4 @@
-"""Which dampers the node estimates, and with what: decided before the first message, completely or not at all."""
+"""The dampers that the node estimates, and their models: determined before the first message, or refused."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,17 +13,17 @@ from damper_estimator.node.wire import ForcesTemplate
 from damper_estimator.runtime import Deployed, Line, deployed
 from damper_estimator.signals import DamperSignals, SignalMap, default_signals, delay_seconds, load_signal_map
 
-MOST_DAMPERS = 64  # of those that nobody named: a publisher of ever new names must not fill the memory
+MOST_DAMPERS = 64  # that arrive by name: a publisher of ever new names must not fill the memory
 
 
 @dataclass(frozen=True, eq=False)
 class Roster:
-    """What the settings say about dampers.
+    """The dampers of the settings.
 
     Attributes:
-        signal_map: with the cutoff that is in use.
-        known: the dampers that are known beforehand, in order.
-        template: of every damper that arrives by name, where none is known beforehand; else None.
+        signal_map: with the cutoff in use.
+        known: the dampers that are named in advance, in order.
+        template: model of every damper that arrives by name, if none is named in advance; else None.
     """
 
     signal_map: SignalMap
@@ -31,13 +31,14 @@ class Roster:
     template: Deployed | None
 
     def newcomer(self, name: str) -> Estimator:
-        """A damper that nobody named beforehand; only where there is a template."""
+        """A damper that arrives by name; only with a template."""
         return Estimator(name, default_signals(name), self.template)
 
     @property
     def delay(self) -> float:
-        """Delay of the estimates behind the damper, s: that of the filter, less what prediction makes up for; none with
-        an accelerometer."""
+        """Delay of the estimates behind the damper, s: that of the filter less the predicted time; none with an
+        accelerometer.
+        """
         if self.signal_map.fusion is not None:
             return 0.0
         lead = self.template.lead if self.template else self.known[0].deployed.lead
@@ -45,7 +46,7 @@ class Roster:
 
 
 def make_roster(settings: Settings) -> Roster:
-    """The roster that the settings describe; every model is loaded, checked and compiled.
+    """The roster of the settings; every model is loaded, checked and compiled.
 
     Raises:
         InputError: one line; an unusable signal map or model, or a damper that the map does not have.
@@ -61,27 +62,27 @@ def make_roster(settings: Settings) -> Roster:
         )
     folder = sorted(path.stem for path in Path(settings.model).glob("*.yaml")) if Path(settings.model).is_dir() else []
     if not folder and Path(settings.model).is_dir():
-        raise InputError(f"{settings.model}: holds no model; give a folder with one DAMPER.yaml each")
+        raise InputError(f"{settings.model}: contains no model; give a folder with one DAMPER.yaml each")
     names = settings.dampers or tuple(signal_map.dampers) or tuple(folder)
 
     def prepared(damper: str | None, signals: DamperSignals | None = None) -> Deployed:
         lead = settings.compensation * delay_seconds(signal_map.cutoff)
         model = load_model(settings.model, damper)
-        own = deployed(model, signal_map.cutoff, settings.max_gap, lead, signal_map.fusion, signals)
-        _warm_up(own)
-        return own
+        unit = deployed(model, signal_map.cutoff, settings.max_gap, lead, signal_map.fusion, signals)
+        _warm_up(unit)
+        return unit
 
     if not names:
         return Roster(signal_map, (), prepared(None))
     signals = {name: signal_map.dampers.get(name) or default_signals(name) for name in names}
-    known = (Estimator(name, own, prepared(name, own)) for name, own in signals.items())
+    known = (Estimator(name, channels, prepared(name, channels)) for name, channels in signals.items())
     return Roster(signal_map, tuple(known), None)
 
 
-def _warm_up(own: Deployed) -> None:
-    """Has the kernels of a model compiled now, so that the first message does not wait for it."""
+def _warm_up(unit: Deployed) -> None:
+    """Compiles the kernels of a model now, so that the first message does not wait for it."""
     line = Line()
-    line.add("", own)
+    line.add("", unit)
     for millisecond in range(2):
         line.step(millisecond * 1_000_000, np.zeros(1), np.ones(1, bool))
     ForcesTemplate([""], "").message(0, line.answered.numbers[0], line.answered.status[0], np.ones(1, bool))

@@ -1,4 +1,4 @@
-"""A node's process: ROS up, node made, messages delivered until a signal comes, dampers left at the safe current."""
+"""Runs a node until a signal comes, then leaves the dampers at the safe current."""
 
 import time
 import traceback
@@ -19,15 +19,15 @@ from damper_estimator.node.rclpy_private import RCLError
 from damper_estimator.node.ros_parameters import check_words
 from damper_estimator.node.stopping import Stop
 
-WAKE_UP = 0.1  # s, longest time until a signal is seen
-BROKEN = 1.0  # s for which an executor that only fails is kept running
+WAKE_UP = 0.1  # s, longest time until a signal is noticed
+BROKEN = 1.0  # s for which an executor that only fails keeps running
 
 
-class Ending(Protocol):
-    """A node that knows how to end."""
+class EndingNode(Protocol):
+    """A node with an orderly end."""
 
     def end(self) -> None:
-        """Leaves the dampers at the safe current, also where its context was shut down."""
+        """Leaves the dampers at the safe current, even if its context was shut down."""
 
 
 def run_estimator(words: Sequence[str], stop: Stop) -> None:
@@ -41,10 +41,10 @@ def run_controller(words: Sequence[str], stop: Stop) -> None:
 
 
 def _run(words: Sequence[str], stop: Stop, serve: Callable[[Stop], None]) -> None:
-    """Runs a node. Signals are ours: rclpy's handlers would shut the context down before the last commands are out.
+    """Runs a node, with our signal handlers: rclpy's would shut the context down before the last commands are sent.
 
     Raises:
-        InputError: where arguments, parameters, signal map or model are unusable.
+        InputError: if arguments, parameters, signal map or model are unusable.
     """
     try:
         rclpy.init(args=list(words), signal_handler_options=SignalHandlerOptions.NO)
@@ -58,7 +58,7 @@ def _run(words: Sequence[str], stop: Stop, serve: Callable[[Stop], None]) -> Non
     except ExternalShutdownException:
         pass
     except Exception:
-        # Somebody has shut the context down while the node was being made.
+        # The context was shut down while the node was being created.
         if rclpy.ok():
             raise
     finally:
@@ -86,8 +86,8 @@ def _serve_controller(stop: Stop) -> None:
 
 
 @contextmanager
-def _ended(executor: Executor, node: Ending) -> Iterator[None]:
-    """Has the executor deliver to the node, and ends both in order, whatever happens."""
+def _ended(executor: Executor, node: EndingNode) -> Iterator[None]:
+    """Adds the node to the executor, and ends both in order, even after an exception."""
     executor.add_node(node)
     try:
         yield
@@ -97,8 +97,8 @@ def _ended(executor: Executor, node: Ending) -> Iterator[None]:
         node.destroy_node()
 
 
-def _spin(executor: Executor, node: Ending, stop: Stop) -> None:
-    """Delivers messages until a signal comes, the context is shut down, or the executor does nothing but fail."""
+def _spin(executor: Executor, node: EndingNode, stop: Stop) -> None:
+    """Delivers messages until a signal comes, the context is shut down, or the executor only fails."""
     stop.is_orderly = True
     # EventsExecutor.spin() delivers nothing in some builds; spin_once() does in all.
     worked = time.monotonic()
@@ -110,7 +110,7 @@ def _spin(executor: Executor, node: Ending, stop: Stop) -> None:
         except ExternalShutdownException:
             return
         except Exception:
-            # A request that rclpy itself stumbles over must not end the estimates.
+            # A request that makes rclpy itself fail must not end the estimates.
             if time.monotonic() - worked > BROKEN:
                 raise
             if context.ok():

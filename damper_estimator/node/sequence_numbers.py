@@ -1,21 +1,21 @@
-"""What the sequence numbers on one topic tell: messages that were lost, and two publishers of one damper. Knows no ROS.
+"""Lost messages and two publishers of one damper, found by the sequence numbers on one topic. Knows no ROS.
 
 Every publisher numbers its messages 1, 2, 3, ...; the middleware delivers those of one publisher in order and does not
-say whose a message is.
+name the publisher of a message.
 """
 
 from collections.abc import Set
 
-CONFIRMING = 3.0  # s within which a damper's numbers must fall twice; a publisher that restarts makes them fall once
+CONFIRMING = 3.0  # s within which a damper's numbers must fall twice; a restarted publisher makes them fall once
 _MOST_LINES = 32
 
 
 class Losses:
-    """Counts the messages missing between those that came, of all publishers together; final.
+    """Counts the messages missing between the received ones, of all publishers together; final.
 
-    Each message continues the line of numbers that ends closest below it. Which of two publishers it is does not
-    matter: once both have sent again the sum of the gaps is the same. A number below all lines, and the first jump
-    after another publisher was heard of, begin a line: how many messages it sent before it heard of us is unknown.
+    Each message continues the line of numbers that ends closest below it. A mix-up of two publishers does not matter:
+    after both have sent again the sum of the gaps is the same. A number below all lines, and the first jump after
+    another publisher was discovered, begin a line: how many messages it sent before it discovered us is unknown.
 
     Attributes:
         lost: messages.
@@ -23,15 +23,15 @@ class Losses:
 
     def __init__(self) -> None:
         self.lost = 0
-        self._lines: list[int] = []  # last numbers, the line that was used last in front
+        self._lines: list[int] = []  # last numbers, the most recently used line first
         self._begun = self._matched = 0
 
     def matched(self, total: int) -> None:
-        """So many publishers were heard of up to now."""
+        """Notes the total number of publishers discovered so far."""
         self._matched = total
 
     def take(self, number: int) -> None:
-        """Takes the number of one message."""
+        """Notes the number of one message."""
         lines = self._lines
         if lines and number == lines[0] + 1:  # nearly always
             lines[0] = number
@@ -48,9 +48,9 @@ class Losses:
 
 
 class DoubleSenders:
-    """Finds dampers that more than one publisher sends: the numbers of the messages that hold one do not rise; final.
+    """Finds dampers with more than one publisher: the numbers of the messages that contain one do not rise; final.
 
-    Where a publisher ends and another begins they fall as well, but only once, and after a silence.
+    If one publisher ends and another begins they fall as well, but only once, and after a silence.
 
     Attributes:
         confirmed: messages by damper, once its numbers have fallen again.
@@ -63,13 +63,13 @@ class DoubleSenders:
         self._highest = 0
 
     def take(self, number: int, dampers: Set[str], now: float, silence: float) -> bool:
-        """Whether one message is suspect; to be asked while more than one publisher is heard.
+        """Whether one message is suspect; to be called while there is more than one publisher.
 
         Args:
             number: of the message.
-            dampers: that it holds; hashable.
+            dampers: contained in it; hashable.
             now: steady time, s.
-            silence: s after which another publisher may take over, because the filter begins anew.
+            silence: s after which another publisher can take over, because the filter is reset.
         """
         doubled: set[str] = set()
         if number <= self._highest:

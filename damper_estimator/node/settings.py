@@ -100,9 +100,10 @@ class Settings:
         low=-1e3,
         high=1e3,
         introduction="For dampers whose model has a command: desired forces on ~/desired_force "
-        "(sensor_msgs/JointState, name[] and effort[] in N) are answered with currents on suspension/<damper>/current_command, within the "
-        "limits that the signal map gives the command (limits: [low, high]; otherwise those of the model's fit). The "
-        "next six parameters belong to these commands; details are in docs/integration.md.",
+        "(sensor_msgs/JointState, name[] and effort[] in N) are answered with currents on "
+        "suspension/<damper>/current_command, within the limits that the signal map gives the command "
+        "(limits: [low, high]; otherwise those of the model's fit). The next six parameters belong to these commands; "
+        "details are in docs/integration.md.",
     )
     desired_force_timeout: float = parameter(
         0.1,

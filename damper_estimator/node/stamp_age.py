@@ -1,26 +1,26 @@
-"""How old samples are when they arrive. Knows no ROS."""
+"""The age of samples on arrival. Knows no ROS."""
 
-RELATED = 60.0  # s by which two clocks that mean the same time may differ
+RELATED = 60.0  # s by which two clocks of the same time can differ
 RISE = 0.05  # s per s, by which the age of the fastest sample rises
-LONGEST_RISE = 0.1  # s between two samples that count; in a longer pause they are held up
+LONGEST_RISE = 0.1  # s between two samples that count; in a longer pause they are delayed
 _WINDOW = 60_000_000_000  # ns over which the fastest message is remembered, twice
 _OUT_OF_ORDER = (
-    100_000_000  # ns by which a message may come after a newer one; a larger step back is a clock that was set
+    100_000_000  # ns by which a message can come after a newer one; a larger step back is a clock that was set
 )
 
 
 class StampAge:
-    """Whether the messages of one topic waited too long on their way; final.
+    """Whether the messages of one topic took too long; final.
 
     The age of a sample is the time between its stamp and its arrival. A stamp ahead of this machine's clock shows that
     the clocks differ: then the age counts from the youngest sample of the last minutes, or since the sender's clock was
-    set back. Where even the youngest is more than ``RELATED`` old or ahead, the stamps belong to another clock (a
-    recording that is being played), and nothing can be said.
+    set back. If even the youngest is more than ``RELATED`` old or ahead, the stamps belong to another clock (a
+    recording that is being played), and the age is unknown.
 
     Attributes:
-        age: s, of the last sample, as the clocks have it.
-        late: how many samples were too old.
-        fastest: s, age of the youngest sample of late; rises slowly, so that it follows a clock that was set by less
+        age: s, of the last sample, by the clocks.
+        late: number of samples that were too old.
+        fastest: s, age of the youngest recent sample; rises slowly, so that it follows a clock that was set by less
             than samples come out of order. Infinite before the first.
     """
 
@@ -36,13 +36,13 @@ class StampAge:
 
     @property
     def is_related(self) -> bool:
-        """Whether the stamps mean this machine's time; true before the first."""
+        """Whether the stamps are of this machine's time; true before the first."""
         return self._youngest == float("inf") or abs(self._youngest) <= RELATED
 
     def is_late(self, stamp: int, now: int, max_age: float, is_simulated: bool = False) -> bool:
-        """Takes a sample in; both times in ns, ``max_age`` in s, 0 to judge nothing.
+        """Takes a sample; both times in ns, ``max_age`` in s, 0 judges nothing.
 
-        Simulated time is the same for everybody: where a stamp is ahead of it, the clock's message is still on its way.
+        Simulated time is the same for all nodes: if a stamp is ahead of it, the clock's message has not arrived yet.
         """
         if is_simulated and now < stamp:
             now = stamp

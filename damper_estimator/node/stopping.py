@@ -1,4 +1,4 @@
-"""How the process is asked to end: SIGTERM, SIGINT and SIGHUP. Knows no ROS."""
+"""Requests to end the process: SIGTERM, SIGINT and SIGHUP. Knows no ROS."""
 
 import os
 import signal
@@ -6,29 +6,29 @@ import threading
 import time
 
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
-TOGETHER = 0.5  # s within which several signals are one request: a terminal and a supervisor may both send theirs
+TOGETHER = 0.5  # s within which several signals are one request: a terminal and a supervisor can both send one
 
 
 class Stop:
     """The request to end; final.
 
-    While the process is starting, nothing is commanded yet and a signal ends it at once, with status 0. Once
+    While the process is starting, nothing is commanded and a signal ends it immediately, with status 0. Once
     `is_orderly` is set, a signal only sets `is_requested`, so that dampers are left at the safe current first. Another
-    one, more than half a second later, ends the process at once, with status 128 + its number.
+    one, more than half a second later, ends the process immediately, with status 128 + its number.
 
-    A thread of its own learns of the signals through a pipe: a handler would only run when the main thread is back from
-    whatever it does outside Python, and could raise in the middle of anything.
+    A separate thread reads the signals from a pipe: a handler would run only after the main thread returns from work
+    outside Python, and could raise anywhere.
 
     Attributes:
         is_requested: whether a signal has come.
-        is_orderly: whether whoever runs looks at `is_requested`.
+        is_orderly: whether the main loop checks `is_requested`.
     """
 
     def __init__(self) -> None:
         self.is_requested = self.is_orderly = False
 
     def listen(self) -> None:
-        """Takes the signals from now on; SIGHUP not where it is ignored, as under nohup."""
+        """Handles the signals from now on; not SIGHUP if it is ignored, as under nohup."""
         source, sink = os.pipe()
         os.set_blocking(sink, False)
         signal.set_wakeup_fd(sink, warn_on_full_buffer=False)
@@ -38,7 +38,7 @@ class Stop:
         threading.Thread(target=self._wait, args=(source,), name="signals", daemon=True).start()
 
     def ignore(self) -> None:
-        """Ignores the signals from now on: nothing is left to be done, and the status is decided."""
+        """Ignores the signals from now on: no work is left, and the exit status is determined."""
         for number in SIGNALS:
             signal.signal(number, signal.SIG_IGN)
 

@@ -1,12 +1,12 @@
-"""Listens to a running node for the studio: estimates and health go out as lines of JSON, messages stay in memory.
+"""Subscribes to a running node for the studio: prints estimates and health as lines of JSON, keeps messages in memory.
 
     python -m damper_estimator.node.watch --minutes 5
 
 Four times a second one line is written to standard output: ``dampers`` (by name ``force`` and ``residual``, each
-``[times in s, values in N]`` of what is new, thinned; ``status`` of the last estimate; ``level`` and ``message`` of
-``/diagnostics``; ``alarm`` where the error against the gauge has grown) and ``held`` (``seconds`` and ``messages`` in
-memory). A line ``{"save": PATH}`` on standard input writes what is in memory as a recording; the answer is a line with
-``saved`` or ``failed``. It ends when standard input is closed.
+``[times in s, values in N]`` of the new samples, thinned; ``status`` of the last estimate; ``level`` and ``message`` of
+``/diagnostics``; ``alarm`` if the error against the gauge has grown) and ``held`` (``seconds`` and ``messages`` in
+memory). A line ``{"save": PATH}`` on standard input writes the messages in memory as a recording; the answer is a line
+with ``saved`` or ``failed``. It ends when standard input is closed.
 """
 
 import argparse
@@ -30,7 +30,7 @@ from damper_estimator.node.inputs import message_type
 from damper_estimator.recordings import LiveBagWriter
 
 PERIOD = 0.25  # s between two lines
-DISCOVER = 1.0  # s between two looks for topics
+DISCOVER = 1.0  # s between two searches for topics
 MOST_BYTES = 500_000_000  # in memory
 BIN = 0.02  # s, of which the smallest and largest value are shown
 STATUSES = ("good", "warming up", "extrapolating", "degraded", "stale")
@@ -41,12 +41,12 @@ RECORDED = (
     FORCES, JOINTS, "std_msgs/msg/Float64", "sensor_msgs/msg/Temperature", "sensor_msgs/msg/FluidPressure",
     "geometry_msgs/msg/AccelStamped",
 )  # fmt: skip
-_GREW = "error grew from"  # of a drift alarm's sentence
+_GREW = "error grew from"  # in a drift alarm
 
 
 @dataclass
 class Damper:
-    """What came of one damper since the last line."""
+    """The news of one damper since the last line."""
 
     force: list[tuple[float, float]] = field(default_factory=list)
     residual: list[tuple[float, float]] = field(default_factory=list)
@@ -56,15 +56,15 @@ class Damper:
 
 
 class Watch:
-    """Subscribes to all that the node hears and says; final. rclpy must be initialised."""
+    """Subscribes to all inputs and outputs of the node; final. rclpy must be initialised."""
 
     def __init__(self, seconds: float) -> None:
-        """``seconds`` of the inputs stay in memory."""
+        """``seconds`` of the messages stay in memory."""
         self._seconds = seconds
         self._node = Node("damper_studio", start_parameter_services=False)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
-        self._held: deque[tuple[str, str, int, bytes]] = deque()
+        self._kept: deque[tuple[str, str, int, bytes]] = deque()
         self._bytes = 0
         self._subscribed: set[str] = set()
         self._dampers: dict[str, Damper] = {}
@@ -75,7 +75,7 @@ class Watch:
         for topic, kinds in self._node.get_topic_names_and_types():
             if topic in self._subscribed or not set(kinds) & {*RECORDED, HEALTH}:
                 continue
-            kind = next(own for own in kinds if own in (*RECORDED, HEALTH))
+            kind = next(name for name in kinds if name in (*RECORDED, HEALTH))
             self._subscribed.add(topic)
 
             def take(data: bytes, topic: str = topic, kind: str = kind) -> None:
@@ -84,44 +84,44 @@ class Watch:
             self._node.create_subscription(message_type(kind), topic, take, quality, raw=True)
 
     def listen(self, seconds: float) -> None:
-        """Takes what comes for a while."""
+        """Receives messages for a while."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
 
     def line(self) -> dict[str, object]:
-        """What is new."""
+        """The news since the last line."""
         dampers = {
             name: {
-                "force": thinned(own.force), "residual": thinned(own.residual), "status": own.status,
-                "level": own.level, "message": own.message, "alarm": _GREW in own.message,
+                "force": thinned(damper.force), "residual": thinned(damper.residual), "status": damper.status,
+                "level": damper.level, "message": damper.message, "alarm": _GREW in damper.message,
             }
-            for name, own in self._dampers.items()
+            for name, damper in self._dampers.items()
         }  # fmt: skip
-        for own in self._dampers.values():
-            own.force, own.residual = [], []
-        seconds = (self._held[-1][2] - self._held[0][2]) * 1e-9 if self._held else 0.0
-        return {"dampers": dampers, "held": {"seconds": seconds, "messages": len(self._held)}}
+        for damper in self._dampers.values():
+            damper.force, damper.residual = [], []
+        seconds = (self._kept[-1][2] - self._kept[0][2]) * 1e-9 if self._kept else 0.0
+        return {"dampers": dampers, "held": {"seconds": seconds, "messages": len(self._kept)}}
 
     def save(self, path: Path) -> dict[str, object]:
-        """Writes what is in memory, beside its place first; the answer to who asked."""
-        beside = path.with_name(f".{path.name}.part")
+        """Writes the messages in memory, first to a file next to ``path``; returns the answer to the request."""
+        partial = path.with_name(f".{path.name}.part")
         try:
-            beside.unlink(missing_ok=True)
-            writer = LiveBagWriter(beside)
-            for message in list(self._held):
+            partial.unlink(missing_ok=True)
+            writer = LiveBagWriter(partial)
+            for message in list(self._kept):
                 writer.write_raw(*message)
             writer.close()
             if path.exists():
-                raise FileExistsError(17, "there is a file of that name")
-            os.replace(beside, path)
+                raise FileExistsError(17, "the file exists")
+            os.replace(partial, path)
         except OSError as error:
-            beside.unlink(missing_ok=True)
+            partial.unlink(missing_ok=True)
             return {"failed": f"{path.name}: cannot be written ({error.strerror})"}
-        return {"saved": path.name, "messages": len(self._held)}
+        return {"saved": path.name, "messages": len(self._kept)}
 
     def close(self) -> None:
-        """Leaves the topics."""
+        """Destroys the subscriptions."""
         self._node.destroy_node()
 
     def _take(self, topic: str, kind: str, data: bytes) -> None:
@@ -129,26 +129,26 @@ class Watch:
         if kind == HEALTH:
             self._take_health(deserialize_message(data, message_type(kind)))
             return
-        self._held.append((topic, kind, now, data))
+        self._kept.append((topic, kind, now, data))
         self._bytes += len(data)
         oldest = now - round(self._seconds * 1e9)
-        while self._held and (self._held[0][2] < oldest or self._bytes > MOST_BYTES):
-            self._bytes -= len(self._held.popleft()[3])
+        while self._kept and (self._kept[0][2] < oldest or self._bytes > MOST_BYTES):
+            self._bytes -= len(self._kept.popleft()[3])
         if kind == FORCES:
             self._take_forces(deserialize_message(data, message_type(kind)))
         elif kind == JOINTS and topic.endswith("/residual"):
-            own = deserialize_message(data, message_type(kind))
-            for name, value in zip(own.name, own.effort, strict=False):
-                self._dampers.setdefault(name, Damper()).residual.append((_seconds(own), float(value)))
+            residuals = deserialize_message(data, message_type(kind))
+            for name, value in zip(residuals.name, residuals.effort, strict=False):
+                self._dampers.setdefault(name, Damper()).residual.append((_seconds(residuals), float(value)))
 
-    def _take_forces(self, own: object) -> None:
-        for name, force, status in zip(own.name, own.force, own.status, strict=False):
+    def _take_forces(self, forces: object) -> None:
+        for name, force, status in zip(forces.name, forces.force, forces.status, strict=False):
             damper = self._dampers.setdefault(name, Damper())
-            damper.force.append((_seconds(own), float(force)))
+            damper.force.append((_seconds(forces), float(force)))
             damper.status = STATUSES[int(status)] if int(status) < len(STATUSES) else str(status)
 
-    def _take_health(self, own: object) -> None:
-        for status in own.status:
+    def _take_health(self, health: object) -> None:
+        for status in health.status:
             damper = self._dampers.get(status.name.rpartition(": ")[2])
             if damper is not None:
                 level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
@@ -156,14 +156,14 @@ class Watch:
 
 
 def thinned(points: Sequence[tuple[float, float]]) -> list[list[float]]:
-    """Times and values; of each 20 ms the smallest and the largest value, in order of time. NaN is left out."""
+    """Times and values; of each 20 ms the smallest and the largest value, in order of time. NaN is dropped."""
     bins: dict[int, list[tuple[float, float]]] = {}
     for time_s, value in points:
         if value == value:
             bins.setdefault(int(time_s / BIN), []).append((time_s, value))
     kept = []
-    for own in bins.values():
-        ends = {min(own, key=lambda point: point[1]), max(own, key=lambda point: point[1])}
+    for points_in_bin in bins.values():
+        ends = {min(points_in_bin, key=lambda point: point[1]), max(points_in_bin, key=lambda point: point[1])}
         kept += sorted(ends)
     return [[point[0] for point in kept], [point[1] for point in kept]]
 
@@ -174,16 +174,16 @@ def _seconds(message: object) -> float:
 
 
 def main() -> int:
-    """Listens until standard input is closed."""
+    """Runs until standard input is closed."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--minutes", type=float, default=5.0, help="of the inputs that stay in memory (5)")
+    parser.add_argument("--minutes", type=float, default=5.0, help="of messages that stay in memory (5)")
     arguments = parser.parse_args()
-    asked: deque[str] = deque()
+    requests: deque[str] = deque()
     ended = threading.Event()
 
     def read() -> None:
         for text in sys.stdin:
-            asked.append(text)
+            requests.append(text)
         ended.set()
 
     threading.Thread(target=read, daemon=True).start()
@@ -196,8 +196,8 @@ def main() -> int:
                 watch.discover()
                 discovered = time.monotonic()
             watch.listen(PERIOD)
-            while asked:
-                print(json.dumps(watch.save(Path(json.loads(asked.popleft())["save"]))), flush=True)
+            while requests:
+                print(json.dumps(watch.save(Path(json.loads(requests.popleft())["save"]))), flush=True)
             print(json.dumps(watch.line()), flush=True)
     except (BrokenPipeError, KeyboardInterrupt):
         pass

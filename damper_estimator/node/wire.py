@@ -1,8 +1,8 @@
 """Serialised messages to numbers and back, at the rate of the input.
 
-ROS messages are taken and published as bytes (CDR): making a Python object of every message would cost more than the
-estimate itself. Where the numbers lie is found by walking the definition once, and remembered as long as the messages
-keep their structure (names, lengths of arrays); a message that does not fit its type is refused.
+ROS messages are received and published as bytes (CDR): creating a Python object for every message would cost more than
+the estimate itself. The positions of the numbers are found by walking the definition once, and remembered as long as
+the messages keep their structure (names, lengths of arrays); a message that does not fit its type is refused.
 """
 
 import struct
@@ -26,22 +26,22 @@ __all__ = ["ForcesTemplate", "MalformedMessage", "NumbersReader", "Reading"]
 FORCES_TYPE = "damper_msgs/msg/DamperForces"
 NANOSECONDS = 1_000_000_000
 _STAMP = slice(4, 12)
-# The numbers of eight bytes in a message begin four bytes off; in a copy that is moved so far they are aligned.
+# The numbers of eight bytes in a message begin four bytes off; in a copy shifted by four bytes they are aligned.
 _SHIFT = 4
-_FRAME = 16  # first byte of the header's frame_id, behind its length
+_FRAME = 16  # first byte of the header's frame_id, after its length
 _NUMBER = np.dtype("<f8")
 _STAMP_PARTS = struct.Struct("<iI")
 _FLOAT = struct.Struct("<4sd")
 _STAMP_PATHS = ("header.stamp.sec", "header.stamp.nanosec")
-_MOST_PLACES = 64  # structures that are remembered; a publisher of ever new names must not fill the memory
+_MOST_PLACES = 64  # remembered structures; a publisher of ever new names must not fill the memory
 
 
 class Reading(NamedTuple):
-    """What one message says.
+    """The numbers of one message.
 
     Attributes:
-        stamp: ns; 0 where the type has none.
-        values: (k,) one per path, valid where ``present``; may be reused by the next message.
+        stamp: ns; 0 if the type has none.
+        values: (k,) one per path, valid where ``present``; the next message can reuse the array.
         present: (k,) bool.
         is_whole: whether all are present.
     """
@@ -53,18 +53,18 @@ class Reading(NamedTuple):
 
 
 class Place:
-    """Where the numbers lie in messages of one structure; final.
+    """The positions of the numbers in messages of one structure; final.
 
     Attributes:
-        present: (k,) bool, which paths these messages hold; ``is_whole``: whether all.
-        frame: where the header's frame_id lies; empty where the type has none.
+        present: (k,) bool, which paths these messages contain; ``is_whole``: whether all.
+        frame: position of the header's frame_id; empty if the type has none.
     """
 
     def __init__(self, data: bytes, layout: Layout, width: int, stamped: bool) -> None:
-        """``width`` paths, and those of the stamp behind them where ``stamped``."""
+        """``width`` paths, followed by those of the stamp if ``stamped``."""
         leaves = layout.leaves[:width]
         self._end, self._allowed = layout.end, layout.allowed
-        self._structure = itemgetter(*_runs(layout.structural))  # one call for all stretches
+        self._structure = itemgetter(*_runs(layout.structural))  # one call for all runs
         self._expected = self._structure(data)
         order = "<" if data[1] else ">"
         self._stamp = struct.Struct(f"{order}iI") if stamped else None
@@ -74,10 +74,10 @@ class Place:
         self.is_whole = bool(self.present.all())
         copy = np.zeros(layout.end + _SHIFT, np.uint8)
         self._copy = memoryview(copy)[_SHIFT:]
-        there = [leaf for leaf in leaves if leaf is not None]
-        first = there[0].offset if there else 0
-        is_block = self.is_whole and {leaf.dtype.str for leaf in there} == {"<f8"}
-        if is_block and [leaf.offset for leaf in there] == list(range(first, first + 8 * width, 8)):
+        found = [leaf for leaf in leaves if leaf is not None]
+        first = found[0].offset if found else 0
+        is_block = self.is_whole and {leaf.dtype.str for leaf in found} == {"<f8"}
+        if is_block and [leaf.offset for leaf in found] == list(range(first, first + 8 * width, 8)):
             self._values, self._loose = np.ndarray(width, _NUMBER, copy, first + _SHIFT), []
         else:
             self._values = np.full(width, np.nan)
@@ -94,14 +94,14 @@ class Place:
         return self._structure(data) == self._expected
 
     def values(self, data: bytes) -> np.ndarray:
-        """(k,) one per path, NaN where it is not present; reused by the next message."""
+        """(k,) one per path, NaN if it is not present; reused by the next message."""
         self._copy[:] = data[: self._end]
         for slot, number in self._loose:
             self._values[slot] = number[0]
         return self._values
 
     def stamp(self, data: bytes) -> int:
-        """ns; 0 where the type has none."""
+        """ns; 0 if the type has none."""
         if self._stamp is None:
             return 0
         seconds, nanoseconds = self._stamp.unpack_from(data, _STAMP.start)
@@ -109,7 +109,7 @@ class Place:
 
 
 def _runs(structural: np.ndarray) -> list[slice]:
-    """Stretches of structural bytes, without the padding between them: it is not initialised and differs."""
+    """Runs of structural bytes, without the padding between them, which is not initialised and differs."""
     places = np.unique(structural)
     edges = np.flatnonzero(np.diff(places) > 1)
     first = places[np.concatenate([[0], edges + 1])]
@@ -118,10 +118,10 @@ def _runs(structural: np.ndarray) -> list[slice]:
 
 
 class NumbersReader:
-    """Reads fields of one built-in message type out of serialised messages; final.
+    """Reads fields of one built-in message type from serialised messages; final.
 
     Raises:
-        InputError: where the type has no such field, or it is no number.
+        InputError: if the type has no such field, or it is no number.
     """
 
     def __init__(self, type_name: str, paths: Sequence[str]) -> None:
@@ -135,23 +135,23 @@ class NumbersReader:
         self._places: list[Place] = []
 
     def knows(self, data: bytes) -> bool:
-        """Whether a message of this structure was read lately."""
+        """Whether a message of this structure was read recently."""
         return any(place.fits(data) for place in self._places)
 
     def read(self, data: bytes) -> Reading:
         """The numbers of one message.
 
         Raises:
-            MalformedMessage: where the bytes do not fit the type.
+            MalformedMessage: if the bytes do not fit the type.
         """
         place = self.place(data)
         return Reading(place.stamp(data), place.values(data), place.present, place.is_whole)
 
     def place(self, data: bytes) -> Place:
-        """Where the numbers of one message lie.
+        """The positions of the numbers in one message.
 
         Raises:
-            MalformedMessage: where the bytes do not fit the type.
+            MalformedMessage: if the bytes do not fit the type.
         """
         for number, place in enumerate(self._places):
             if place.fits(data):
@@ -166,10 +166,10 @@ class NumbersReader:
 
 
 def reader_of(role: str, type_name: str, channels: Sequence[Channel]) -> NumbersReader:
-    """A reader of channels that lie on one topic.
+    """A reader of the channels on one topic.
 
     Raises:
-        InputError: where a field path does not fit the message type that the node subscribes for this role.
+        InputError: if a field path does not fit the message type that the node subscribes for this role.
     """
     for channel in channels:
         try:
@@ -183,7 +183,7 @@ def names_and_frame(data: bytes) -> tuple[list[str], str]:
     """``name[]`` and ``header.frame_id`` of a message that begins with a header and names, such as JointState.
 
     Raises:
-        MalformedMessage: where the bytes do not hold them.
+        MalformedMessage: if the bytes do not contain them.
     """
     length = struct.Struct(("<" if data[1:2] == b"\x01" else ">") + "I")
     position = _STAMP.stop
@@ -216,7 +216,7 @@ def float_message(value: float) -> bytes:
 
 
 class ForcesTemplate:
-    """A serialised ``DamperForces`` of given dampers, to be filled in; final."""
+    """A serialised ``DamperForces`` of given dampers, to be filled; final."""
 
     def __init__(self, names: Sequence[str], frame: str) -> None:
         k = len(names)
@@ -233,20 +233,21 @@ class ForcesTemplate:
         self._status = np.ndarray((k,), np.uint8, buffer, leaves[-1].offset + _SHIFT)
 
     def message(self, stamp: int, numbers: np.ndarray, status: np.ndarray, chosen: np.ndarray) -> bytes:
-        """The message: ``stamp`` in ns, ``numbers`` (9, n) by FIELDS and ``status`` (n,), of which those of the
-        ``chosen`` (n,) are its k dampers."""
+        """The message: ``stamp`` in ns, ``numbers`` (9, n) by FIELDS and ``status`` (n,), of which the
+        ``chosen`` (n,) are its k dampers.
+        """
         _STAMP_PARTS.pack_into(self._message, _STAMP.start, *divmod(stamp, NANOSECONDS))
         _fill(numbers, status, chosen, self._numbers, self._status)
         return bytes(self._message)
 
 
 @compiled
-def _fill(numbers, status, chosen, own_numbers, own_status):
-    """Copies the chosen columns; by numpy each copy would take as long as this."""
+def _fill(numbers, status, chosen, filled_numbers, filled_status):
+    """Copies the chosen columns; with numpy each copy would take as long as this function."""
     j = 0
     for d in range(chosen.size):
         if chosen[d]:
             for field in range(numbers.shape[0]):
-                own_numbers[field, j] = numbers[field, d]
-            own_status[j] = status[d]
+                filled_numbers[field, j] = numbers[field, d]
+            filled_status[j] = status[d]
             j += 1

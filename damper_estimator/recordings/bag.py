@@ -80,7 +80,7 @@ class Bag:
         """The topic of this name, with or without its leading ``/``.
 
         Raises:
-            InputError: where it is not in the recording; lists what is.
+            InputError: if it is not in the recording; lists what is.
         """
         by_name = {topic.name: topic for topic in self.topics}
         for candidate in (name, f"/{name}", name.removeprefix("/")):
@@ -128,7 +128,7 @@ def open_bag(path: str | Path) -> Bag:
     """Opens an ``.mcap`` file or a rosbag2 folder (mcap or sqlite3; split; zstd), without ROS.
 
     Raises:
-        InputError: where it is missing, unreadable, cut off, damaged or no recording; says which and what to do.
+        InputError: if it is missing, unreadable, cut off, damaged or no recording; says which and what to do.
     """
     return Bag(path)
 

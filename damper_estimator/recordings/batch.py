@@ -24,7 +24,7 @@ class Columns:
         stamp: (n,) int64, ns, ``header.stamp``; the log time where the type has no header.
         rank: (n,) int64, place of the message among all messages of the recording.
         values: (n, k) float64.
-        present: (n, k) bool, False where the message has no such name or index (its value is NaN then).
+        present: (n, k) bool, False if the message has no such name or index (its value is NaN then).
     """
 
     log: np.ndarray
@@ -145,10 +145,10 @@ class Batch:
         return self._raw.log
 
     def columns(self, topic: str, paths: Iterable[str]) -> Columns:
-        """Fields of one topic; empty where none of its messages is in this batch.
+        """Fields of one topic; empty if none of its messages is in this batch.
 
         Raises:
-            InputError: where the type or a field is unknown (lists what there is), or a message is malformed.
+            InputError: if the type or a field is unknown (lists what there is), or a message is malformed.
         """
         paths = tuple(paths)
         rows, groups = self._rows(topic)
@@ -173,7 +173,7 @@ class Batch:
         """Log time (ns) and decoded message (as rosbags makes it), one by one; general and slow.
 
         Raises:
-            InputError: where the type is unknown or a message is malformed.
+            InputError: if the type is unknown or a message is malformed.
         """
         for row in self._rows(topic)[0]:
             connection = self._reading.connections[self._raw.connection[row]]

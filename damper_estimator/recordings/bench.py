@@ -55,7 +55,7 @@ class Part:
 
     @property
     def rate(self) -> float:
-        """Samples per second, (n - 1) / duration; NaN where there is no duration."""
+        """Samples per second, (n - 1) / duration; NaN if there is no duration."""
         return (len(self.stamps) - 1) / self.duration if self.duration > 0 else float("nan")
 
 
@@ -63,7 +63,7 @@ def read_parts(path: Path, rules: ColumnMap) -> list[Part]:
     """Reads a CSV, text or MAT file (gzip or not) and cuts it into its parts.
 
     Raises:
-        InputError: where the file cannot be read, lacks a column, holds text in place of numbers, or its parts do not
+        InputError: if the file cannot be read, lacks a column, holds text in place of numbers, or its parts do not
             match the constants that the map lists.
     """
     table = _open_table(path, rules)

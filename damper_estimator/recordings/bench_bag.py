@@ -77,7 +77,7 @@ def write_part(part: Part, path: Path) -> None:
     Constant channels come once a second and with the first sample; slow channels are logged just before the sample.
 
     Raises:
-        InputError: where it cannot be written.
+        InputError: if it cannot be written.
     """
     with BagWriter(path) as writer:
         writer.write_streams([*_slow(part), *_fast(part)])

@@ -60,7 +60,7 @@ class Split:
 
 @dataclass(frozen=True)
 class TextFormat:
-    """How a text file is laid out; None where it is to be found out. ``separator`` ``""`` is any white space; in
+    """How a text file is laid out; None if it is to be found out. ``separator`` ``""`` is any white space; in
     ``blocks`` several tables follow each other, and lines without any number between them are left out.
     """
 
@@ -102,7 +102,7 @@ class ColumnMaps:
         """The map of one file; of several patterns that match, later ones win.
 
         Raises:
-            InputError: where something that is needed is given neither for all files nor for this one.
+            InputError: if something that is needed is given neither for all files nor for this one.
         """
         merged = {key: value for key, value in self.content.items() if key != "files"}
         for pattern, differences in (self.content.get("files") or {}).items():
@@ -132,7 +132,7 @@ def load_column_maps(path: str | Path) -> ColumnMaps:
     """Reads a column map: a YAML file, or the name of one in ``config/columns``.
 
     Raises:
-        InputError: where it cannot be read, has unknown keys or wrong values (all of them at once).
+        InputError: if it cannot be read, has unknown keys or wrong values (all of them at once).
     """
     path = Path(path)
     if not path.suffix and not path.exists():

@@ -32,7 +32,7 @@ class Decoder:
     per length (padding makes lengths differ), the others by their own layouts.
 
     Raises:
-        InputError: where a path is malformed or the type lacks it.
+        InputError: if a path is malformed or the type lacks it.
     """
 
     def __init__(self, definition: Definition, paths: Iterable[str]) -> None:
@@ -51,7 +51,7 @@ class Decoder:
         """Reads the messages ``data[start[i] : start[i] + length[i]]``.
 
         Raises:
-            MalformedMessage: where the bytes of a message do not fit its type.
+            MalformedMessage: if the bytes of a message do not fit its type.
         """
         count = len(start)
         result = Numbers(

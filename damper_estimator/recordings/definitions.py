@@ -33,7 +33,7 @@ _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 @dataclass(frozen=True)
 class Schema:
-    """A message type as a recording names it; ``encoding`` and ``text`` are empty where it holds no definition."""
+    """A message type as a recording names it; ``encoding`` and ``text`` are empty if it holds no definition."""
 
     type: str
     encoding: str = ""
@@ -82,7 +82,7 @@ def definition_of(schema: Schema) -> Definition:
     """The definition of a message type; a recording's own schema wins over the built-in one.
 
     Raises:
-        InputError: where neither knows the type; the text lacks the topic, which the caller adds.
+        InputError: if neither knows the type; the text lacks the topic, which the caller adds.
     """
     types = _own_types(schema) or _builtin_types(schema)
     pending, complete = [schema.type], {}

@@ -32,7 +32,7 @@ def parse_path(text: str) -> FieldPath:
     """Splits ``accel.linear.z`` or ``position[front_left]`` into its steps.
 
     Raises:
-        InputError: where the text is no such chain.
+        InputError: if the text is no such chain.
     """
     steps, position = [], 0
     while match := _STEP.match(text, position):
@@ -51,7 +51,7 @@ def check_path(path: FieldPath, definition: Definition) -> None:
     """Holds a path against a message type.
 
     Raises:
-        InputError: where the type has no such field, or the path does not end at one number; names what there is.
+        InputError: if the type has no such field, or the path does not end at one number; names what there is.
     """
     description = (Nodetype.NAME, definition.type)
     for step in path.steps:

@@ -30,7 +30,7 @@ def contents_of(path: Path) -> Contents:
     """Finds the storage files of an ``.mcap`` or ``.db3`` file or a rosbag2 folder.
 
     Raises:
-        InputError: where there is nothing, no recording, or a file of it is missing.
+        InputError: if there is nothing, no recording, or a file of it is missing.
     """
     with explained(path, "give an .mcap file or a rosbag2 folder"):
         if path.is_file():
@@ -75,7 +75,7 @@ def open_storage(path: Path, scratch: Path) -> McapFile | SqliteFile:
     """Opens one storage file by what it holds, not by its name; a zstd file is unpacked into ``scratch`` first.
 
     Raises:
-        InputError: where it is empty, damaged or no storage file.
+        InputError: if it is empty, damaged or no storage file.
     """
     with explained(path, "copy it again"):
         with open(path, "rb") as file:

@@ -41,8 +41,8 @@ class ColumnGuess:
         column: as a column map names it.
         quantity: "" for one that is left out; else of `quantities.QUANTITIES`, or ``time``.
         damper: whose it is.
-        unit: of its numbers; "" where it has none.
-        scale: -1 where its sign is turned round.
+        unit: of its numbers; "" if it has none.
+        scale: -1 if its sign is turned round.
         why: in words.
     """
 
@@ -97,7 +97,7 @@ def guess_columns(path: Path) -> Guess:
     """Guesses the column map of a CSV, text or MAT file.
 
     Raises:
-        InputError: where it cannot be read, or holds no table of numbers.
+        InputError: if it cannot be read, or holds no table of numbers.
     """
     sheet = read_sheet(path)
     titles = [read_title(title, unit) for title, unit in zip(sheet.titles, sheet.units, strict=True)]
@@ -156,7 +156,7 @@ def _of_damper(sheet: Sheet, titles: list[Title], damper: str, seconds, doubts: 
 def _chosen(
     sheet: Sheet, titles: list[Title], own: list[int], quantity: str, rate, doubts: list[str], seconds=None
 ) -> int | None:
-    """The column of a quantity; None where there is none, or it cannot be told which."""
+    """The column of a quantity; None if there is none, or it cannot be told which."""
     fits = [i for i in own if titles[i].quantity == quantity and not titles[i].target]
     fits = [i for i in fits if np.isfinite(sheet.numbers[i]).mean() > 0.5 or quantity not in ("displacement", "force")]
     fits = [i for i in fits if np.isfinite(sheet.numbers[i]).any()]

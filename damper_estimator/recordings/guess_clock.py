@@ -21,7 +21,7 @@ class ClockGuess:
     Attributes:
         index: its column; -1 for none.
         entry: ``time`` of the column map.
-        seconds: (n,) of each row; None where nothing tells.
+        seconds: (n,) of each row; None if nothing tells.
         restarts: whether it starts again.
     """
 

@@ -51,7 +51,7 @@ def slope_of(position: np.ndarray, seconds: np.ndarray, velocity: np.ndarray) ->
 
 
 def motion_of(position: np.ndarray, force: np.ndarray, seconds: np.ndarray) -> Motion | None:
-    """Velocity and force where both are known; None where there are too few."""
+    """Velocity and force where both are known; None if there are too few."""
     velocity = velocity_of(position[:_MOST], seconds[:_MOST])
     both = np.isfinite(velocity) & np.isfinite(force[:_MOST])
     return Motion(velocity[both], force[:_MOST][both]) if both.sum() > 50 else None

@@ -37,10 +37,10 @@ class Sheet:
 
     Attributes:
         columns: how a column map names each: its title, its number or a MAT expression.
-        titles, units: of each column, "" where there are none.
-        numbers: (rows,) of each; all NaN where it holds text.
+        titles, units: of each column, "" if there are none.
+        numbers: (rows,) of each; all NaN if it holds text.
         dates, texts: the format of the columns that hold dates, and their cells.
-        rate: Hz that a line above the numbers names; None where none does.
+        rate: Hz that a line above the numbers names; None if none does.
         text: for the column map's key of that name; empty for MAT files.
         several: whether lines of titles come again among the numbers.
     """
@@ -61,7 +61,7 @@ def read_sheet(path: Path) -> Sheet:
     """Reads a CSV, text or MAT file without knowing what is in it.
 
     Raises:
-        InputError: where it cannot be read, or holds no table of numbers.
+        InputError: if it cannot be read, or holds no table of numbers.
     """
     content = file_content(path)
     if path.suffix.lower() == ".mat" or content.startswith(b"MATLAB "):
@@ -211,7 +211,7 @@ def _date_format(texts: Sequence[str], numbers: np.ndarray) -> str | None:
 
 
 def _rate(head: Sequence[str]) -> float | None:
-    """The rate in Hz that a line names; None where none does, or several differ."""
+    """The rate in Hz that a line names; None if none does, or several differ."""
     found = set()
     for line in head:
         match = _HERTZ.match(line.strip().strip("#%/ ").replace("\t", " ").replace('"', ""))

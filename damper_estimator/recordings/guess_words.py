@@ -53,9 +53,9 @@ class Title:
     """What a title says.
 
     Attributes:
-        quantity: of `quantities.QUANTITIES`, or time, velocity, voltage, counter; "" where nothing tells it.
-        unit: as the column map writes it; "" where none is named.
-        damper: corner of the vehicle; "" where none is named.
+        quantity: of `quantities.QUANTITIES`, or time, velocity, voltage, counter; "" if nothing tells it.
+        unit: as the column map writes it; "" if none is named.
+        damper: corner of the vehicle; "" if none is named.
         target: whether it is what a controller wanted, not what was measured.
         clash: what is contradictory, in words; "" for nothing.
     """

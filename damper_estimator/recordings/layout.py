@@ -39,7 +39,7 @@ class Leaf:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Leaf per wanted path (None where this message lacks it) and the structural bytes that make it so.
+    """Leaf per wanted path (None if this message lacks it) and the structural bytes that make it so.
 
     Attributes:
         end: bytes up to the end of the last field.
@@ -77,7 +77,7 @@ def layout_of(raw: bytes, definition: Definition, request: dict, slots: int) -> 
         slots: how many paths there are.
 
     Raises:
-        MalformedMessage: where the bytes do not fit the definition.
+        MalformedMessage: if the bytes do not fit the definition.
     """
     walk = _Walk(raw, definition, slots)
     walk.message(definition.type, request, ())

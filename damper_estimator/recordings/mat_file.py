@@ -26,7 +26,7 @@ def read_mat(content: bytes) -> dict[str, object]:
     What has no numbers or texts (functions, tables, sparse and complex arrays) is left out.
 
     Raises:
-        ValueError: where the content is damaged or of another version.
+        ValueError: if the content is damaged or of another version.
     """
     if len(content) < _HEADER:
         raise ValueError("too short for a MAT file")

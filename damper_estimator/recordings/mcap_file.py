@@ -49,7 +49,7 @@ class McapFile:
     """One ``.mcap`` file; final. Close it after use.
 
     Raises:
-        InputError: where the file is damaged, cut off before its first messages, or no mcap file.
+        InputError: if the file is damaged, cut off before its first messages, or no mcap file.
     """
 
     def __init__(self, path: Path, name: str | None = None) -> None:
@@ -219,7 +219,7 @@ def _records(data: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @compiled
 def _walk(data, opcode, start, length):
-    """Notes every record of ``data`` (bytes,) uint8 and returns their number; -1 where the last is not whole."""
+    """Notes every record of ``data`` (bytes,) uint8 and returns their number; -1 if the last is not whole."""
     position, count, end = 0, 0, data.size
     while position < end:
         # The highest byte of a length that fits into any memory is zero.

@@ -19,7 +19,7 @@ class SqliteFile:
     """One ``.db3`` file; final. Close it after use.
 
     Raises:
-        InputError: where the file is damaged or holds no recording.
+        InputError: if the file is damaged or holds no recording.
     """
 
     def __init__(self, path: Path, name: str | None = None) -> None:

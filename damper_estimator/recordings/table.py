@@ -28,10 +28,10 @@ class Table(ABC):
 
     @abstractmethod
     def numbers(self, column: Column) -> np.ndarray:
-        """A column, (rows,) float64; NaN where there is no number.
+        """A column, (rows,) float64; NaN if there is no number.
 
         Raises:
-            InputError: where there is no such column (lists those there are).
+            InputError: if there is no such column (lists those there are).
         """
 
     @abstractmethod
@@ -43,11 +43,11 @@ class Table(ABC):
         """The number in the header line that begins with ``label``.
 
         Raises:
-            InputError: where there is no such line.
+            InputError: if there is no such line.
         """
 
     def resolution(self, column: Column) -> float:
-        """The smallest step that the column's notation can show; 0 where numbers are stored in full."""
+        """The smallest step that the column's notation can show; 0 if numbers are stored in full."""
         return 0.0
 
 
@@ -108,7 +108,7 @@ def file_content(path: Path) -> bytes:
     """The bytes of a file, unpacked where it is gzip.
 
     Raises:
-        InputError: where it is missing, unreadable, damaged or empty.
+        InputError: if it is missing, unreadable, damaged or empty.
     """
     with explained(path, "copy it again"):
         content = path.read_bytes()

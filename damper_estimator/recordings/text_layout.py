@@ -36,7 +36,7 @@ class TextLayout:
         """Which cell of a row a column is.
 
         Raises:
-            InputError: where there is no such title, or several; lists those there are.
+            InputError: if there is no such title, or several; lists those there are.
         """
         if isinstance(column, int):
             return column - 1
@@ -54,7 +54,7 @@ class TextLayout:
         return 2 * sum(_is_number(self, cell) for cell in cells) < max(len(self.titles), 2)
 
     def number(self, cell: str) -> float:
-        """The number in a cell, NaN where it holds none."""
+        """The number in a cell, NaN if it holds none."""
         try:
             return float(cell.replace(",", ".") if self.decimal == "," else cell)
         except ValueError:
@@ -74,7 +74,7 @@ def find_layout(
         named: further columns that are asked for.
 
     Raises:
-        InputError: where a column is missing.
+        InputError: if a column is missing.
     """
     middle = [line for line in lines[len(lines) // 2 :][:_HEAD] if line.strip()][:_SAMPLE]
     separator = _separator(middle) if known.separator is None else known.separator
@@ -147,7 +147,7 @@ def split_cells(path: object, lines: Sequence[str], separator: str) -> Iterator[
     """The cells of each line; the quotes of CSV are honoured.
 
     Raises:
-        InputError: where a quote is never closed.
+        InputError: if a quote is never closed.
     """
     if not separator:
         yield from (line.split() for line in lines)

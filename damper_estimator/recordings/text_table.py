@@ -28,7 +28,7 @@ class TextTable(Table):
         named: columns of text.
 
     Raises:
-        InputError: where a column is missing, or no rows of numbers are found.
+        InputError: if a column is missing, or no rows of numbers are found.
     """
 
     def __init__(

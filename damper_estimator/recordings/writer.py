@@ -51,7 +51,7 @@ class BagWriter:
     Messages should come roughly in the order of their log times.
 
     Raises:
-        InputError: where the path is no ``.mcap`` file or cannot be written.
+        InputError: if the path is no ``.mcap`` file or cannot be written.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -122,7 +122,7 @@ class LiveBagWriter:
     killed: `open_bag` reads all whole chunks of a file that was not closed.
 
     Raises:
-        OSError: where the file cannot be made, or there is no room; also from every method.
+        OSError: if the file cannot be made, or there is no room; also from every method.
     """
 
     def __init__(self, path: Path) -> None:

@@ -34,7 +34,7 @@ class Deployed:
         cutoff: Hz; 0 is unfiltered.
         max_gap: s.
         lead: s that the motion is predicted ahead to make up for the filter's delay; 0 is none.
-        stddev: N, of the force; NaN where the model was not fitted. Files of older fits have the residual's alone.
+        stddev: N, of the force; NaN if the model was not fitted. Files of older fits have the residual's alone.
         bounds: (8, 2), the region of the fit.
         fusion: where an accelerometer is taken in; then nothing is predicted.
         signals: the damper's channels, with their limits and ages.
@@ -56,7 +56,7 @@ class Deployed:
 
     @cached_property
     def memories(self) -> Mapping[str, float | None]:
-        """By slow channel: how many seconds the force remembers a wrong value, None where it does not depend on it."""
+        """By slow channel: how many seconds the force remembers a wrong value, None if it does not depend on it."""
         return {role: memory(self.model, COMMAND + row, self.bounds) for row, role in enumerate(SLOW)}
 
     @cached_property
@@ -108,7 +108,7 @@ def deployed(
     """Checks that a model can be run on a vehicle; arguments as in `Deployed`, ``signals`` None for the default ones.
 
     Raises:
-        InputError: where the model holds effects of the measurement chain, which belong to the signal map, or what it
+        InputError: if the model holds effects of the measurement chain, which belong to the signal map, or what it
             knows of its fit is malformed.
     """
     if model.channel_effects:

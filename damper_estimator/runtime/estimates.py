@@ -18,12 +18,12 @@ class Estimates:
 
     Attributes:
         kinematics: of the good samples, (n,).
-        force: (n,) N; NaN where the model gave no finite number.
+        force: (n,) N; NaN if the model gave no finite number.
         given: (n,) N, what is published: the force, where that is not finite the last finite one (0 before the first).
-        stddev: (n,) N, the standard deviation of the fit's residual; NaN where the model was not fitted.
+        stddev: (n,) N, the standard deviation of the fit's residual; NaN if the model was not fitted.
         status: (n,) uint8, the constants of damper_msgs/DamperForces.
         verdict: what became of each sample that came (``signals.admission``).
-        reach: (4, n), what can be reached by command and the slopes, from force_min to dforce_dcurrent; None where the
+        reach: (4, n), what can be reached by command and the slopes, from force_min to dforce_dcurrent; None if the
             force depends on none.
     """
 

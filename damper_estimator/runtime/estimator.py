@@ -51,7 +51,7 @@ class DamperEstimator:
         Args:
             stamp: (n,) int64 ns.
             displacement: (n,) m.
-            command, temperature, pressure: (n,) or one value each, NaN where there is none.
+            command, temperature, pressure: (n,) or one value each, NaN if there is none.
             acceleration, felt_at: the same, m/s^2 and int64 ns, of the accelerometer where there is fusion.
         """
         each = self._taken + 1 + np.arange(stamp.size)

@@ -118,7 +118,7 @@ class Line:
 
     def velocity_noise(self, damper: int) -> float:
         """Standard deviation in m/s of the velocity, from the noise of the displacement, of the damper of this number;
-        0 where it cannot be told."""
+        0 if it cannot be told."""
         return _velocity_noise(self.records, damper)
 
 

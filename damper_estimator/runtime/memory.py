@@ -31,7 +31,7 @@ _ORDINARY = {COMMAND: (0.0, 1.0), TEMPERATURE: (20.0, 80.0), PRESSURE: (1e5, 2e6
 
 
 def memory(model: DamperModel, row: int, bounds: np.ndarray) -> float | None:
-    """How many seconds the force remembers a wrong value of a slow channel; None where it does not depend on it.
+    """How many seconds the force remembers a wrong value of a slow channel; None if it does not depend on it.
 
     Args:
         row: of the block: COMMAND, TEMPERATURE or PRESSURE.
@@ -71,7 +71,7 @@ def settling(model: DamperModel, cutoff: float, bounds: np.ndarray) -> float:
         slow = {row: low + share * (high - low) for row, (low, high) in ranges.items()}
         steady, again = (model.force(_calm(cutoff, bounds, slow, is_again)) for is_again in (False, True))
         since = np.arange(steady.size) % round(LONGEST_SETTLING / STEP)
-        differs = np.abs(again - steady) > _UNSETTLED * np.max(np.abs(steady))  # False where one is NaN
+        differs = np.abs(again - steady) > _UNSETTLED * np.max(np.abs(steady))  # False if one is NaN
         longest = max(longest, STEP * float(np.max(since[differs], initial=-1) + 1))
     return longest
 

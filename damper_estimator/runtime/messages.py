@@ -20,7 +20,7 @@ class Arrived:
     Attributes:
         stamp: (n,) int64 ns.
         displacement: (n, k) m; valid where ``present`` (n, k) bool.
-        suspect: (n, k) uint8, 1 where the sample is in doubt for what the line cannot see: its sender, its age, or a
+        suspect: (n, k) uint8, 1 if the sample is in doubt for what the line cannot see: its sender, its age, or a
             current that contradicts its command.
         slow: (n, 3, k) last values of the slow channels in order of ``SLOW``, NaN before the first; ``heard``:
             (n, 3, k) int64, how many messages of each had arrived.

@@ -46,7 +46,7 @@ RECORD = np.dtype(
         ("stddev", "f8"),  # N
         ("fuses", "i8"),  # whether an accelerometer is taken in
         ("noises", "f8", (NOISES,)),
-        ("bounds", "f8", (ROWS, 2)),  # region of the fit, infinite where it has none
+        ("bounds", "f8", (ROWS, 2)),  # region of the fit, infinite if it has none
         ("identified", "i8"),
         # Settings of the slow channels.
         ("low", "f8", (len(SLOW),)),  # values beyond cannot be

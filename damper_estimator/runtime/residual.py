@@ -94,7 +94,7 @@ class ResidualLine:
         self._gauge = (np.hstack([self._gauge[0], rows]), np.concatenate([self._gauge[1], force[good]]))
 
     def _advance(self) -> Residuals | None:
-        """Works off the oldest stretch of the gauge as far as both sides reach; None where nothing can be done."""
+        """Works off the oldest stretch of the gauge as far as both sides reach; None if nothing can be done."""
         (estimate_stamp, log, starts), (displacement, modelled) = self._estimates
         (gauge_stamp, number), gauge = self._gauge
         if not gauge_stamp.size or not estimate_stamp.size:

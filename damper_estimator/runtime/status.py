@@ -76,9 +76,9 @@ def watch(own, stamp, value, verdict, suspect, alone, doubt, block, force, statu
     Args:
         own: the damper's record.
         stamp: (n,) int64 ns; ``value``: (n,) m, raw; ``verdict``: (n,) int64, from ``admission.judge``.
-        suspect: (n,) uint8, 1 where the sample is in doubt for what its numbers do not show.
-        alone: (m,) uint8, 1 where the accelerometer that the motion should come from was missed.
-        doubt: (m,) int64 ns for which the sample's slow channels leave the force in doubt; 0 where they are fine.
+        suspect: (n,) uint8, 1 if the sample is in doubt for what its numbers do not show.
+        alone: (m,) uint8, 1 if the accelerometer that the motion should come from was missed.
+        doubt: (m,) int64 ns for which the sample's slow channels leave the force in doubt; 0 if they are fine.
         block: (8, m) of the samples that are used; ``force``: (m,) N, the model's, perhaps not finite.
         status, trusted: (m,) uint8 output.
         given: (m,) N output: the force, where it is not finite the last finite one (0 before the first).
@@ -217,7 +217,7 @@ def _outside(own, stamp, column):
 
 @compiled
 def velocity_noise(own):
-    """Standard deviation in m/s of the velocity behind the filter, from the noise of the displacement; 0 where it
+    """Standard deviation in m/s of the velocity behind the filter, from the noise of the displacement; 0 if it
     cannot be told."""
     cutoff, step = own["noise_cutoff"], own["step"]
     if step * cutoff > _OVERSAMPLED:

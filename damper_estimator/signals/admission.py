@@ -26,7 +26,7 @@ def judge(stamp, value, max_gap, state, verdict, dt):
         max_gap: int64 ns.
         state: (2,) int64, whether a sample was accepted and the stamp of the last one; carried.
         verdict: (n,) int64 output, one of the constants above.
-        dt: (n,) output, s since the last accepted sample; 0 where the state is reset, undefined where it is dropped.
+        dt: (n,) output, s since the last accepted sample; 0 if the state is reset, undefined where it is dropped.
     """
     for i in range(stamp.size):
         step = stamp[i] - state[1]

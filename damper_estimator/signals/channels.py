@@ -44,7 +44,7 @@ def damper_names(bag: Bag) -> list[str]:
     """Names in the messages on the default displacement topic, in order of appearance.
 
     Raises:
-        InputError: where the bag has no such topic, or it has no names.
+        InputError: if the bag has no such topic, or it has no names.
     """
     default = default_signals("").displacement.topic
     topic = find_topic(bag, default)
@@ -68,7 +68,7 @@ def signals_for(bag: Bag, signal_map: SignalMap, damper: str | None = None) -> S
     """The map with its dampers named, from the bag where the map names none; only ``damper`` where that is given.
 
     Raises:
-        InputError: where the damper is unknown.
+        InputError: if the damper is unknown.
     """
     full = signal_map if signal_map.dampers else signal_map.with_dampers(damper_names(bag))
     if damper is None:
@@ -83,7 +83,7 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False)
     """The channels that are there, by the same keys, in one pass over the bag, or of its ``ends`` alone.
 
     Raises:
-        InputError: where a channel that a map names is missing, or its field never appears.
+        InputError: if a channel that a map names is missing, or its field never appears.
     """
     found = {key: find_topic(bag, channel.topic) for key, channel in channels.items()}
     for key, topic in found.items():

@@ -47,10 +47,10 @@ def fuse(noises, dt, raw, felt, state, x, v, a, alone):
     Args:
         noises: (3,) as the fields of `Fusion`.
         dt: (n,) s; 0 starts anew.
-        raw: (n,) m; ``felt``: (n,) m/s^2, NaN where none is there.
+        raw: (n,) m; ``felt``: (n,) m/s^2, NaN if none is there.
         state: (FUSION_SIZE,), carried.
         x, v, a: (n,) the low-pass's displacement, velocity and acceleration, overwritten.
-        alone: (n,) uint8 output, 1 where there was no acceleration, or a sensor's outlier, and they stayed.
+        alone: (n,) uint8 output, 1 if there was no acceleration, or a sensor's outlier, and they stayed.
     """
     for i in range(raw.size):
         alone[i] = 0 if abs(felt[i]) < _ABSURD else 1  # NaN is not

@@ -22,7 +22,7 @@ _TAIL = 0.01  # share of the time in cycles at either end that does not set a ra
 
 @dataclass(frozen=True)
 class GroupLimits:
-    """Where low ends and high begins; infinite where there is only one group.
+    """Where low ends and high begins; infinite if there is only one group.
 
     Attributes:
         velocity: m/s, of a cycle's peak velocity.

@@ -54,17 +54,17 @@ class Kinematics:
 
     @property
     def command(self) -> np.ndarray:
-        """(n,) A, NaN where there is none."""
+        """(n,) A, NaN if there is none."""
         return self.block[COMMAND]
 
     @property
     def temperature(self) -> np.ndarray:
-        """(n,) deg C, NaN where there is none."""
+        """(n,) deg C, NaN if there is none."""
         return self.block[TEMPERATURE]
 
     @property
     def pressure(self) -> np.ndarray:
-        """(n,) Pa, NaN where there is none."""
+        """(n,) Pa, NaN if there is none."""
         return self.block[PRESSURE]
 
     @property
@@ -133,7 +133,7 @@ class Differentiator:
         Args:
             stamp: (n,) int64 ns, in order of arrival.
             displacement: (n,) m.
-            command, temperature, pressure: (n,) or one value, NaN where there is none.
+            command, temperature, pressure: (n,) or one value, NaN if there is none.
             acceleration: the same, m/s^2, of the accelerometer; counts where there is fusion.
         """
         verdict, dt = self._admission.block(stamp, displacement)

@@ -46,6 +46,6 @@ def save_signal_map(signal_map: SignalMap, path: str | Path) -> None:
     """Writes a map in one step.
 
     Raises:
-        InputError: where it cannot be written.
+        InputError: if it cannot be written.
     """
     files.write_text(path, signal_map_yaml(signal_map))

@@ -30,7 +30,7 @@ class Measurement:
         recording: path of the bag.
         damper: its name.
         kinematics: filtered, (n,) samples.
-        force: (n,) N, the damper's force through the same causal filter; None where none was recorded.
+        force: (n,) N, the damper's force through the same causal filter; None if none was recorded.
         judged: (n,) bool, samples that count: warm, and with a measured force near that no clipped sample has touched.
         counts: what a node would have dropped, in order of arrival.
         gauge: (m,) N, the finite values of the force channel by rising stamp, before spring and filter; empty without.
@@ -38,9 +38,9 @@ class Measurement:
         raw_displacement: (n,) m, before the filter.
         cutoff, band: Hz.
         signals: the damper's entry of the signal map.
-        acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN where it has a
+        acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN if it has a
             hole; None without one. Models never see it: theirs is the displacement's derivative.
-        gauge_stamp: (m,) int64 ns, corrected for skew; None where the gauge has the stamps of the whole kinematics.
+        gauge_stamp: (m,) int64 ns, corrected for skew; None if the gauge has the stamps of the whole kinematics.
     """
 
     recording: str

@@ -22,7 +22,7 @@ class Rest:
 
     Attributes:
         start, end: s since the first displacement sample.
-        displacement, force: medians over it, m and N; force is NaN where none was given.
+        displacement, force: medians over it, m and N; force is NaN if none was given.
     """
 
     start: float
@@ -42,7 +42,7 @@ def noise_level(value: np.ndarray) -> float:
 
 
 def quantum(value: np.ndarray) -> float:
-    """Step of quantisation: the smallest difference between levels; 0 where values hardly repeat."""
+    """Step of quantisation: the smallest difference between levels; 0 if values hardly repeat."""
     levels = np.unique(value[np.isfinite(value)])
     if levels.size < 2 or levels.size > 0.5 * value.size:
         return 0.0
@@ -58,7 +58,7 @@ def find_rests(
 
     Args:
         stamp, displacement: (n,) ns, rising, and m.
-        force_stamp, force: (m,) ns and N, or None where only the displacement is known.
+        force_stamp, force: (m,) ns and N, or None if only the displacement is known.
     """
     if stamp.size < _LEAST_SAMPLES:
         return ()

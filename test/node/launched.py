@@ -106,7 +106,7 @@ def group_of(process: subprocess.Popen) -> list[int]:
 
 
 def process_of(executable: str, process: subprocess.Popen) -> int | None:
-    """The node of a launch; None where it is not there."""
+    """The node of a launch; None if it is not there."""
     for pid in group_of(process):
         try:
             if executable in Path(f"/proc/{pid}/cmdline").read_text():

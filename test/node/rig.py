@@ -162,7 +162,7 @@ class Rig:
         return self._values([name])[name]
 
     def dump(self) -> dict[str, object]:
-        """All parameters by name; None where one has no value."""
+        """All parameters by name; None if one has no value."""
         from rcl_interfaces.srv import ListParameters
 
         return self._values(self.call(ListParameters, "list_parameters", ListParameters.Request()).result.names)

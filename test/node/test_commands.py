@@ -312,8 +312,8 @@ def test_a_command_in_another_unit_comes_back_in_that_unit():
     sent = {}
     for name, channel in channels.items():
         follower = Follower("one", deployed_with(model, channel), Rules)
-        follower.look(sample)
-        follower.ask(700.0, 0.0)
+        follower.update(sample)
+        follower.request(700.0, 0.0)
         sent[name] = follower.command(GOOD, 0, 0.0, Rules).current
         assert follower.tally.followed == 1 and follower.sent == sent[name]
         assert follower.safe(0, Rules).current == SAFE

@@ -18,9 +18,9 @@ def driven(report, lag: float = LAG, seconds: float = 2.0, coil: float = 0.003) 
     current, own, found = CurrentCheck(WIDTH, lag), [commands[0]], []
     for i, (now, command) in enumerate(zip(time, commands, strict=True)):
         own.append(own[-1] + (1.0 - np.exp(-STEP / coil)) * (command - own[-1]))
-        current.take(report(i, own), now, 1)
+        current.note_report(report(i, own), now, 1)
         found.append(current.is_contradicted)
-        current.command(command, now)
+        current.note_command(command, now)
     return found
 
 
@@ -48,28 +48,28 @@ def test_no_lag_compares_nothing():
 
 def test_nothing_is_said_of_a_damper_that_the_node_does_not_command():
     current = CurrentCheck(WIDTH, LAG)
-    current.take(5.0, 0.0, 1)
+    current.note_report(5.0, 0.0, 1)
     assert not current.is_contradicted
     for i in range(100):
-        current.command(0.2, i * STEP)
-    current.take(1.0, 0.2, 1)
+        current.note_command(0.2, i * STEP)
+    current.note_report(1.0, 0.2, 1)
     assert current.is_contradicted and "command_lag" in current.complaint()
-    current.take(1.0, 1.0, 1)  # commands have stopped since
+    current.note_report(1.0, 1.0, 1)  # commands have stopped since
     assert not current.is_contradicted and not current.complaint()
 
 
 def test_what_was_commanded_before_is_known_only_after_the_lag():
     current = CurrentCheck(WIDTH, LAG)
-    current.command(1.0, 0.0)
-    current.take(0.2, 0.01, 1)
+    current.note_command(1.0, 0.0)
+    current.note_report(0.2, 0.01, 1)
     assert not current.is_contradicted
-    current.take(0.2, 0.03, 1)
+    current.note_report(0.2, 0.03, 1)
     assert current.is_contradicted
 
 
 def test_a_current_that_came_long_after_the_sample_is_not_its_own():
     current = CurrentCheck(WIDTH, LAG)
-    current.take(1.0, 0.0, 1_000_000_000)
+    current.note_report(1.0, 0.0, 1_000_000_000)
     assert not current.is_ahead(960_000_000, 0.0) and current.is_ahead(940_000_000, 0.0)
     assert not current.is_ahead(940_000_000, 0.02)  # all samples take so long
     assert not current.is_ahead(0, float("inf"))  # another clock: nothing is judged

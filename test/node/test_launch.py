@@ -29,19 +29,19 @@ def test_autostart_is_read_as_ros_reads_truth(word, state, launch, car):
 @pytest.mark.parametrize(
     "file, arguments, reason",
     [
-        ("estimator.launch.py", {"modle": "coulomb"}, "there is no argument modle; model is meant?"),
+        ("estimator.launch.py", {"modle": "coulomb"}, "there is no argument modle; did you mean model?"),
         ("estimator.launch.py", {"model": "coulomb", "modell": "dahl"}, "there is no argument modell"),
-        ("estimator.launch.py", {"model": "coulomb", "Use-Sim-Time": "true"}, "use_sim_time is meant?"),
+        ("estimator.launch.py", {"model": "coulomb", "Use-Sim-Time": "true"}, "did you mean use_sim_time?"),
         ("estimator.launch.py", {"model": "coulomb", "colour": "red"}, "there is no argument colour"),
         ("estimator.launch.py", {}, "no model is given"),
         ("estimator.launch.py", {"model": "coulomb", "autostart": "1"}, "autostart must be true or false"),
-        ("estimator.launch.py", {"model": "coulomb", "params_file": "/missing.yaml"}, "there is no such file"),
+        ("estimator.launch.py", {"model": "coulomb", "params_file": "/missing.yaml"}, "no such file"),
         ("estimator.launch.py", {"model": "coulomb", "log_level": "loud"}, "log_level must be one of debug"),
         ("semi_active.launch.py", {"model": "coulomb", "damping": "soft"}, "damping must be between 0 and 100000"),
         ("semi_active.launch.py", {"model": "coulomb", "timeout": "nan"}, "timeout must be between"),
         ("semi_active.launch.py", {"model": "coulomb", "law": "sky"}, "law must be one of skyhook"),
         ("semi_active.launch.py", {"model": "coulomb", "autostart": "1"}, "autostart must be true or false"),
-        ("semi_active.launch.py", {"model": "coulomb", "tabel": "x.csv"}, "table is meant?"),
+        ("semi_active.launch.py", {"model": "coulomb", "tabel": "x.csv"}, "did you mean table?"),
         ("semi_active.launch.py", {"law": "skyhook"}, "no model is given"),
     ],
 )
@@ -56,11 +56,11 @@ def test_the_shipped_parameter_files_give_no_model(launch):
 
 def test_no_argument_is_a_slip_of_another():
     pytest.importorskip("launch_ros.actions")
-    from damper_estimator.node.launch_arguments import CONTROLLER, ESTIMATOR, is_slip
+    from damper_estimator.node.launch_arguments import CONTROLLER, ESTIMATOR, is_misspelt
 
     names = ESTIMATOR | CONTROLLER
-    assert not [(a, b) for a in names for b in names if is_slip(a, b)]
-    assert not is_slip("ros_namespace", "namespace") and not is_slip("car", "law")
+    assert not [(a, b) for a in names for b in names if is_misspelt(a, b)]
+    assert not is_misspelt("ros_namespace", "namespace") and not is_misspelt("car", "law")
 
 
 def test_a_launch_file_that_includes_ours_may_have_arguments_of_its_own(launch, car):
@@ -83,7 +83,7 @@ def test_a_slip_in_a_launch_file_that_includes_ours_is_refused(launch):
 def generate_launch_description():
     return LaunchDescription([ours("estimator.launch.py", modle="coulomb")])
 """
-    assert "model is meant?" in refused(launch("car.launch.py", text))
+    assert "did you mean model?" in refused(launch("car.launch.py", text))
 
 
 def test_lifecycle_events_of_a_launch_file_configure_and_activate(launch, car):

@@ -96,7 +96,7 @@ def test_a_missing_parameter_file_is_refused_in_one_line(start):
 
 
 def level(player, ending: str) -> bytes | None:
-    """Level of the status whose name ends so, in the last report; None where there is none."""
+    """Level of the status whose name ends so, in the last report; None if there is none."""
     statuses = player.health[-1].status if player.health else ()
     return next((bytes(s.level) for s in statuses if s.name.endswith(ending)), None)
 
@@ -109,7 +109,7 @@ def test_health_follows_the_input(start, identified, player):
     player.connect({"/suspension/displacement": JOINT_STATE})
     status = next(s for s in player.health[-1].status if s.name.endswith(told))
     assert {pair.key: pair.value for pair in status.values}["publishers"] == "1"
-    assert (bytes(status.level), status.message) == (WARN, "a publisher is there, but it has sent nothing yet")
+    assert (bytes(status.level), status.message) == (WARN, "there is a publisher, but it has not sent a message yet")
     stamps = np.arange(10**18, 10**18 + 10**8, 10**6)
     messages = joint_states(["left", "stranger"], stamps, position=np.zeros((stamps.size, 2)))
     for first in range(0, stamps.size, 10):

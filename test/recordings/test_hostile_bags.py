@@ -39,7 +39,7 @@ def one_line(error: InputError) -> bool:
 
 
 def survives(path: Path) -> bool:
-    """True where it was read, False where it was refused."""
+    """True if it was read, False if it was refused."""
     try:
         use_everything(path)
     except InputError as error:

@@ -82,7 +82,7 @@ def test_content_behind_a_known_structure_is_found_out_as_well(joint_state):
 
 
 def ros_messages(count: int, seed: int = 3) -> list[tuple[bytes, float]]:
-    """JointState of many structures as rclpy serialises them, and ``position[left]`` (NaN where there is none)."""
+    """JointState of many structures as rclpy serialises them, and ``position[left]`` (NaN if there is none)."""
     pytest.importorskip("rclpy")
     from rclpy.serialization import serialize_message
     from sensor_msgs.msg import JointState

@@ -1,4 +1,4 @@
-"""A ROS domain of one's own on this machine, for rehearsals and tests next to whatever else runs."""
+"""A free ROS domain on this machine, so that rehearsals and tests do not meet other nodes."""
 
 import os
 import socket
@@ -7,17 +7,17 @@ from contextlib import contextmanager
 
 from damper_estimator.errors import InputError
 
-DOMAINS = range(20, 100)  # above 101 the ports may collide with those that Linux hands out
+DOMAINS = range(20, 100)  # above 101 the ports can collide with those that Linux assigns
 
 
 @contextmanager
 def free_ros_domain() -> Iterator[int]:
-    """Sets ``ROS_DOMAIN_ID`` to a free domain, and discovery to this machine, for this process and those it starts.
+    """Sets ``ROS_DOMAIN_ID`` to a free domain, and discovery to this machine, for this process and its children.
 
-    The domain is reserved by the name of a socket that the kernel frees however the process ends.
+    The domain is reserved by the name of a socket, which the kernel frees when the process ends, in whatever way.
 
     Raises:
-        InputError: where all are taken.
+        InputError: if no domain is free.
     """
     with socket.socket(socket.AF_UNIX) as reserved:
         os.environ["ROS_DOMAIN_ID"] = str(_reserve(reserved))
@@ -33,5 +33,5 @@ def _reserve(reserved: socket.socket) -> int:
             continue
         return domain
     raise InputError(
-        f"ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are all in use by rehearsals; wait for one to end"
+        f"ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are all in use by rehearsals; wait until one ends"
     )

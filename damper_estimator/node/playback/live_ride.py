@@ -1,10 +1,10 @@
-"""A simulated quarter car in the loop over DDS, in simulated time: the same ride live as off line.
+"""A simulated quarter car in the loop over DDS, in simulated time: the live ride equals the one offline.
 
     python -m damper_estimator.node.playback.live_ride -m semi_active_on_mount --surface bump
 
-Plant, road and sensors run here; estimator and controller are processes of their own. Every sample of the sensors goes
-out with its time on ``/clock``, and the plant stands still until the current that answers it is back, so a ride does
-not depend on how fast the machine is.
+Plant, road and sensors run here; estimator and controller are separate processes. Every sample of the sensors is
+published with its time on ``/clock``, and the plant waits for the current that answers it, so a ride does not depend on
+the speed of the machine.
 """
 
 import argparse
@@ -62,8 +62,8 @@ from damper_estimator.vehicle import (
 DAMPER = "corner"
 START = 1_000 * NANOSECONDS  # of the simulated time
 STEP = 2_000_000  # ns between the samples before the ride, at rest
-PAUSE = NANOSECONDS  # ns before the ride, more than a gap may last
-STARTING = 300.0  # s of the wall's clock until the first current; machine code may have to be made first
+PAUSE = NANOSECONDS  # ns before the ride, longer than a gap
+STARTING = 300.0  # s of real time until the first current; the model may have to be compiled first
 FIRST_PAUSE, QUIET = 0.1, 1.0  # s between the first samples, and after them
 PATIENCE = 60.0  # s until each of the others
 DEPTH = 100
@@ -77,7 +77,7 @@ TOPICS = {
 
 @dataclass(frozen=True)
 class Scenario:
-    """What is driven, and how it is controlled: by the inverse of ``model``, or by ``table`` where that is given."""
+    """Car, road and control: by the inverse of ``model``, or by ``table`` if that is given."""
 
     corner: Corner
     road: np.ndarray
@@ -93,8 +93,8 @@ class Scenario:
         return {"law": "mixed", "damping": total, "share": law.body / total, "rest_force": rest}
 
 
-class Driver:
-    """The plant's end of the loop; final. rclpy must be initialised."""
+class PlantLoop:
+    """The plant's side of the loop; final. rclpy must be initialised."""
 
     def __init__(self) -> None:
         self._node = Node("live_ride", start_parameter_services=False)
@@ -107,7 +107,7 @@ class Driver:
         }
         self._currents = self._answers = 0
         self._current = 0.0
-        self._wanted, self._desired_at = float("nan"), 0
+        self._desired, self._desired_at = float("nan"), 0
         self._node.create_subscription(Float64, f"suspension/{DAMPER}/current_command", self._take_current, quality)
         for topic in ("damper_estimator/desired_force", "damper_controller/desired_force"):
             self._node.create_subscription(JointState, topic, self._take_desired, quality)
@@ -117,14 +117,14 @@ class Driver:
         self._answers += 1
 
     def _take_desired(self, message: JointState) -> None:
-        self._wanted = message.effort[0]
+        self._desired = message.effort[0]
         self._desired_at = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
 
     def drive(self, scenario: Scenario, processes: Sequence[subprocess.Popen]) -> Ride:
-        """The ride, once estimator and controller answer.
+        """Drives once estimator and controller answer.
 
         Raises:
-            InputError: where no current comes, or a process has ended.
+            InputError: if no current comes, or a process has ended.
         """
         running = RunningRide(scenario.corner.car, scenario.corner.damper, scenario.road)
         stamp = self._stand(processes)
@@ -134,23 +134,23 @@ class Driver:
         return running.ride()
 
     def _stand(self, processes: Sequence[subprocess.Popen]) -> int:
-        """Stands at rest until samples are answered; the stamp of the ride's first one."""
+        """Stands at rest until samples are answered; returns the stamp of the ride's first one."""
         stamp, end = START, time.monotonic() + STARTING
         while not self._answers or self._desired_at < stamp - STEP:
             self._check(processes, end)
             self._send(stamp, 0.0, 0.0, 0.0)
-            self._listen(FIRST_PAUSE)
+            self._spin(FIRST_PAUSE)
             stamp += STEP
-        self._listen(QUIET)  # whatever answers these samples
-        return stamp + PAUSE  # filter, model and law begin anew, as they do off line
+        self._spin(QUIET)  # for the remaining answers
+        return stamp + PAUSE  # resets filter, model and law, as offline
 
-    def _listen(self, seconds: float) -> None:
+    def _spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
 
     def _send(self, stamp: int, travel: float, felt: float, current: float) -> None:
-        """One sample of all sensors; the displacement, which is answered, last."""
+        """Publishes one sample of all sensors; the displacement, which is answered, last."""
         at = np.array([stamp])
         clock = Clock()
         clock.clock.sec, clock.clock.nanosec = divmod(stamp, NANOSECONDS)
@@ -166,34 +166,34 @@ class Driver:
         while self._answers < count or self._desired_at < stamp:
             self._check(processes, end)
             self._executor.spin_once(timeout_sec=0.05)
-        return Action(self._wanted, self._current)
+        return Action(self._desired, self._current)
 
     def _check(self, processes: Sequence[subprocess.Popen], end: float) -> None:
         ended = [process.args[0] for process in processes if process.poll() is not None]
         if ended:
-            raise InputError(f"{ended[0]} has ended; it said why")
+            raise InputError(f"{ended[0]} has ended; see its message")
         if time.monotonic() > end:
-            raise InputError("waited too long for a current; do estimator and controller hear each other?")
+            raise InputError("no current came in time; are estimator and controller in the same ROS domain?")
 
     def close(self) -> None:
-        """Leaves the ROS graph."""
+        """Destroys the ROS node."""
         self._executor.shutdown()
         self._node.destroy_node()
 
 
 def live(scenario: Scenario) -> Ride:
-    """The ride with an estimator and a controller of its own, in this process's ROS domain.
+    """The ride with a new estimator and controller, in this process's ROS domain.
 
     Raises:
-        InputError: as `Driver.drive`.
+        InputError: as `PlantLoop.drive`.
     """
     rclpy.init()
-    driver = Driver()
+    plant = PlantLoop()
     try:
         with tempfile.TemporaryDirectory() as folder, _processes(scenario, Path(folder)) as processes:
-            return driver.drive(scenario, processes)
+            return plant.drive(scenario, processes)
     finally:
-        driver.close()
+        plant.close()
         rclpy.shutdown()
 
 
@@ -202,13 +202,13 @@ def _processes(scenario: Scenario, folder: Path) -> Iterator[list[subprocess.Pop
     signals = folder / "signals.yaml"
     signals.write_text(yaml.safe_dump(_signal_map()))
     estimator = {"model": scenario.model, "signals": signals, "stale_after": 10.0, "use_sim_time": "true"}
-    estimator["qos_reliability"] = "reliable"  # a sample that is lost would be waited for
-    controller = scenario.law | {"use_sim_time": "true", "extrapolating_limit": 1e5}  # off line nothing limits it
+    estimator["qos_reliability"] = "reliable"  # the plant would wait for a lost sample
+    controller = scenario.law | {"use_sim_time": "true", "extrapolating_limit": 1e5}  # offline nothing limits it
     controller |= {"table": scenario.table} if scenario.table else {}
     words = {EXECUTABLE: estimator, EXECUTABLE.with_name("controller_node"): controller}
     running = [
-        subprocess.Popen([str(program), "--ros-args", *(w for n, v in own.items() for w in ("-p", f"{n}:={v}"))])
-        for program, own in words.items()
+        subprocess.Popen([str(program), "--ros-args", *(w for n, v in parameters.items() for w in ("-p", f"{n}:={v}"))])
+        for program, parameters in words.items()
     ]
     try:
         yield running
@@ -227,7 +227,7 @@ def offline(scenario: Scenario) -> Ride:
     """The same ride without ROS.
 
     Raises:
-        InputError: where the model has no inverse, or the table is none.
+        InputError: if the model has no inverse, or the table is invalid.
     """
     model = load_model(scenario.model)
     command = (
@@ -240,7 +240,7 @@ def offline(scenario: Scenario) -> Ride:
 
 
 def main() -> int:
-    """Drives live and off line, and says how both tracked the desired force."""
+    """Drives live and offline, and prints how well both tracked the desired force."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("-m", "--model", required=True, help="model with a command")
     parser.add_argument("--table", type=Path, help="force_velocity.csv: currents by table instead of by the inverse")
@@ -249,22 +249,22 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=6.0)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    (surface,) = [one for one in SURFACES if one.kind == arguments.surface]
+    (surface,) = [surface for surface in SURFACES if surface.kind == arguments.surface]
     road = surface_height(surface, arguments.seconds, arguments.seed)
     corner = CORNER_CASES[arguments.corner]
     scenario = Scenario(corner, road, arguments.model, arguments.table)
     try:
         with free_ros_domain():
-            rides = {"live": live(scenario), "off line": offline(scenario)}
+            rides = {"live": live(scenario), "offline": offline(scenario)}
     except InputError as error:
         print(f"live_ride: {error}", file=sys.stderr)
         return 1
-    for name, own in rides.items():
-        told = ride_measures(own, attainable(corner.damper, own.travel, LIMITS, own.step), REST)
+    for name, driven in rides.items():
+        measures = ride_measures(driven, attainable(corner.damper, driven.travel, LIMITS, driven.step), REST)
         print(
-            f"{arguments.corner}, {surface.name}, {name}: force errs by {told.tracking_n:.1f} N rms of "
-            f"{told.wanted_n:.0f} N desired; body {told.weighted_acceleration:.3f} m/s^2 (Wk), tyre load "
-            f"{100 * told.tyre_load:.1f} %, stroke {1e3 * told.stroke:.1f} mm rms"
+            f"{arguments.corner}, {surface.name}, {name}: force error {measures.tracking_n:.1f} N rms of "
+            f"{measures.wanted_n:.0f} N desired; body {measures.weighted_acceleration:.3f} m/s^2 (Wk), tyre load "
+            f"{100 * measures.tyre_load:.1f} %, stroke {1e3 * measures.stroke:.1f} mm rms"
         )
     return 0
 

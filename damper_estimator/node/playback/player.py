@@ -1,4 +1,4 @@
-"""Plays recorded messages to a running node over DDS, as fast as it answers, and keeps what it answers."""
+"""Plays recorded messages to a running node over DDS, as fast as it answers, and keeps the answers."""
 
 import struct
 import subprocess
@@ -15,30 +15,26 @@ from damper_estimator.errors import InputError
 from damper_estimator.node.health import PUBLISHERS, SUBSCRIBERS
 from damper_estimator.node.inputs import message_type
 
-WINDOW = 20  # displacement messages that may be unanswered
-PATIENCE = 0.5  # s, after which an unanswered message counts as one that gives no estimate
-LINGER = 10.0  # s without any answer, after which those that are missing are taken for lost
+WINDOW = 20  # largest number of unanswered displacement messages
+PATIENCE = 0.5  # s, after which an unanswered message counts as one without an estimate
+LINGER = 10.0  # s without any answer, after which the missing ones count as lost
 PAUSE = 0.02  # s after a message of a slow channel: topics overtake each other
-DISCOVERY = (
-    120.0  # s; the kernels of a model that never ran here are compiled first, which a busy machine takes its time for
-)
+DISCOVERY = 120.0  # s; a new model is compiled first, which takes long on a busy machine
 DEPTH = 1000
 _STAMP = slice(4, 12)
 
 
 class Player:
-    """A node that publishes serialised messages and listens to the estimator; final. rclpy must be initialised.
+    """A node that publishes serialised messages and subscribes to the estimator; final. rclpy must be initialised.
 
     Attributes:
-        forces: every ``DamperForces`` that came and answers a message.
-        stale: those that say that the input has stopped.
-        health: every ``DiagnosticArray`` that came.
+        forces: every received ``DamperForces`` that answers a message.
+        stale: those that report that the input has stopped.
+        health: every received ``DiagnosticArray``.
     """
 
     def __init__(self, estimator: str = "/damper_estimator", process: subprocess.Popen | None = None) -> None:
-        """``estimator``: full name of the node that is played to; ``process``: its own, where waiting ends when it
-        ends.
-        """
+        """``estimator``: full name of the node; ``process``: that of the node, if waiting must end with it."""
         self._process = process
         self.forces: list[DamperForces] = []
         self.stale: list[DamperForces] = []
@@ -49,46 +45,33 @@ class Player:
         self._executor.add_node(self._node)
         self._publishers: dict[str, object] = {}
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-        self._hear = self._keep
-        self._node.create_subscription(DamperForces, f"{estimator}/force", lambda m: self._hear(m), quality)
+        self._node.create_subscription(DamperForces, f"{estimator}/force", self._keep, quality)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, quality)
-
-    def listen_instead(self, hear: Callable[[DamperForces], None]) -> None:
-        """Gives the forces to ``hear`` and keeps none, for runs without end."""
-        self._hear = hear
-
-    def publish(self, topic: str, data: bytes) -> None:
-        """One serialised message."""
-        self._publishers[topic].publish(data)
-
-    def spin(self, seconds: float) -> None:
-        """Listens for one message, at most so long."""
-        self._executor.spin_once(timeout_sec=seconds)
 
     def _keep(self, message: DamperForces) -> None:
         (self.stale if DamperForces.STALE in message.status else self.forces).append(message)
 
     def connect(self, topics: dict[str, str]) -> None:
-        """Makes a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and
-        waits for the estimator.
+        """Creates a publisher for each topic (with its type, such as ``std_msgs/msg/Float64``) and waits for the
+        estimator.
 
         Args:
-            topics: those of displacement last. A node learns of publishers one after the other, and this is what the
-                estimator tells of.
+            topics: those of displacement last. A node discovers publishers one after the other, and the estimator
+                reports these.
 
         Raises:
-            InputError: where nobody listens on one of them in time.
+            InputError: if one of them has no subscriber in time.
         """
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
         for topic, kind in topics.items():
             self._publishers[topic] = self._node.create_publisher(message_type(kind), topic, quality)
         for topic, publisher in self._publishers.items():
             self.wait(lambda publisher=publisher: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
-        # That we know of the estimator does not mean that it knows of us. It says so itself, in a later report.
+        # Discovery is one-sided: the estimator reports in a later message that it has discovered this node.
         seen = len(self.health)
         self.wait(
-            lambda: any(_hears_and_is_heard(own, self._publishers) for own in self.health[seen + 1 :]),
-            "the estimator to hear and be heard",
+            lambda: any(_is_connected(health, self._publishers) for health in self.health[seen + 1 :]),
+            "the estimator to discover this node",
         )
 
     def play(self, messages: Iterable[tuple[str, bytes]], answered: set[str]) -> None:
@@ -110,7 +93,7 @@ class Player:
         self._settle(pending, 0)
 
     def _settle(self, pending: list[bytes], allowed: int) -> None:
-        """Listens until at most ``allowed`` are unanswered; gives them up when nothing comes for ``PATIENCE``."""
+        """Waits until at most ``allowed`` are unanswered; gives up when nothing comes for ``PATIENCE``."""
         since = time.monotonic()
         while len(pending) > allowed:
             self._executor.spin_once(timeout_sec=PATIENCE / 10)
@@ -124,7 +107,7 @@ class Player:
                 pending.clear()
 
     def linger(self, count: int) -> None:
-        """Listens until there are ``count`` forces, or none has come for ``LINGER``: a busy machine takes its time."""
+        """Waits until there are ``count`` forces, or none has come for ``LINGER``: a busy machine is slow."""
         seen, since = len(self.forces), time.monotonic()
         while len(self.forces) < count and time.monotonic() - since < LINGER:
             self._executor.spin_once(timeout_sec=0.05)
@@ -132,15 +115,15 @@ class Player:
                 seen, since = len(self.forces), time.monotonic()
 
     def wait(self, condition: Callable[[], bool], what: str, patience: float = DISCOVERY) -> None:
-        """Listens until a condition holds.
+        """Waits until a condition holds.
 
         Raises:
-            InputError: where it does not hold in time, or the estimator has ended; ``what`` was waited for.
+            InputError: if it does not hold in time, or the estimator has ended; ``what`` names the condition.
         """
         end = time.monotonic() + patience
         while not condition():
             if self._process is not None and self._process.poll() is not None:
-                raise InputError(f"the estimator ended while {what} was waited for; it said why")
+                raise InputError(f"the estimator ended during the wait for {what}; see its message")
             if time.monotonic() > end:
                 raise InputError(
                     f"waited {patience:g} s for {what}; is the estimator running with the same ROS_DOMAIN_ID?"
@@ -148,12 +131,12 @@ class Player:
             self._executor.spin_once(timeout_sec=0.05)
 
     def close(self) -> None:
-        """Leaves the ROS graph."""
+        """Destroys the ROS node."""
         self._executor.shutdown()
         self._node.destroy_node()
 
 
-def _hears_and_is_heard(health: DiagnosticArray, topics: Container[str]) -> bool:
-    told = [{pair.key: pair.value for pair in status.values} for status in health.status]
-    heard = [own[PUBLISHERS] for own in told if PUBLISHERS in own and own["topic"] in topics]
-    return "0" not in heard and any(own.get(SUBSCRIBERS, "0") != "0" for own in told)
+def _is_connected(health: DiagnosticArray, topics: Container[str]) -> bool:
+    reports = [{pair.key: pair.value for pair in status.values} for status in health.status]
+    publishers = [report[PUBLISHERS] for report in reports if PUBLISHERS in report and report["topic"] in topics]
+    return "0" not in publishers and any(report.get(SUBSCRIBERS, "0") != "0" for report in reports)

@@ -1,4 +1,4 @@
-"""Plays the inputs of a replayed recording to the live node and holds its forces against ``replay``, bit for bit.
+"""Plays the inputs of a replayed recording to the live node and compares its forces with ``replay``, bit for bit.
 
 ::
 
@@ -26,7 +26,7 @@ from damper_estimator.runtime import SLOW
 from damper_estimator.signals import SignalMap, load_signal_map
 from damper_estimator.signals.channels import find_topic, signals_for
 
-DEPTH = 1000  # messages that may wait; what is compared is the estimates, not what a busy machine loses
+DEPTH = 1000  # waiting messages; the estimates are compared, not the losses of a busy machine
 FORCE = "/damper_estimator/force"
 EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
 FIELDS = (
@@ -37,12 +37,12 @@ FIELDS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """How live and replayed forces compare.
+    """Comparison of live and replayed forces.
 
     Attributes:
-        replayed, live: messages on each side.
+        replayed, live: number of messages.
         unequal: messages that differ in stamp, names or any bit of a number.
-        largest: N, largest difference of force where stamp and names agree.
+        largest: N, largest difference of force among messages with equal stamp and names.
     """
 
     replayed: int
@@ -52,20 +52,20 @@ class Outcome:
 
     @property
     def is_equal(self) -> bool:
-        """Whether both sides have the same messages."""
+        """Whether both have the same messages."""
         return self.replayed == self.live and not self.unequal
 
 
 def rehearse(player: Player, replayed: Path, signal_map: SignalMap) -> Outcome:
-    """Plays to a node that is running already.
+    """Plays to a running node.
 
     Args:
         player: fresh, on the node's ROS domain.
-        replayed: what ``replay`` wrote with the node's model and signal map.
+        replayed: written by ``replay`` with the node's model and signal map.
         signal_map: the node's.
 
     Raises:
-        InputError: where the recording is unusable or nobody listens.
+        InputError: if the recording is unusable or there is no subscriber.
     """
     with open_bag(replayed) as bag:
         displacement, slow = _inputs(bag, signal_map)
@@ -79,14 +79,15 @@ def rehearse(player: Player, replayed: Path, signal_map: SignalMap) -> Outcome:
 
 
 def compared(replayed: Sequence[object], live: Sequence[object]) -> Outcome:
-    """Holds two series of ``DamperForces`` against each other, message by message."""
+    """Compares two series of ``DamperForces`` message by message."""
     unequal, largest = 0, 0.0
-    for ours, theirs in zip(replayed, live, strict=False):
-        if _key(ours) != _key(theirs):
+    for expected, received in zip(replayed, live, strict=False):
+        if _key(expected) != _key(received):
             unequal += 1
-        elif any(_bits(ours, field) != _bits(theirs, field) for field in FIELDS):
+        elif any(_bits(expected, field) != _bits(received, field) for field in FIELDS):
             unequal += 1
-            largest = max(largest, float(np.nanmax(np.abs(np.subtract(ours.force, theirs.force)), initial=0.0)))
+            difference = np.abs(np.subtract(expected.force, received.force))
+            largest = max(largest, float(np.nanmax(difference, initial=0.0)))
     return Outcome(len(replayed), len(live), unequal, largest)
 
 
@@ -102,8 +103,8 @@ def _inputs(bag: Bag, signal_map: SignalMap) -> tuple[set[str], set[str]]:
     """The bag's topics of displacement, and of the slow channels."""
     signals = signals_for(bag, signal_map).dampers.values()
     roles = (*SLOW, "acceleration") if signal_map.fusion else SLOW
-    displacement = {find_topic(bag, own.displacement.topic) for own in signals}
-    slow = {find_topic(bag, getattr(own, role).topic) for own in signals for role in roles}
+    displacement = {find_topic(bag, damper.displacement.topic) for damper in signals}
+    slow = {find_topic(bag, getattr(damper, role).topic) for damper in signals for role in roles}
     return displacement - {None}, slow - {None}
 
 
@@ -113,7 +114,7 @@ def _messages(bag: Bag, topics: Sequence[str]) -> Iterator[tuple[str, bytes]]:
             yield connection.topic, data
 
 
-def _rehearse_with_own_node(replayed: Path, model: str, signals: Path | None) -> Outcome:
+def _rehearse_with_new_node(replayed: Path, model: str, signals: Path | None) -> Outcome:
     signal_map = load_signal_map(signals)
     with open_bag(replayed) as bag:
         dampers = list(signals_for(bag, signal_map).dampers)
@@ -133,20 +134,20 @@ def _rehearse_with_own_node(replayed: Path, model: str, signals: Path | None) ->
 
 
 def main() -> int:
-    """Starts a node, plays to it, says how the forces compare; the exit status is 1 where they differ."""
+    """Starts a node, plays to it, prints the comparison of the forces; the exit status is 1 if they differ."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("replayed", type=Path, help="what damper-estimator replay wrote")
-    parser.add_argument("-m", "--model", required=True, help="the model that it was replayed with")
-    parser.add_argument("-s", "--signals", type=Path, help="the signal map that it was replayed with")
+    parser.add_argument("replayed", type=Path, help="recording written by damper-estimator replay")
+    parser.add_argument("-m", "--model", required=True, help="the model of that replay")
+    parser.add_argument("-s", "--signals", type=Path, help="the signal map of that replay")
     arguments = parser.parse_args()
     try:
         with free_ros_domain():
-            outcome = _rehearse_with_own_node(arguments.replayed, arguments.model, arguments.signals)
+            outcome = _rehearse_with_new_node(arguments.replayed, arguments.model, arguments.signals)
     except InputError as error:
         print(f"rehearsal: {error}", file=sys.stderr)
         return 1
     print(
-        f"live node against replay: {outcome.live} of {outcome.replayed} messages came over DDS, "
+        f"live node against replay: {outcome.live} of {outcome.replayed} messages received over DDS, "
         f"{outcome.unequal} differ, largest difference {outcome.largest:g} N: "
         + ("live equals offline, bit for bit" if outcome.is_equal else "live and offline are NOT equal")
     )
