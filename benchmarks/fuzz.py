@@ -148,7 +148,7 @@ def models(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         line.add("one", deployed(model, 60.0, 0.1))
         for i in range(4):
             line.step(i * 1_000_000, np.array([0.01 * i]), np.ones(1, bool))
-            assert np.isfinite(line.answered.numbers[0, 3]).all(), "a force that is no number"
+            assert np.isfinite(line.output.numbers[0, 3]).all(), "a force that is no number"
 
     return run, yaml_examples("models")
 
@@ -235,8 +235,8 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
             source.take(data, Arrival(0.0))
         except MalformedMessage:
             return
-        force = source.line.answered.numbers[0, 3]
-        assert np.isfinite(force[source.line.answered.verdict[0] == 0]).all(), "a force that is no number"
+        force = source.line.output.numbers[0, 3]
+        assert np.isfinite(force[source.line.output.verdict[0] == 0]).all(), "a force that is no number"
 
     stamps = np.arange(3) * 10**6
     seeds = joint_states(["a", "b"], stamps, position=np.ones((3, 2)))

@@ -55,11 +55,11 @@ class Undisturbed:
     def take(self, stamp: int, displacement: list[float], current: list[float], samples: list[Sample],
              felt: list[float]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Sensors at one moment; forces (4,) in N and status (4,)."""
-        arrived = self._line.arrived
+        arrived = self._line.input
         for k, sample in enumerate(samples):
             arrived.slow[0, 0, k], arrived.slow[0, 1, k] = current[k], sample.temperature
-            arrived.heard[0, :2, k] += 1
-            arrived.felt[0, k], arrived.felt_at[0, k] = felt[k], stamp
+            arrived.received[0, :2, k] += 1
+            arrived.acceleration[0, k], arrived.acceleration_stamp[0, k] = felt[k], stamp
         self._line.step(stamp, np.array(displacement), np.ones(len(NAMES), bool))
-        answered = self._line.answered
+        answered = self._line.output
         return answered.numbers[0, FIELDS.index("force")].copy(), answered.status[0].copy()

@@ -8,8 +8,8 @@ import numpy as np
 
 from damper_estimator.control import search
 from damper_estimator.model import chain
+from damper_estimator.runtime.damper_record import RECORD, SLOW, STALE
 from damper_estimator.runtime.line import predict, take_motion, take_slow
-from damper_estimator.runtime.record import RECORD, SLOW, STALE
 from damper_estimator.runtime.status import watch
 from damper_estimator.signals.admission import DUPLICATE, judge
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, V, X

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from damper_estimator.codegen.c_source import Damper
-from damper_estimator.runtime.record import SLOW
+from damper_estimator.runtime.damper_record import SLOW
 
 FIRST_INPUT, FIRST_OUTPUT, FIRST_INTEGER, REACHED, FIRST_PARAMETER = 1, 100, 200, 300, 1000
 

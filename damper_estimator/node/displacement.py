@@ -143,7 +143,7 @@ class DisplacementInput:
         if not count:
             return None
         self._frame = data[place.frame]
-        answered = self.line.answered
+        answered = self.line.output
         for d, follower in self._leading:
             if self.line.is_good(d):
                 answered.numbers[0, _REACH, d] = follower.update(self.line.sample(d))
@@ -170,7 +170,7 @@ class DisplacementInput:
         line, STALE if its last sample is older than ``after`` s or none came.
         """
         fresh = now - self.last_good[damper] <= after
-        return int(self.line.answered.trusted[0, damper]) if fresh else STALE
+        return int(self.line.output.trusted[0, damper]) if fresh else STALE
 
     def is_new_structure(self, data: bytes) -> bool:
         """Whether the message differs in names or lengths from the recently read ones."""
@@ -187,7 +187,7 @@ class DisplacementInput:
         for stamp in np.unique(self.stamps[silent]):
             chosen = silent & (self.stamps == stamp)
             status = np.full(chosen.size, STALE, np.uint8)
-            messages.append(self._template(chosen).message(int(stamp), self.line.answered.numbers[0], status, chosen))
+            messages.append(self._template(chosen).message(int(stamp), self.line.output.numbers[0], status, chosen))
         return messages
 
     def rewind(self, now: float) -> None:
@@ -230,9 +230,9 @@ class AccelerationInput:
         """Passes value and stamp of one message to the line."""
         reading = self._reader.read(data)
         if reading.is_whole:
-            arrived = self._line.arrived
-            arrived.felt[0, self._damper] = float(self._channel.value(float(reading.values[0])))
-            arrived.felt_at[0, self._damper] = reading.stamp
+            arrived = self._line.input
+            arrived.acceleration[0, self._damper] = float(self._channel.value(float(reading.values[0])))
+            arrived.acceleration_stamp[0, self._damper] = reading.stamp
 
 
 class SlowInput:
@@ -254,8 +254,8 @@ class SlowInput:
         """Passes on the value of one message of the steady time ``now`` in s, ``received`` in ns of the clock."""
         reading = self._reader.read(data)
         if reading.is_whole:
-            arrived, value = self._line.arrived, float(self._channel.value(float(reading.values[0])))
+            arrived, value = self._line.input, float(self._channel.value(float(reading.values[0])))
             arrived.slow[0, self._row, self._damper] = value
-            arrived.heard[0, self._row, self._damper] += 1
+            arrived.received[0, self._row, self._damper] += 1
             if self._current is not None:
                 self._current.note_report(value, now, received)

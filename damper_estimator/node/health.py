@@ -8,7 +8,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from damper_estimator.node.commands import CommandTally
-from damper_estimator.node.drift import Drift
+from damper_estimator.node.error_drift import Drift
 from damper_estimator.runtime import (
     BY_STATUS,
     COUNTS,
@@ -133,7 +133,7 @@ class DamperNow:
     """The state of one damper at one moment.
 
     Attributes:
-        counts: by the constants of ``runtime.record``.
+        counts: by the constants of ``runtime.damper_record``.
         noise: m/s, standard deviation of the velocity.
         is_identified: whether the model was fitted to measurements.
         influential: the slow channels that the model's force depends on.

@@ -9,10 +9,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.node.displacement import JOINT_STATE, DisplacementInput
-from damper_estimator.node.drift import Drift
+from damper_estimator.node.error_drift import Drift
 from damper_estimator.node.wire import reader_of
 from damper_estimator.recordings import joint_states
-from damper_estimator.runtime import ABSENT, FIELDS, SLOW, WARMING_UP, Estimates, ResidualLine, Residuals, together
+from damper_estimator.runtime import (
+    ABSENT,
+    FIELDS,
+    SLOW,
+    WARMING_UP,
+    Estimates,
+    ResidualLine,
+    Residuals,
+    group_equal_keys,
+)
 from damper_estimator.signals import DamperSignals, Kinematics
 from damper_estimator.signals.admission import ACCEPTED, DUPLICATE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
@@ -80,7 +89,7 @@ class Collected:
             self._count = 0
         if self._count < _CAPACITY:
             self._stamps[self._count] = stamp
-            answered = line.answered
+            answered = line.output
             self._verdicts[self._count], self._status[self._count] = answered.verdict[0], answered.status[0]
             self._numbers[self._count], self._modelled[self._count] = answered.numbers[0], answered.modelled[0]
             self._count += 1
@@ -139,7 +148,7 @@ class Comparison:
             residuals[name] = self._lines[name].block(estimates, estimates.kinematics.stamp, stamp, force)
             self._judge(name, estimates, residuals[name])
         messages = []
-        for stamp, rows in together({name: residual.stamp for name, residual in residuals.items()}):
+        for stamp, rows in group_equal_keys({name: residual.stamp for name, residual in residuals.items()}):
             effort = np.stack([residuals[name].value[row] for name, row in rows.items()], axis=1)
             messages += joint_states(list(rows), stamp, effort=effort)
         return messages

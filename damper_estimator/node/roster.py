@@ -85,4 +85,4 @@ def _warm_up(unit: Deployed) -> None:
     line.add("", unit)
     for millisecond in range(2):
         line.step(millisecond * 1_000_000, np.zeros(1), np.ones(1, bool))
-    ForcesTemplate([""], "").message(0, line.answered.numbers[0], line.answered.status[0], np.ones(1, bool))
+    ForcesTemplate([""], "").message(0, line.output.numbers[0], line.output.status[0], np.ones(1, bool))

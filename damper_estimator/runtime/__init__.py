@@ -1,11 +1,6 @@
-"""What turns samples into estimates, live and off line: admission, filter, slow channels, model, status."""
+"""Turns samples into estimates, live and offline: admission, filter, slow channels, model, status."""
 
-from damper_estimator.runtime.deployed import Deployed, deployed
-from damper_estimator.runtime.estimates import FIELDS, Estimates
-from damper_estimator.runtime.estimator import DamperEstimator, Held
-from damper_estimator.runtime.line import Line
-from damper_estimator.runtime.messages import ABSENT, Answered, Arrived
-from damper_estimator.runtime.record import (
+from damper_estimator.runtime.damper_record import (
     BY_STATUS,
     COUNTS,
     DEGRADED,
@@ -23,8 +18,13 @@ from damper_estimator.runtime.record import (
     SUSPECT,
     WARMING_UP,
 )
+from damper_estimator.runtime.deployed import Deployed, deployed
+from damper_estimator.runtime.estimates import FIELDS, Estimates
+from damper_estimator.runtime.estimator import DamperEstimator, HeldValues
+from damper_estimator.runtime.line import Line
+from damper_estimator.runtime.line_arrays import ABSENT, LineInput, LineOutput
 from damper_estimator.runtime.residual import ResidualLine, Residuals
-from damper_estimator.runtime.vehicle import Arrivals, ForceMessages, HeldChannel, VehicleLine, together
+from damper_estimator.runtime.vehicle import Arrivals, ForceMessages, SampleAndHold, VehicleLine, group_equal_keys
 
 __all__ = [
     "ABSENT",
@@ -45,19 +45,19 @@ __all__ = [
     "STUCK",
     "SUSPECT",
     "WARMING_UP",
-    "Answered",
     "Arrivals",
-    "Arrived",
     "DamperEstimator",
     "Deployed",
     "Estimates",
     "ForceMessages",
-    "Held",
-    "HeldChannel",
+    "HeldValues",
     "Line",
+    "LineInput",
+    "LineOutput",
     "ResidualLine",
     "Residuals",
+    "SampleAndHold",
     "VehicleLine",
     "deployed",
-    "together",
+    "group_equal_keys",
 ]

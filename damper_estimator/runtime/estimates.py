@@ -1,4 +1,4 @@
-"""What the line gives: estimates of one damper, under the names of damper_msgs/DamperForces."""
+"""Estimates of one damper, under the names of damper_msgs/DamperForces."""
 
 from dataclasses import dataclass
 
@@ -14,22 +14,22 @@ FIELDS = (
 
 @dataclass(frozen=True)
 class Estimates:
-    """Estimates for the good ones among the samples that came.
+    """Estimates for the good ones among the received samples.
 
     Attributes:
         kinematics: of the good samples, (n,).
         force: (n,) N; NaN if the model gave no finite number.
-        given: (n,) N, what is published: the force, where that is not finite the last finite one (0 before the first).
+        published: (n,) N, the force; if that is not finite, the last finite one (0 before the first).
         stddev: (n,) N, the standard deviation of the fit's residual; NaN if the model was not fitted.
         status: (n,) uint8, the constants of damper_msgs/DamperForces.
-        verdict: what became of each sample that came (``signals.admission``).
-        reach: (4, n), what can be reached by command and the slopes, from force_min to dforce_dcurrent; None if the
-            force depends on none.
+        verdict: on each received sample (``signals.admission``).
+        reach: (4, n), reachable forces and slopes, from force_min to dforce_dcurrent; None if the force depends on
+            no command.
     """
 
     kinematics: Kinematics
     force: np.ndarray
-    given: np.ndarray
+    published: np.ndarray
     stddev: np.ndarray
     status: np.ndarray
     verdict: np.ndarray
@@ -42,7 +42,7 @@ class Estimates:
             "displacement": self.kinematics.displacement,
             "velocity": self.kinematics.velocity,
             "acceleration": self.kinematics.acceleration,
-            "force": self.given,
+            "force": self.published,
             "force_stddev": self.stddev,
             **dict(zip(FIELDS[5:], reach, strict=True)),
             "status": self.status,

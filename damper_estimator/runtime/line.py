@@ -1,8 +1,8 @@
 """Several dampers that share one input: stamps and raw displacement in, estimates out.
 
-The node gives it one message at a time, ``replay`` many at once; both run the same compiled code over the same records,
-so that their forces agree bit for bit. The programs, parameters and states of the dampers lie one behind the other in
-shared arrays.
+The node passes one message at a time, ``replay`` many at once; both run the same compiled code over the same records,
+so that their forces agree bit for bit. The programs, parameters and states of the dampers are concatenated in shared
+arrays.
 """
 
 import numpy as np
@@ -11,10 +11,10 @@ from damper_estimator.compiled import borrowed, compiled
 from damper_estimator.model import DamperModel, chain
 from damper_estimator.model.element import walk
 from damper_estimator.model.program import function_list
+from damper_estimator.runtime.damper_record import SLOW, fresh_record
 from damper_estimator.runtime.deployed import Deployed
 from damper_estimator.runtime.estimates import FIELDS
-from damper_estimator.runtime.messages import ABSENT, Answered, Arrived
-from damper_estimator.runtime.record import SLOW, fresh_record
+from damper_estimator.runtime.line_arrays import ABSENT, LineInput, LineOutput
 from damper_estimator.runtime.slow import hold, is_recent
 from damper_estimator.runtime.status import velocity_noise, watch
 from damper_estimator.signals.admission import DUPLICATE, judge
@@ -30,30 +30,30 @@ class Line:
 
     Attributes:
         names: of the dampers.
-        records: (k,) of ``runtime.record.RECORD``.
+        records: (k,) of ``runtime.damper_record.RECORD``.
         scale, offset: (k,) of the displacement in a message: m = scale * raw + offset.
-        arrived: of one message, where slow channels and accelerations are put as they come; see `step`.
-        doubted: (k,) bool, whose samples are in doubt for what the line cannot see.
-        answered: what the last `step` brought about.
+        input: of one message; slow channels and accelerations are stored here as they arrive, see `step`.
+        doubted: (k,) bool, dampers whose samples are doubtful for a reason outside the line.
+        output: of the last `step`.
     """
 
     def __init__(self) -> None:
         self.names: tuple[str, ...] = ()
         self.records = fresh_record()[:0]
         self.scale, self.offset, self.doubted = np.zeros(0), np.zeros(0), np.zeros(0, bool)
-        self.arrived = Arrived.nothing(1, 0)
-        self.answered = Answered.room_for(1, 0)
+        self.input = LineInput.empty(1, 0)
+        self.output = LineOutput.empty(1, 0)
         self._kernels: list = []
         self._functions, self._series = function_list([], False), False
         self._table = np.zeros((0, chain.COLUMNS), np.int64)
         self._parameters, self._constants, self._states = np.zeros(0), np.zeros(0), np.zeros(0)
-        self._live: tuple = ()  # what one message is run on; put together once, since it costs as much as a damper
+        self._live: tuple = ()  # arguments of `_step`; assembled once, since that costs as much as a damper
 
-    def add(self, name: str, own: Deployed, scale: float = 1.0, offset: float = 0.0) -> None:
-        """Takes one more damper, whose messages hold its displacement so scaled; the others' states stay."""
-        self._append_program(own.model)
-        program, rows, states = own.model.program, self._table.shape[0], self._states.size
-        record = own.record()
+    def add(self, name: str, damper: Deployed, scale: float = 1.0, offset: float = 0.0) -> None:
+        """Adds a damper, with the scaling of its displacement in the messages; the others' states stay."""
+        self._append_program(damper.model)
+        program, rows, states = damper.model.program, self._table.shape[0], self._states.size
+        record = damper.record()
         record["first_row"], record["last_row"] = rows - program.table.shape[0], rows
         record["first_state"], record["last_state"] = states - program.states, states
         record["motions"], record["forces"], record["series"] = program.motions, program.forces, program.series
@@ -61,9 +61,9 @@ class Line:
         self.records = np.concatenate([self.records, record])
         self.scale, self.offset = np.append(self.scale, scale), np.append(self.offset, offset)
         self.doubted = np.append(self.doubted, False)
-        self.arrived = self.arrived.with_one_more()
-        self.answered = self.answered.with_one_more()
-        self._live = (self.scale, self.offset, self.doubted, *self._arguments(self.arrived, self.answered))
+        self.input = self.input.with_another_damper()
+        self.output = self.output.with_another_damper()
+        self._live = (self.scale, self.offset, self.doubted, *self._arguments(self.input, self.output))
 
     def _append_program(self, model: DamperModel) -> None:
         program = model.program
@@ -71,7 +71,7 @@ class Line:
         table[:, chain.KERNEL] += len(self._kernels)
         for first, size in ((chain.P0, self._parameters.size), (chain.S0, self._constants.size)):
             table[:, first : first + 2] += size
-        # In the order in which the program counts them.
+        # In the order of the program.
         self._kernels += [e.effect.kernel for e in walk(model.effects) if e.effect.kernel is not None]
         self._series = self._series or program.series
         self._functions = function_list(self._kernels, self._series)
@@ -81,44 +81,45 @@ class Line:
         self._states = np.concatenate([self._states, np.zeros(program.states)])
 
     def step(self, stamp: int, raw: np.ndarray, present: np.ndarray, suspect: bool = False) -> int:
-        """Runs the samples of one message, with the slow channels as ``arrived`` has them; fills ``answered``.
+        """Runs the samples of one message, with the slow channels in ``input``; fills ``output``.
 
         Args:
             stamp: ns.
-            raw: (k,) displacements as the message has them.
-            present: (k,) bool, whether it held the damper.
-            suspect: whether it is in doubt for all dampers, not only for those that are ``doubted``.
+            raw: (k,) displacements in the message.
+            present: (k,) bool, whether it contains the damper.
+            suspect: whether it is doubtful for all dampers, not only for the ``doubted`` ones.
 
         Returns:
-            How many estimates there are.
+            The number of estimates.
         """
         return _step(stamp, raw, present, suspect, *self._live) if self._live else 0
 
-    def run(self, arrived: Arrived) -> Answered:
+    def run(self, messages: LineInput) -> LineOutput:
         """Runs n messages; the same, bit for bit, as n times `step`."""
-        answered = Answered.room_for(arrived.stamp.size, len(self.names))
+        output = LineOutput.empty(messages.stamp.size, len(self.names))
         if self.names:
-            _run(*self._arguments(arrived, answered))
-        return answered
+            _run(*self._arguments(messages, output))
+        return output
 
-    def _arguments(self, arrived: Arrived, answered: Answered) -> tuple:
+    def _arguments(self, messages: LineInput, output: LineOutput) -> tuple:
         return (
             self._functions, self._table, self._parameters, self._constants, self._states, self.records,
-            *arrived.parts(), *answered.parts(),
+            *messages.arrays(), *output.arrays(),
         )  # fmt: skip
 
     def is_good(self, damper: int | slice) -> np.ndarray:
-        """Whether the last `step` brought a sample of the damper of this number that was used."""
-        verdict = self.answered.verdict[0, damper]
+        """Whether the last `step` used a sample of the damper of this number."""
+        verdict = self.output.verdict[0, damper]
         return (verdict < DUPLICATE) & (verdict > ABSENT)
 
     def sample(self, damper: int) -> np.ndarray:
         """The last sample of the damper of this number, (8,) in the rows of ``signals.layout``; a view."""
-        return self.answered.blocks[damper, :, 0]
+        return self.output.blocks[damper, :, 0]
 
     def velocity_noise(self, damper: int) -> float:
         """Standard deviation in m/s of the velocity, from the noise of the displacement, of the damper of this number;
-        0 if it cannot be told."""
+        0 if it is unknown.
+        """
         return _velocity_noise(self.records, damper)
 
 
@@ -130,122 +131,124 @@ def _velocity_noise(records, damper):
 @compiled
 def _step(
     now, raw, held, in_doubt, scale, offset, doubted, functions, table, parameters, constants, states, records, stamp,
-    displacement, present, suspect, slow, heard, felt, felt_at, verdicts, status, trusted, modelled, numbers, blocks,
+    displacement, present, suspect, slow, received, acceleration, acceleration_stamp, verdicts, status, trusted,
+    modelled, numbers, blocks,
 ):  # fmt: skip
-    """See ``Line.step``: puts what a message says where ``_run`` takes it; in one call, since a call costs as much as
-    a damper."""
+    """See ``Line.step``: fills the input of ``_run`` from a message; in one call, since a call costs as much as a
+    damper.
+    """
     stamp[0] = now
     for d in range(raw.size):
         displacement[0, d] = scale[d] * raw[d] + offset[d]
         present[0, d], suspect[0, d] = held[d], in_doubt or doubted[d]
     return _run(
-        functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, heard,
-        felt, felt_at, verdicts, status, trusted, modelled, numbers, blocks,
+        functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, received,
+        acceleration, acceleration_stamp, verdicts, status, trusted, modelled, numbers, blocks,
     )  # fmt: skip
 
 
 @compiled
 def _run(
-    functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, heard, felt,
-    felt_at, verdicts, status, trusted, modelled, numbers, blocks,
+    functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, received,
+    acceleration, acceleration_stamp, verdicts, status, trusted, modelled, numbers, blocks,
 ):  # fmt: skip
-    """See ``Line.run``; arrays as in ``Line``, `Arrived` and `Answered`."""
+    """See ``Line.run``; arrays as in ``Line``, `LineInput` and `LineOutput`."""
     n, estimates = stamp.size, 0
     program = (table, parameters, constants, states)
-    came = (stamp, displacement, present, suspect, slow, heard, felt, felt_at)
-    told = (verdicts, status, trusted, modelled, numbers, blocks)
+    inputs = (stamp, displacement, present, suspect, slow, received, acceleration, acceleration_stamp)
+    outputs = (verdicts, status, trusted, modelled, numbers, blocks)
     work = (np.empty((3, n), np.int64), np.empty((5, n)), np.empty((2, n), np.uint8), np.empty(n, np.int64))
-    # A message brings nearly always a sample that is used: memory for that is taken once for all dampers.
+    # A message nearly always contains a used sample: memory for it is allocated once for all dampers.
     usual = (np.empty((ROWS, n)), np.empty((2, n), np.uint8))
     for d in range(records.shape[0]):
-        estimates += _run_damper(d, records[d], functions, program, came, told, work, usual)
+        estimates += _run_damper(d, records[d], functions, program, inputs, outputs, work, usual)
     return estimates
 
 
 @compiled
-def _run_damper(d, own, functions, program, came, told, work, usual):
-    """The same for the damper of number d; how many estimates it has. ``_run`` keeps what is given alive."""
+def _run_damper(d, record, functions, program, inputs, outputs, work, usual):
+    """The same for the damper of number d; returns its number of estimates. ``_run`` keeps the arrays alive."""
     table, parameters, constants, states = borrowed(program)
-    stamp, displacement, present, suspect, slow, heard, felt, felt_at = borrowed(came)
-    verdicts, status, trusted, modelled, numbers, blocks = borrowed(told)
+    stamp, displacement, present, suspect, slow, received, acceleration, acceleration_stamp = borrowed(inputs)
+    verdicts, status, trusted, modelled, numbers, blocks = borrowed(outputs)
     whole, real, flags, all_doubt = borrowed(work)
     usual_block, usual_judged = borrowed(usual)
-    place, own_stamp, verdict = whole[0], whole[1], whole[2]
+    place, times, verdict = whole[0], whole[1], whole[2]
     value, dt, doubtful = real[0], real[1], flags[0]
     n, arrivals, good = stamp.size, 0, 0
     for i in range(n):
         if present[i, d]:
-            place[arrivals], own_stamp[arrivals] = i, stamp[i]
+            place[arrivals], times[arrivals] = i, stamp[i]
             value[arrivals], doubtful[arrivals] = displacement[i, d], suspect[i, d]
             arrivals += 1
         else:
             verdicts[i, d] = ABSENT
-    judge(own_stamp[:arrivals], value[:arrivals], own["max_gap"], own["admission"], verdict[:arrivals], dt[:arrivals])
+    judge(times[:arrivals], value[:arrivals], record["max_gap"], record["admission"], verdict[:arrivals], dt[:arrivals])
     for j in range(arrivals):
         verdicts[place[j], d] = verdict[j]
-        if verdict[j] < DUPLICATE:  # the good ones move up, so that filter and model see them without holes
+        if verdict[j] < DUPLICATE:  # the good ones move up, so that filter and model process them without holes
             place[good], dt[good] = place[j], dt[j]
             good += 1
-    raw, force, given, alone, doubt = real[2, :good], real[3, :good], real[4, :good], flags[1, :good], all_doubt[:good]
+    raw, force, finite, alone, doubt = real[2, :good], real[3, :good], real[4, :good], flags[1, :good], all_doubt[:good]
     block = usual_block if good == n else np.empty((ROWS, good))
     judged = usual_judged if good == n else np.empty((2, good), np.uint8)
-    for j in range(good):  # as slices this would take seconds to compile
+    for j in range(good):  # slices would take seconds to compile
         for row in range(ROWS):
             block[row, j] = np.nan
         alone[j], doubt[j] = 0, 0
         raw[j] = displacement[place[j], d]
-    take_motion(own, d, place, stamp, dt[:good], raw, felt, felt_at, block, alone)
-    take_slow(own, d, place, stamp, slow, heard, block, doubt)
-    if own["lead"] > 0.0:
-        predict(own["lead"], block)
+    take_motion(record, d, place, stamp, dt[:good], raw, acceleration, acceleration_stamp, block, alone)
+    take_slow(record, d, place, stamp, slow, received, block, doubt)
+    if record["lead"] > 0.0:
+        predict(record["lead"], block)
     chain.run_with_resets(
-        functions, table[own["first_row"] : own["last_row"]], parameters, constants, block, own["motions"],
-        own["forces"], states[own["first_state"] : own["last_state"]], own["series"], own["restart"],
+        functions, table[record["first_row"] : record["last_row"]], parameters, constants, block, record["motions"],
+        record["forces"], states[record["first_state"] : record["last_state"]], record["series"], record["restart"],
         np.empty((0, 0)), force,
     )  # fmt: skip
     watch(
-        own, own_stamp[:arrivals], value[:arrivals], verdict[:arrivals], doubtful[:arrivals], alone, doubt, block,
-        force, judged[0], judged[1], given,
+        record, times[:arrivals], value[:arrivals], verdict[:arrivals], doubtful[:arrivals], alone, doubt, block,
+        force, judged[0], judged[1], finite,
     )  # fmt: skip
     for j in range(good):
         i = place[j]
         status[i, d], trusted[i, d], modelled[i, d] = judged[0, j], judged[1, j], force[j]
         numbers[i, _DISPLACEMENT, d], numbers[i, _VELOCITY, d] = block[X, j], block[V, j]
         numbers[i, _ACCELERATION, d] = block[A, j]
-        numbers[i, _FORCE, d], numbers[i, _STDDEV, d] = given[j], own["stddev"]
+        numbers[i, _FORCE, d], numbers[i, _STDDEV, d] = finite[j], record["stddev"]
         for row in range(ROWS):
             blocks[d, row, i] = block[row, j]
     return good
 
 
 @compiled
-def take_motion(own, d, place, stamp, dt, raw, felt, felt_at, block, alone):
+def take_motion(record, d, place, stamp, dt, raw, acceleration, acceleration_stamp, block, alone):
     """Time and motion of the good samples of one damper."""
     good = raw.size
-    if good > 0 and own["begun"] == 0:
-        own["begun"], own["origin"] = 1, stamp[place[0]]
+    if good > 0 and record["begun"] == 0:
+        record["begun"], record["origin"] = 1, stamp[place[0]]
     for j in range(good):
-        block[T, j], block[DT, j] = (stamp[place[j]] - own["origin"]) / 1e9, dt[j]
-    differentiate(own["cutoff"], dt, raw, own["filter"], block[X], block[V], block[A])
-    if own["fuses"] == 0:
+        block[T, j], block[DT, j] = (stamp[place[j]] - record["origin"]) / 1e9, dt[j]
+    differentiate(record["cutoff"], dt, raw, record["filter"], block[X], block[V], block[A])
+    if record["fuses"] == 0:
         return
     recent = np.empty(good)
     for j in range(good):
         i = place[j]
-        recent[j] = felt[i, d] if is_recent(own, stamp[i], felt_at[i, d]) else np.nan
-    fuse(own["noises"], dt, raw, recent, own["fused"], block[X], block[V], block[A], alone)
+        recent[j] = acceleration[i, d] if is_recent(record, stamp[i], acceleration_stamp[i, d]) else np.nan
+    fuse(record["noises"], dt, raw, recent, record["fused"], block[X], block[V], block[A], alone)
 
 
 @compiled
-def take_slow(own, d, place, stamp, slow, heard, block, doubt):
-    """What the model sees of the slow channels, and for how long (ns) each sample leaves them in doubt."""
+def take_slow(record, d, place, stamp, slow, received, block, doubt):
+    """The model's slow channels, and the time in ns for which each sample makes the force doubtful."""
     for j in range(doubt.size):
         i = place[j]
         for row in range(len(SLOW)):
-            in_doubt = hold(own, stamp[i], row, slow[i, row, d], heard[i, row, d])
-            if in_doubt and own["matters"][row] != 0:
-                doubt[j] = max(doubt[j], own["memory"][row], own["settling"])
-            block[COMMAND + row, j] = own["held"][row]
+            in_doubt = hold(record, stamp[i], row, slow[i, row, d], received[i, row, d])
+            if in_doubt and record["matters"][row] != 0:
+                doubt[j] = max(doubt[j], record["memory"][row], record["settling"])
+            block[COMMAND + row, j] = record["held"][row]
 
 
 @compiled

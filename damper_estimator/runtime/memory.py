@@ -1,11 +1,11 @@
-"""How long a model remembers: a start, a fault, a wrong value of a slow channel; asked of its behaviour.
+"""How long a model remembers a start, a fault or a wrong value of a slow channel, measured on its behaviour.
 
 The model is driven by a swept sine, once with the channel steady and once with another value that returns to the steady
-one after a second. The largest difference of force in that second tells whether the channel matters, the time after
+one after a second. The largest difference of force in that second shows whether the channel matters; the time after
 which a hundredth of it is left is the memory.
 
-Settling is asked of filter and model together: a calm sine, as far and as fast as a quarter of the region of the fit,
-once from one start on and once started again every second. The force of both differs until the start is forgotten.
+Settling is measured on filter and model together: a calm sine, with a quarter of the stroke and speed of the region of
+the fit, once with a single start and once restarted every second. The forces differ until the start is forgotten.
 """
 
 import numpy as np
@@ -18,20 +18,20 @@ from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERA
 STEP = 1e-3  # s
 STROKE = 0.02  # m
 WRONG, AFTER = 1.0, 3.0  # s with the other value, and s to forget it
-ENDLESS = 60.0  # s, for a model that has not forgotten by then
+ENDLESS = 60.0  # s, for a model that remembers for longer
 NOTHING = 1e-6  # of the largest force
 _LEFT = 0.01
-LONGEST_SETTLING = 1.0  # s; what a model remembers for longer is not waited for
-STARTS = 6  # of a probe, at other places of the motion each
+LONGEST_SETTLING = 1.0  # s; a longer memory is ignored
+STARTS = 6  # of a probe, each at another point of the motion
 _CALM = 0.25  # of the region's half width
-_CALM_STROKE, _CALM_SPEED = 0.005, 0.1  # m and m/s, where the fit has no region
+_CALM_STROKE, _CALM_SPEED = 0.005, 0.1  # m and m/s, if the fit has no region
 _UNSETTLED = 0.02  # of the largest force
-# Ordinary values, where the fit has none: A, deg C, Pa.
+# Ordinary values, if the fit has none: A, deg C, Pa.
 _ORDINARY = {COMMAND: (0.0, 1.0), TEMPERATURE: (20.0, 80.0), PRESSURE: (1e5, 2e6)}
 
 
 def memory(model: DamperModel, row: int, bounds: np.ndarray) -> float | None:
-    """How many seconds the force remembers a wrong value of a slow channel; None if it does not depend on it.
+    """Time in s for which the force remembers a wrong value of a slow channel; None if it does not depend on it.
 
     Args:
         row: of the block: COMMAND, TEMPERATURE or PRESSURE.
@@ -59,7 +59,7 @@ def memory(model: DamperModel, row: int, bounds: np.ndarray) -> float | None:
 
 
 def settling(model: DamperModel, cutoff: float, bounds: np.ndarray) -> float:
-    """How many seconds after a start the force is that of a filter and a model that have run for long: from
+    """Time in s after a start until the force is that of a filter and a model that have run for long: from
     ``WARM_UP`` to ``LONGEST_SETTLING``.
 
     Args:
@@ -69,16 +69,17 @@ def settling(model: DamperModel, cutoff: float, bounds: np.ndarray) -> float:
     ranges, longest = _ranges(bounds), WARM_UP
     for share in (0.5, 1.0):
         slow = {row: low + share * (high - low) for row, (low, high) in ranges.items()}
-        steady, again = (model.force(_calm(cutoff, bounds, slow, is_again)) for is_again in (False, True))
+        steady, restarted = (model.force(_calm(cutoff, bounds, slow, restarts)) for restarts in (False, True))
         since = np.arange(steady.size) % round(LONGEST_SETTLING / STEP)
-        differs = np.abs(again - steady) > _UNSETTLED * np.max(np.abs(steady))  # False if one is NaN
+        differs = np.abs(restarted - steady) > _UNSETTLED * np.max(np.abs(steady))  # False if one is NaN
         longest = max(longest, STEP * float(np.max(since[differs], initial=-1) + 1))
     return longest
 
 
-def _calm(cutoff: float, bounds: np.ndarray, slow: dict[int, float], is_again: bool) -> np.ndarray:
-    """A calm sine behind the filter as a block (8, n), with steady slow channels; started again every
-    ``LONGEST_SETTLING``, or before its first one alone."""
+def _calm(cutoff: float, bounds: np.ndarray, slow: dict[int, float], restarts: bool) -> np.ndarray:
+    """A calm sine after the filter as a block (8, n), with steady slow channels; restarted every ``LONGEST_SETTLING``,
+    or started only once.
+    """
     half = _CALM * 0.5 * np.diff(bounds[[X, V]], axis=1)[:, 0]
     stroke = half[0] if np.isfinite(half[0]) and half[0] > 0.0 else _CALM_STROKE
     speed = half[1] if np.isfinite(half[1]) and half[1] > 0.0 else _CALM_SPEED
@@ -86,8 +87,8 @@ def _calm(cutoff: float, bounds: np.ndarray, slow: dict[int, float], is_again: b
     block = np.full((ROWS, (STARTS + 1) * each), np.nan)
     block[T] = STEP * np.arange(block.shape[1])
     block[DT] = STEP
-    block[DT, :: each if is_again else block.shape[1]] = 0.0
-    # A period that does not divide the time between the starts, so that each is at another place.
+    block[DT, :: each if restarts else block.shape[1]] = 0.0
+    # The period does not divide the time between the starts, so that each is at another point of the motion.
     differentiate(
         cutoff,
         block[DT],

@@ -1,9 +1,8 @@
-"""The live residual of one damper: estimate less measured force, as soon as the gauge has caught up with the estimate.
+"""The live residual of one damper: estimate less measured force, as soon as the gauge reaches the estimate.
 
-The gauge is linear between its samples and passes the same causal filter as the displacement, over the stamps of
-both, so that the
-delay cancels: off line and live are the same numbers. Estimates and gauge samples wait for each other; each is in
-order of its own stamps.
+The gauge is linear between its samples and passes the same causal filter as the displacement, over the stamps of both,
+so that the delay cancels: offline and live the numbers are the same. Estimates and gauge samples wait for each other;
+each series is in order of its stamps.
 """
 
 from dataclasses import dataclass
@@ -50,7 +49,7 @@ class ResidualLine:
         self._stretch = 0
 
     def block(self, estimates: Estimates | None, log: np.ndarray, stamp: np.ndarray, force: np.ndarray) -> Residuals:
-        """Residuals that can now be told.
+        """Residuals that can now be computed.
 
         Args:
             estimates: new ones, or None; ``log`` (n,) ns belongs to them.
@@ -73,7 +72,7 @@ class ResidualLine:
     def _queue_estimates(self, estimates: Estimates, log: np.ndarray) -> None:
         kinematics = estimates.kinematics
         if np.any(estimates.verdict == STEP_BACK):
-            # What waits belongs to a clock that is gone.
+            # The waiting estimates belong to the time before the clock was set back.
             self._estimates = (np.zeros((3, 0), np.int64), np.zeros((2, 0)))
             first = int(np.flatnonzero(estimates.verdict[estimates.verdict < DUPLICATE] == STEP_BACK)[-1])
         else:
@@ -94,47 +93,47 @@ class ResidualLine:
         self._gauge = (np.hstack([self._gauge[0], rows]), np.concatenate([self._gauge[1], force[good]]))
 
     def _advance(self) -> Residuals | None:
-        """Works off the oldest stretch of the gauge as far as both sides reach; None if nothing can be done."""
+        """Processes the oldest stretch of the gauge as far as both sides reach; None if nothing can be computed."""
         (estimate_stamp, log, starts), (displacement, modelled) = self._estimates
         (gauge_stamp, number), gauge = self._gauge
         if not gauge_stamp.size or not estimate_stamp.size:
             return None
-        own = int(np.searchsorted(number, number[0], side="right"))
-        closed = own < number.size
-        limit = min(int(gauge_stamp[own - 1]), int(estimate_stamp[-1]))
+        size = int(np.searchsorted(number, number[0], side="right"))
+        closed = size < number.size
+        limit = min(int(gauge_stamp[size - 1]), int(estimate_stamp[-1]))
         first = max(int(gauge_stamp[0]), self._last + 1 if self._last is not None else int(gauge_stamp[0]))
         inside = (estimate_stamp >= first) & (estimate_stamp <= limit)
         residuals = None
         if limit >= first:
             value = self._filtered(
-                gauge_stamp[:own], gauge[:own], estimate_stamp[inside], starts[inside] > 0, first, limit
+                gauge_stamp[:size], gauge[:size], estimate_stamp[inside], starts[inside] > 0, first, limit
             )
             measured = value - self._signals.spring_rate * displacement[inside] - self._signals.preload
             residuals = Residuals(estimate_stamp[inside], log[inside], modelled[inside] - measured)
-        finished = closed and estimate_stamp[-1] >= gauge_stamp[own - 1]
+        finished = closed and estimate_stamp[-1] >= gauge_stamp[size - 1]
         if not finished and residuals is None:
             return None
-        self._leave(
-            own if finished else int(np.searchsorted(gauge_stamp[:own], limit, side="right")) - 1, finished, limit
+        self._drop(
+            size if finished else int(np.searchsorted(gauge_stamp[:size], limit, side="right")) - 1, finished, limit
         )
         return residuals or Residuals(estimate_stamp[:0], log[:0], np.zeros(0))
 
     def _filtered(
-        self, stamp: np.ndarray, value: np.ndarray, wanted: np.ndarray, starts: np.ndarray, first: int, limit: int
+        self, stamp: np.ndarray, value: np.ndarray, sought: np.ndarray, starts: np.ndarray, first: int, limit: int
     ) -> np.ndarray:
-        """The gauge through the filter at the wanted stamps, walking over both sides' stamps from first to limit."""
+        """The filtered gauge at the ``sought`` stamps; the filter runs over both sides' stamps from first to limit."""
         if self._origin is None:
             self._origin = int(stamp[0])
-        grid = np.union1d(stamp[(stamp >= first) & (stamp <= limit)], wanted)
+        grid = np.union1d(stamp[(stamp >= first) & (stamp <= limit)], sought)
         dt = np.diff(grid, prepend=grid[:1] if self._last is None else [self._last]) / 1e9
-        dt[np.searchsorted(grid, wanted[starts])] = 0.0
+        dt[np.searchsorted(grid, sought[starts])] = 0.0
         raw = np.interp((grid - self._origin).astype(float), (stamp - self._origin).astype(float), value)
         filtered, rate, second = np.empty((3, grid.size))
         differentiate(self._cutoff, dt, raw, self._filter, filtered, rate, second)
-        return filtered[np.searchsorted(grid, wanted)]
+        return filtered[np.searchsorted(grid, sought)]
 
-    def _leave(self, used: int, finished: bool, limit: int) -> None:
-        """Drops what is done; the last gauge sample before the limit stays, to be linear from."""
+    def _drop(self, used: int, finished: bool, limit: int) -> None:
+        """Drops the processed samples; the last gauge sample before the limit stays for interpolation."""
         used = max(used, 0)
         self._gauge = (self._gauge[0][:, used:], self._gauge[1][used:])
         self._last = None if finished else limit
@@ -142,7 +141,7 @@ class ResidualLine:
         self._estimates = (self._estimates[0][:, rest], self._estimates[1][:, rest])
 
     def _forget(self) -> None:
-        """Nobody waits longer than a second, so memory stays bounded where one side falls silent."""
+        """Drops what has waited longer than a second, so that memory stays bounded if one side is silent."""
         (estimate_stamp, *_), _ = self._estimates
         (gauge_stamp, _), _ = self._gauge
         newest = max((int(s[-1]) for s in (estimate_stamp, gauge_stamp) if s.size), default=0)

@@ -1,4 +1,4 @@
-"""From stamps to samples: signal maps, the filter that differentiates, and measurements ready for comparison."""
+"""From stamps to samples: signal maps, the differentiating filter, and measurements for comparison with models."""
 
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Counts
 from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase

@@ -9,24 +9,24 @@ from damper_estimator.codegen.running import inputs
 from damper_estimator.effects.discovery import all_effects, find_effect
 from damper_estimator.model import DamperModel, make_element
 from damper_estimator.recordings import open_bag
-from damper_estimator.runtime import Answered, Arrived, DamperEstimator
-from damper_estimator.runtime.record import SLOW
+from damper_estimator.runtime import DamperEstimator, LineInput, LineOutput
+from damper_estimator.runtime.damper_record import SLOW
 from damper_estimator.signals import load_signal_map
 from damper_estimator.signals.channels import find_topic, signals_for
 
 
-def python_line(damper: Damper, given: np.ndarray) -> Answered:
+def python_line(damper: Damper, given: np.ndarray) -> LineOutput:
     """Inputs (n,) of ``one_sample.INPUT`` through the line."""
-    arrived = Arrived.nothing(given.size, 1)
+    arrived = LineInput.empty(given.size, 1)
     arrived.stamp[:], arrived.displacement[:, 0], arrived.suspect[:] = (
         given["stamp"], given["displacement"], given["suspect"][:, None],
     )  # fmt: skip
     for row, role in enumerate(SLOW):
         came = given[f"{role}_arrived"] != 0
-        arrived.slow[:, row, 0], arrived.heard[:, row, 0] = last_come(given[role], came), np.cumsum(came)
+        arrived.slow[:, row, 0], arrived.received[:, row, 0] = last_come(given[role], came), np.cumsum(came)
     felt = given["acceleration_arrived"] != 0
-    arrived.felt[:, 0] = last_come(given["acceleration"], felt)
-    arrived.felt_at[:, 0] = last_come(given["acceleration_stamp"], felt, 0)
+    arrived.acceleration[:, 0] = last_come(given["acceleration"], felt)
+    arrived.acceleration_stamp[:, 0] = last_come(given["acceleration_stamp"], felt, 0)
     return DamperEstimator(damper.own).line.run(arrived)
 
 

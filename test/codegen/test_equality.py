@@ -17,8 +17,8 @@ from damper_estimator.codegen.running import CompiledDamper, inputs
 from damper_estimator.model import library_models, load_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.runtime import deployed
+from damper_estimator.runtime.damper_record import GOOD, STALE
 from damper_estimator.runtime.estimates import FIELDS
-from damper_estimator.runtime.record import GOOD, STALE
 from damper_estimator.signals.admission import DUPLICATE
 from damper_estimator.signals.fusion import Fusion
 

@@ -55,7 +55,7 @@ def test_the_live_residual_is_that_of_replay(start, rig, tmp_path):
 
 def driven(temperatures, scales, window=1.0):
     """A drift that has seen one window per entry."""
-    from damper_estimator.node.drift import Drift
+    from damper_estimator.node.error_drift import Drift
 
     drift = Drift("front_left", window, 2.0)
     random = np.random.default_rng(3)
@@ -93,7 +93,7 @@ def test_the_alarm_is_withdrawn_when_the_error_is_small_again():
 
 
 def test_a_damper_that_stands_still_is_not_judged():
-    from damper_estimator.node.drift import Drift
+    from damper_estimator.node.error_drift import Drift
 
     drift = Drift("one", 1.0, 2.0)
     for second in range(10):

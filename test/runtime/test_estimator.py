@@ -98,8 +98,8 @@ def test_what_is_published_is_finite_where_the_model_gives_no_force_and_degraded
     lost = np.isnan(estimates.force)
     assert np.array_equal(lost, temperature > 100.0) and (estimates.status[lost] == DEGRADED).all()
     first = int(np.argmax(lost))
-    assert (estimates.given[lost] == (estimates.force[first - 1] if first else 0.0)).all()
-    assert np.array_equal(estimates.given[~lost], estimates.force[~lost])
+    assert (estimates.published[lost] == (estimates.force[first - 1] if first else 0.0)).all()
+    assert np.array_equal(estimates.published[~lost], estimates.force[~lost])
     assert (estimates.status[stamp >= (heat[1] + 200) * MS] == GOOD).all()
 
 

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from damper_estimator.model import load_model
-from damper_estimator.runtime import ABSENT, FIELDS, DamperEstimator, Held, Line, deployed
+from damper_estimator.runtime import ABSENT, FIELDS, DamperEstimator, HeldValues, Line, deployed
 from damper_estimator.signals import Fusion
 from damper_estimator.signals.admission import DUPLICATE
 
@@ -42,20 +42,23 @@ def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead, fu
         line.add(name, deployed(model, cutoff, 0.1, lead, fusion))
     verdicts, status, numbers = [], [], []
     for i in range(stamp.size):
-        arrived = line.arrived
-        arrived.slow[0, 0], arrived.heard[0, 0] = command[i], heard[i]
-        arrived.felt[0], arrived.felt_at[0] = felt[i], felt_at[i]
+        arrived = line.input
+        arrived.slow[0, 0], arrived.received[0, 0] = command[i], heard[i]
+        arrived.acceleration[0], arrived.acceleration_stamp[0] = felt[i], felt_at[i]
         count = line.step(stamp[i], displacement[i], present[i])
-        verdict = line.answered.verdict[0]
+        verdict = line.output.verdict[0]
         verdicts.append(verdict.copy())
-        status.append(line.answered.status[0].copy())
-        numbers.append(line.answered.numbers[0].copy())
+        status.append(line.output.status[0].copy())
+        numbers.append(line.output.numbers[0].copy())
         assert count == np.count_nonzero((verdict >= 0) & (verdict < DUPLICATE))
     verdicts, status, numbers = np.array(verdicts), np.array(status), np.array(numbers)
     for d, model in enumerate(MODELS):
         there = present[:, d]
         estimator = DamperEstimator(deployed(model, cutoff, 0.1, lead, fusion))
-        held = {"command": Held(command[there], heard[there]), "acceleration": Held(felt[there], 0, felt_at[there])}
+        held = {
+            "command": HeldValues(command[there], heard[there]),
+            "acceleration": HeldValues(felt[there], 0, felt_at[there]),
+        }
         whole = estimator.take(stamp[there], displacement[there, d], held)
         assert (verdicts[~there, d] == ABSENT).all() and np.array_equal(verdicts[there, d], whole.verdict)
         good = there & (verdicts[:, d] < DUPLICATE)
@@ -79,10 +82,10 @@ def test_a_damper_that_is_added_leaves_the_others_as_they_were():
             everyone.add(NAMES[1], deployed(MODELS[1], 60.0, 0.1))
         for line in (alone, grown):
             line.step(stamp[i], displacement[i, : len(line.names)], np.ones(len(line.names), bool))
-        assert np.array_equal(grown.answered.numbers[0, :, 0], alone.answered.numbers[0, :, 0], equal_nan=True)
+        assert np.array_equal(grown.output.numbers[0, :, 0], alone.output.numbers[0, :, 0], equal_nan=True)
         if i >= 100:
             everyone.step(stamp[i], displacement[i, 1:2], np.ones(1, bool))
-            assert np.array_equal(grown.answered.numbers[0, :, 1], everyone.answered.numbers[0, :, 0], equal_nan=True)
+            assert np.array_equal(grown.output.numbers[0, :, 1], everyone.output.numbers[0, :, 0], equal_nan=True)
 
 
 def test_two_lines_share_a_model_but_no_state():
@@ -95,7 +98,7 @@ def test_two_lines_share_a_model_but_no_state():
     assert len(MODELS[1].program.functions) == len(kernels_of(MODELS[1]))
     other.step(50 * MS, np.full(2, 0.05), np.ones(2, bool))
     fresh = DamperEstimator(deployed(MODELS[1], 60.0, 0.1)).block(np.array([50 * MS]), np.array([0.05]))
-    assert other.answered.numbers[0, FIELDS.index("force")].tolist() == [fresh.given[0]] * 2
+    assert other.output.numbers[0, FIELDS.index("force")].tolist() == [fresh.published[0]] * 2
 
 
 def kernels_of(model):

@@ -48,8 +48,8 @@ def test_after_the_settling_time_the_force_is_that_of_a_line_that_ran_before(mod
         for line in (whole, late) if i >= 2000 else (whole,):
             line.step(i * MS, x, np.ones(1, bool))
         if i >= 2000:
-            forces.append([line.answered.modelled[0, 0] for line in (whole, late)])
-            states.append(late.answered.status[0, 0])
+            forces.append([line.output.modelled[0, 0] for line in (whole, late)])
+            states.append(late.output.status[0, 0])
     settled = round(own.settling * 1000)
     assert set(states[:settled]) == {WARMING_UP} and set(states[settled:]) == {GOOD}
     difference = np.abs(np.diff(forces, axis=1)[:, 0])

@@ -17,7 +17,7 @@ from damper_estimator.runtime import (
     SILENT,
     WARMING_UP,
     DamperEstimator,
-    Held,
+    HeldValues,
     Line,
     deployed,
 )
@@ -46,7 +46,10 @@ def driven(model, value, heard, step=1, signals=None, role="command"):
     size = len(heard)
     stamp = (1 + np.arange(size)) * step * MS
     estimator = DamperEstimator(deployed(model, 60.0, 0.1, signals=signals))
-    held = {"command": Held(1.0, 1 + np.arange(size)), role: Held(np.asarray(value, float), np.asarray(heard))}
+    held = {
+        "command": HeldValues(1.0, 1 + np.arange(size)),
+        role: HeldValues(np.asarray(value, float), np.asarray(heard)),
+    }
     estimates = estimator.take(stamp, 0.02 * np.sin(0.01 * np.arange(size)), held)
     row = {"command": 5, "temperature": 6, "pressure": 7}[role]
     return estimates.status, estimates.kinematics.block[row], estimator.line.records["counts"][0]
@@ -123,10 +126,10 @@ def test_outside_the_region_a_command_is_extrapolated_and_does_not_decide_whethe
 
 
 def arrived(stamp):
-    from damper_estimator.runtime import Arrived
+    from damper_estimator.runtime import LineInput
 
-    made = Arrived.nothing(stamp.size, 1)
-    made.stamp[:], made.slow[:, 0, 0], made.heard[:, 0, 0] = stamp, 0.0, 650 + np.arange(stamp.size)
+    made = LineInput.empty(stamp.size, 1)
+    made.stamp[:], made.slow[:, 0, 0], made.received[:, 0, 0] = stamp, 0.0, 650 + np.arange(stamp.size)
     return made
 
 
@@ -167,7 +170,7 @@ def test_an_accelerometer_is_silent_after_five_of_its_usual_intervals(each, sile
     status = []
     for i in range(2 * last):
         if i % each == 0 and i <= last:
-            line.arrived.felt[0, 0], line.arrived.felt_at[0, 0] = 0.0, i * MS
+            line.input.acceleration[0, 0], line.input.acceleration_stamp[0, 0] = 0.0, i * MS
         line.step(i * MS, np.zeros(1), np.ones(1, bool))
-        status.append(int(line.answered.status[0, 0]))
+        status.append(int(line.output.status[0, 0]))
     assert set(status[500 : last + silent + 1]) == {GOOD} and set(status[last + silent + 1 :]) == {DEGRADED}

@@ -21,7 +21,7 @@ def driven(stamp, displacement, cutoff=60.0):
     status = []
     for now, value in zip(stamp.tolist(), displacement, strict=True):
         line.step(now, np.array([value]), np.ones(1, bool))
-        status.append(int(line.answered.status[0, 0]))
+        status.append(int(line.output.status[0, 0]))
     return np.array(status), line
 
 

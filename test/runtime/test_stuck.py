@@ -20,7 +20,7 @@ def driven(displacement):
     status = []
     for i, value in enumerate(displacement):
         line.step(i * STEP, np.array([value]), np.ones(1, bool))
-        status.append(int(line.answered.status[0, 0]))
+        status.append(int(line.output.status[0, 0]))
     return np.array(status), int(line.records["counts"][0, STUCK])
 
 

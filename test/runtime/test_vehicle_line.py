@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.runtime import Arrivals, DamperEstimator, HeldChannel, VehicleLine, deployed, together
+from damper_estimator.runtime import Arrivals, DamperEstimator, SampleAndHold, VehicleLine, deployed, group_equal_keys
 
 MODEL = DamperModel("viscous", "", (make_element(find_effect("linear_viscous")),))
 
@@ -30,14 +30,14 @@ def test_a_held_channel_is_the_last_value_that_arrived_however_the_blocks_are_cu
         else:
             expected.append(last)
             counts.append(count)
-    channel, got, heard = HeldChannel(), [], []
+    channel, got, heard = SampleAndHold(), [], []
     edges = sorted({0, len(messages), *(cut for cut in cuts if cut < len(messages))})
     for first, end in zip(edges, edges[1:], strict=False):
         own = [i for i in range(first, end) if messages[i][0]]
         asked = np.array([i for i in range(first, end) if not messages[i][0]], np.int64)
         held = channel.at(asked, arrivals(own, [messages[i][1] for i in own]) if own else None)
         got += np.broadcast_to(held.value, asked.shape).tolist()
-        heard += np.broadcast_to(held.heard, asked.shape).tolist()
+        heard += np.broadcast_to(held.received, asked.shape).tolist()
     assert np.array_equal(got, expected, equal_nan=True) and heard == counts
 
 
@@ -71,7 +71,7 @@ def test_a_block_without_displacement_gives_no_message():
 def test_together_loses_and_invents_nothing(sets):
     keys = {str(i): np.array(sorted(own), np.int64) for i, own in enumerate(sets)}
     seen = {name: [] for name in keys}
-    for shared, rows in together(keys):
+    for shared, rows in group_equal_keys(keys):
         for name, own in rows.items():
             assert np.array_equal(keys[name][own], shared)
             seen[name] += shared.tolist()

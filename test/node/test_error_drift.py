@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from damper_estimator.node.drift import Drift
+from damper_estimator.node.error_drift import Drift
 
 
 def grown(temperature, windows=30, speed=0.3, seed=1) -> Drift:

@@ -1,4 +1,4 @@
-"""What the line carries for one damper, as one record of a structured array: settings that stay, and the running state.
+"""Settings and running state of one damper on a line, as one record of a structured array.
 
 A record costs a call into compiled code as much as one array, however many fields it has, and its fields have names.
 """
@@ -18,9 +18,9 @@ REGION_ROWS = {
     "command": COMMAND, "temperature": TEMPERATURE, "pressure": PRESSURE,
 }  # fmt: skip
 
-# Counts: the verdicts (0 to 6) of ``signals.admission``; faults of the displacement, the model and the sender, samples
-# that are in doubt or while the displacement stood still against its noise; values
-# of the slow channels that cannot be, and samples for which one was silent, by row; then one per status.
+# Counts: the verdicts (0 to 6) of ``signals.admission``; faults of the displacement and the model, doubtful samples,
+# samples while the displacement was constant in spite of its noise; implausible values of the slow channels, and
+# samples for which one was silent, by row; then one per status.
 JUMPS, LATE, NOT_FINITE, SUSPECT, STUCK = range(NON_FINITE + 1, NON_FINITE + 6)
 IMPLAUSIBLE = STUCK + 1
 SILENT = IMPLAUSIBLE + len(SLOW)
@@ -44,12 +44,12 @@ RECORD = np.dtype(
         ("lead", "f8"),  # s
         ("settling", "i8"),  # ns after a start or a fault until filter and model have forgotten it
         ("stddev", "f8"),  # N
-        ("fuses", "i8"),  # whether an accelerometer is taken in
+        ("fuses", "i8"),  # whether an accelerometer is fused
         ("noises", "f8", (NOISES,)),
         ("bounds", "f8", (ROWS, 2)),  # region of the fit, infinite if it has none
         ("identified", "i8"),
         # Settings of the slow channels.
-        ("low", "f8", (len(SLOW),)),  # values beyond cannot be
+        ("low", "f8", (len(SLOW),)),  # values beyond are implausible
         ("high", "f8", (len(SLOW),)),
         ("max_age", "f8", (len(SLOW),)),  # s
         ("adaptive", "i8", (len(SLOW),)),  # whether several usual intervals without a message are too old already
@@ -65,8 +65,8 @@ RECORD = np.dtype(
         # State of the accelerometer: its last stamp in ns, and its usual interval in ns.
         ("felt_last", "i8"),
         ("felt_interval", "f8"),
-        # State of the slow channels: last value that can be, messages heard, stamp of the first sample after the last
-        # of them, usual interval in s, whether the last message held a value that cannot be.
+        # State of the slow channels: last plausible value, number of messages, stamp of the first sample after the
+        # last of them, usual interval in s, whether the last message had an implausible value.
         ("held", "f8", (len(SLOW),)),
         ("heard", "i8", (len(SLOW),)),
         ("since", "i8", (len(SLOW),)),
@@ -80,8 +80,8 @@ RECORD = np.dtype(
         ("degraded_until", "i8"),
         ("outside_until", "i8"),
         ("command_outside_until", "i8"),
-        # Typical step and how many steps it was learned from, last raw value and its differences, how many of them are
-        # known, variance of the noise, and the last finite force.
+        # Typical step and the number of steps it was learned from, last raw value and its differences, how many of them
+        # are known, variance of the noise.
         ("step", "f8"),
         ("steps", "f8"),
         ("raw", "f8"),
@@ -89,8 +89,8 @@ RECORD = np.dtype(
         ("second", "f8"),
         ("known", "f8"),
         ("variance", "f8"),
-        # The smallest change; among small changes how many are remembered, the share of zigzags, and that of equal
-        # neighbours; how likely the present run of equal values is.
+        # The smallest change; the number of remembered small changes, the share of zigzags and of equal neighbours
+        # among them; likelihood of the present run of equal values; the last finite force.
         ("smallest", "f8"),
         ("small", "f8"),
         ("zigzag", "f8"),
