@@ -17,8 +17,7 @@ Noise is separated from motion by the third difference of the raw displacement (
 20 sigma^2), if the sampling is at least eight times the filter's cutoff, and propagated through the filter: the
 standard deviation of the velocity after the filter, for white noise of sigma, is 2 pi sigma (pi/3 dt cutoff^3)^(1/2). A
 third difference far beyond that noise, and beyond that of a wheel, is an outlier and counts as a jump: a single sample
-    that is
-wrong by some millimetres is no faster than a damper, but the filter turns it into some 0.1 m/s.
+that is wrong by some millimetres is no faster than a damper, but the filter turns it into some 0.1 m/s.
 
 A constant displacement means a standing car, unless its sensor is noisy: then neighbouring samples differ at rest as
 well. A sensor counts as noisy if small changes (a few of the smallest, which is its resolution) often alternate from
@@ -74,7 +73,7 @@ def watch(record, stamp, value, verdict, suspect, alone, doubt, block, force, st
     """Judges a block of samples in order of arrival; a block of one is the live case.
 
     Args:
-        record: of the damper's record.
+        record: of the damper.
         stamp: (n,) int64 ns; ``value``: (n,) m, raw; ``verdict``: (n,) int64, from ``admission.judge``.
         suspect: (n,) uint8, 1 if the sample is doubtful for a reason outside the line.
         alone: (m,) uint8, 1 if the accelerometer of a fusion was missing.

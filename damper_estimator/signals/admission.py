@@ -1,8 +1,8 @@
-"""Which samples a filter may use: the one rule for stamps and values, live and off line.
+"""Which samples a filter can use: the one rule for stamps and values, live and offline.
 
 A stamp that is equal to or older than the last accepted one is dropped; a step back or forward of more than
-``max_gap`` resets the state and the sample starts anew; a value that is not finite, or absurd (1e6 m and more
-would leave the filter with infinities), is dropped.
+``max_gap`` resets the state and the sample is a new start; a value that is not finite, or absurd (1e6 m and more would
+lead to infinities in the filter), is dropped.
 """
 
 from dataclasses import dataclass, fields
@@ -24,9 +24,9 @@ def judge(stamp, value, max_gap, state, verdict, dt):
         stamp: (n,) int64 ns.
         value: (n,) raw values.
         max_gap: int64 ns.
-        state: (2,) int64, whether a sample was accepted and the stamp of the last one; carried.
+        state: (2,) int64, whether a sample was accepted and the stamp of the last one; kept from block to block.
         verdict: (n,) int64 output, one of the constants above.
-        dt: (n,) output, s since the last accepted sample; 0 if the state is reset, undefined where it is dropped.
+        dt: (n,) output, s since the last accepted sample; 0 if the state is reset, undefined if it is dropped.
     """
     for i in range(stamp.size):
         step = stamp[i] - state[1]
@@ -55,7 +55,7 @@ def judge(stamp, value, max_gap, state, verdict, dt):
 
 @dataclass(frozen=True)
 class Counts:
-    """How many samples arrived, and what happened to those that were not simply used."""
+    """Number of samples, and of those that were dropped or reset the state."""
 
     samples: int = 0
     starts: int = 0
@@ -76,12 +76,12 @@ class Counts:
 
     @property
     def dropped(self) -> int:
-        """Samples that gave no estimate."""
+        """Samples without an estimate."""
         return self.duplicates + self.inversions + self.non_finite
 
 
 class Admission:
-    """Carries the rule's state from block to block."""
+    """Keeps the rule's state from block to block."""
 
     def __init__(self, max_gap: float = DEFAULT_MAX_GAP):
         """``max_gap`` in seconds."""
@@ -96,5 +96,5 @@ class Admission:
         return verdict, dt
 
     def reset(self) -> None:
-        """Forgets the last sample: the next one starts anew."""
+        """Forgets the last sample: the next one is a new start."""
         self._state[:] = 0

@@ -7,16 +7,16 @@ from damper_estimator.signals.kinematics import Kinematics
 
 
 def at_stamps(stamp: np.ndarray, value: np.ndarray, kinematics: Kinematics, cutoff: float) -> np.ndarray:
-    """(n,) what the causal filter makes of a channel, (m,) values at rising stamps, at the stamps of a motion."""
+    """(n,) a causally filtered channel, given by (m,) values at rising stamps, at the stamps of a motion."""
     filtered = np.empty(len(kinematics))
     for part in kinematics.stretches():
-        own = kinematics.stamp[part]
-        first, last = np.searchsorted(stamp, own[0], side="right"), np.searchsorted(stamp, own[-1])
-        grid = _merged(own, stamp[first:last])
+        wanted = kinematics.stamp[part]
+        first, last = np.searchsorted(stamp, wanted[0], side="right"), np.searchsorted(stamp, wanted[-1])
+        grid = _merged(wanted, stamp[first:last])
         dt = np.diff(grid, prepend=grid[0]) / 1e9
         near = slice(max(first - 1, 0), last + 1)
-        on_grid = np.interp(grid - own[0], stamp[near] - own[0], value[near])
-        filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, own)]
+        on_grid = np.interp(grid - wanted[0], stamp[near] - wanted[0], value[near])
+        filtered[part] = low_pass(cutoff, dt, on_grid)[np.searchsorted(grid, wanted)]
     return filtered
 
 

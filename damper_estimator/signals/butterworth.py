@@ -4,7 +4,7 @@
 
 In state-variable form the three states are the filtered displacement and its exact first and second derivative. The
 input u is linear between samples, so the response to each step is known in closed form (poles -w and
-w (-1 +- j sqrt 3) / 2) and exact for the step that came, however uneven the steps are.
+w (-1 +- j sqrt 3) / 2) and exact for every step, however uneven the steps are.
 
 Source: Carrera Akutain et al., section 4 (third-order Butterworth, then derivatives).
 """
@@ -27,7 +27,7 @@ def differentiate(cutoff, dt, raw, state, x, v, a):
         cutoff: Hz; 0 is the papers' unfiltered mode: x is the raw value, v its backward difference, a is zero.
         dt: (n,) s; 0 restarts the filter at rest on that sample.
         raw: (n,) displacement, finite.
-        state: (4,) carried from block to block.
+        state: (4,) kept from block to block.
         x, v, a: (n,) outputs, displacement and its first and second derivative.
     """
     w = 2.0 * pi * cutoff
@@ -71,8 +71,8 @@ def differentiate(cutoff, dt, raw, state, x, v, a):
 
 
 def low_pass(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
-    """The causal low-pass of a whole signal: (n,) in, (n,) out; starts at rest, and again where ``dt`` is 0."""
-    x, (v, a) = np.empty(raw.size), np.empty((2, raw.size))  # x by itself: it is kept, the others are not
+    """The causal low-pass of a whole signal: (n,) in, (n,) out; starts at rest, and restarts where ``dt`` is 0."""
+    x, (v, a) = np.empty(raw.size), np.empty((2, raw.size))  # x separately: only x is kept
     at_rest = np.array([raw[0], 0.0, 0.0, raw[0]]) if raw.size else np.zeros(STATE_SIZE)
     differentiate(cutoff, dt, np.ascontiguousarray(raw, float), at_rest, x, v, a)
     return x
@@ -81,7 +81,7 @@ def low_pass(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
 def low_pass_zero_phase(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
     """The same filter forward and backward over each stretch between restarts: no delay, twice the attenuation.
 
-    A cutoff of 0 leaves the signal as it is. Shapes: (n,) in, (n,) out.
+    A cutoff of 0 leaves the signal unchanged. Shapes: (n,) in, (n,) out.
     """
     if cutoff <= 0.0:
         return np.array(raw, float)

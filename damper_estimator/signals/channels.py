@@ -20,7 +20,7 @@ class ChannelData:
     """The values of one channel in order of arrival.
 
     Attributes:
-        stamp: (n,) int64 ns, the message's own stamp (its time of arrival where it has none).
+        stamp: (n,) int64 ns, the message's stamp (its time of arrival if it has none).
         rank: (n,) int64, position among all messages of the bag.
         value: (n,) SI.
     """
@@ -31,7 +31,7 @@ class ChannelData:
 
 
 def find_topic(bag: Bag, topic: str) -> str | None:
-    """The bag's name for a topic: itself, with or without the leading slash, or the only one that ends with it."""
+    """The bag's name for a topic: with or without the leading slash, or the only one that ends with the topic."""
     names = [t.name for t in bag.topics]
     bare = topic.lstrip("/")
     exact = [name for name in names if name.lstrip("/") == bare]
@@ -49,9 +49,9 @@ def damper_names(bag: Bag) -> list[str]:
     default = default_signals("").displacement.topic
     topic = find_topic(bag, default)
     if topic is None:
-        there = ", ".join(f"{t.name} ({t.type})" for t in bag.topics) or "none"
+        existing = ", ".join(f"{t.name} ({t.type})" for t in bag.topics) or "none"
         raise InputError(
-            f"{bag.path}: has no topic {default}; it has {there}; name the right one in a signal map "
+            f"{bag.path}: has no topic {default}; it has {existing}; name the right one in a signal map "
             "(damper-estimator inspect proposes one)"
         )
     names: dict[str, None] = {}
@@ -65,7 +65,7 @@ def damper_names(bag: Bag) -> list[str]:
 
 
 def signals_for(bag: Bag, signal_map: SignalMap, damper: str | None = None) -> SignalMap:
-    """The map with its dampers named, from the bag where the map names none; only ``damper`` where that is given.
+    """The map with named dampers, from the bag if the map names none; only ``damper`` if that is given.
 
     Raises:
         InputError: if the damper is unknown.
@@ -80,7 +80,7 @@ def signals_for(bag: Bag, signal_map: SignalMap, damper: str | None = None) -> S
 
 
 def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False) -> dict[str, ChannelData]:
-    """The channels that are there, by the same keys, in one pass over the bag, or of its ``ends`` alone.
+    """The channels in the bag, by the same keys, in one pass over the bag, or only over its ``ends``.
 
     Raises:
         InputError: if a channel that a map names is missing, or its field never appears.
@@ -88,29 +88,29 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False)
     found = {key: find_topic(bag, channel.topic) for key, channel in channels.items()}
     for key, topic in found.items():
         if topic is None and channels[key].given:
-            there = ", ".join(t.name for t in bag.topics)
+            existing = ", ".join(t.name for t in bag.topics)
             raise InputError(
-                f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {there}; correct the signal map"
+                f"{bag.path}: has no topic {channels[key].topic} ({key}); it has {existing}; correct the signal map"
             )
-    wanted: dict[str, list[str]] = {}
+    keys_by_topic: dict[str, list[str]] = {}
     for key, topic in found.items():
         if topic is not None:
-            wanted.setdefault(topic, []).append(key)
-    parts: dict[str, list[ChannelData]] = {key: [] for keys in wanted.values() for key in keys}
-    for batch in bag.batches(list(wanted), ends=ends) if wanted else ():
-        for topic, keys in wanted.items():
+            keys_by_topic.setdefault(topic, []).append(key)
+    parts: dict[str, list[ChannelData]] = {key: [] for keys in keys_by_topic.values() for key in keys}
+    for batch in bag.batches(list(keys_by_topic), ends=ends) if keys_by_topic else ():
+        for topic, keys in keys_by_topic.items():
             columns = batch.columns(topic, tuple(channels[key].field for key in keys))
             for i, key in enumerate(keys):
-                there = columns.present[:, i]
-                value = channels[key].value(columns.values[there, i])
-                parts[key].append(ChannelData(columns.stamp[there], columns.rank[there], value))
-    data = {key: _joined(own) for key, own in parts.items() if own}
+                present = columns.present[:, i]
+                value = channels[key].value(columns.values[present, i])
+                parts[key].append(ChannelData(columns.stamp[present], columns.rank[present], value))
+    data = {key: _joined(of_key) for key, of_key in parts.items() if of_key}
     for key, channel in channels.items():
         if key in parts and (key not in data or data[key].stamp.size == 0) and channel.given:
             raise InputError(
                 f"{bag.path}: topic {found[key]} never has the field {channel.field} ({key}); correct the signal map"
             )
-    return {key: own for key, own in data.items() if own.stamp.size}
+    return {key: channel_data for key, channel_data in data.items() if channel_data.stamp.size}
 
 
 def _joined(parts: list[ChannelData]) -> ChannelData:

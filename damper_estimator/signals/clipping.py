@@ -1,19 +1,19 @@
-"""Finds where a sensor ran into the end of its range and was cut off, and how far a filter carries that."""
+"""Finds where a sensor was clipped at the end of its range, and how far a filter spreads the error."""
 
 import numpy as np
 
-_RUN = 4  # equal samples at an extreme, where the signal else changes with every sample
-_OVERSHOOT = 16.0  # quanta by which the slope at a run's ends, kept up, would have passed the extreme
-_PLATEAU = 0.8  # share of the samples of one sign; a force that rests there longer is level by itself, as friction is
-_REACH = 8.0  # time constants of a filter's slowest mode: e^-4 of the envelope is left
+_RUN = 4  # equal samples at an extreme of a signal that otherwise changes with every sample
+_OVERSHOOT = 16.0  # quanta by which the signal, with the slope at a run's ends, would have passed the extreme
+_PLATEAU = 0.8  # share of the samples of one sign; a force that rests there longer is really constant, as friction
+_REACH = 8.0  # time constants of a filter's slowest mode, after which e^-4 of the envelope is left
 
 
 def clipped(value: np.ndarray) -> np.ndarray:
-    """(m,) bool: samples of ``value`` (m,) that sit at its largest or smallest value because it was cut off there.
+    """(m,) bool: samples of ``value`` (m,) at its largest or smallest value because it was clipped there.
 
     A coarse but unclipped signal also rests on its extremes at its turning points. There its parabola leaves the last
-    quantum slowly; an extreme is a limit only where some run at it has ends whose slope, kept up, would have overshot
-    by several quanta. Then every sample at it is cut off.
+    quantum slowly; an extreme is a limit only if the slope at the ends of some run at it would have overshot by several
+    quanta. Then every sample at it is clipped.
     """
     found = np.zeros(value.size, bool)
     steps = np.abs(np.diff(value))
@@ -24,19 +24,19 @@ def clipped(value: np.ndarray) -> np.ndarray:
     for extreme in (value.max(), value.min()):
         at = value == extreme
         side = np.count_nonzero(value > middle if extreme > middle else value < middle)
-        if np.count_nonzero(at) <= _PLATEAU * side and _cut_off(value, at, quantum):
+        if np.count_nonzero(at) <= _PLATEAU * side and _has_steep_run(value, at, quantum):
             found |= at
     return found
 
 
-def _cut_off(value: np.ndarray, at: np.ndarray, quantum: float) -> bool:
+def _has_steep_run(value: np.ndarray, at: np.ndarray, quantum: float) -> bool:
     """Whether some run of ``at`` has steep ends."""
     edges = np.flatnonzero(np.diff(at.astype(np.int8), prepend=0, append=0))
     first, last = edges[::2], edges[1::2]
-    held = int(np.median(np.diff(np.flatnonzero(np.diff(value)), prepend=-1)))  # a logger may repeat every value
-    long = last - first >= _RUN * held
+    repeats = int(np.median(np.diff(np.flatnonzero(np.diff(value)), prepend=-1)))  # a logger can repeat every value
+    long = last - first >= _RUN * repeats
     return any(
-        _slope_at(value, a, b, 3 * held) * (b - a) > _OVERSHOOT * quantum
+        _slope_at(value, a, b, 3 * repeats) * (b - a) > _OVERSHOOT * quantum
         for a, b in zip(first[long].tolist(), last[long].tolist(), strict=True)
     )
 
@@ -52,10 +52,10 @@ def _slope_at(value: np.ndarray, first: int, last: int, reach: int) -> float:
 
 
 def touched(stamp: np.ndarray, spoiled: np.ndarray, cutoff: float, band: float) -> np.ndarray:
-    """(n,) bool: samples whose filtered force a spoiled gauge sample has touched.
+    """(n,) bool: samples whose filtered force contains the error of a spoiled gauge sample.
 
-    The causal filter at ``cutoff`` carries it forward, the zero-phase one at ``band`` both ways; each until its
-    envelope, exp(-pi f t), is down to 2 %.
+    The causal filter at ``cutoff`` spreads it forward, the zero-phase one at ``band`` both ways; each until its
+    envelope, exp(-pi f t), has decayed to 2 %.
 
     Args:
         stamp: (n,) ns, rising.
@@ -64,8 +64,8 @@ def touched(stamp: np.ndarray, spoiled: np.ndarray, cutoff: float, band: float) 
     """
     if not spoiled.size:
         return np.zeros(stamp.size, bool)
-    own, both = (_REACH / (2.0 * np.pi * f) if f > 0.0 else 0.0 for f in (cutoff, band))
+    causal, both = (_REACH / (2.0 * np.pi * f) if f > 0.0 else 0.0 for f in (cutoff, band))
     edges = np.zeros(stamp.size + 1, np.int64)
     np.add.at(edges, np.searchsorted(stamp, spoiled - round(both * 1e9)), 1)
-    np.add.at(edges, np.searchsorted(stamp, spoiled + round((own + both) * 1e9), side="right"), -1)
+    np.add.at(edges, np.searchsorted(stamp, spoiled + round((causal + both) * 1e9), side="right"), -1)
     return np.cumsum(edges[:-1]) > 0

@@ -1,4 +1,4 @@
-"""Cycles of a recording, found by the reversals of the motion: frequency, stroke and likeness to a sine."""
+"""Cycles of a recording, found by the reversals of the motion: frequency, stroke and similarity to a sine."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.signals.kinematics import Kinematics
 
-LEAST_STROKE = 0.01  # of the recording's whole range; what is smaller is noise or quantisation, not a stroke
+LEAST_STROKE = 0.01  # of the recording's whole range; smaller motion is noise or quantisation, not a stroke
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Cycle:
     """From one reversal into extension to the next.
 
     Attributes:
-        first, last: samples ``first`` up to, without, ``last`` lie inside.
+        first, last: samples ``first`` to ``last`` - 1 lie inside.
         start, end: s, the reversals, between samples.
         amplitude: m, half the stroke, of the first harmonic.
         middle: m, mean displacement.
@@ -42,7 +42,7 @@ class Cycle:
 def turning_points(displacement, least, found):
     """Writes the indices of the extremes between which the displacement moves by ``least`` or more; returns how many.
 
-    A reversal counts once the motion has come back by ``least``, so wobble around standstill gives none.
+    A reversal counts after the motion has come back by ``least``, so wobble around standstill has none.
     """
     count, low, high, direction = 0, 0, 0, 0
     for i in range(displacement.size):
@@ -72,7 +72,7 @@ def reversals(kinematics: Kinematics, part: slice) -> np.ndarray:
 
 
 def find_cycles(kinematics: Kinematics, judged: np.ndarray | None = None) -> list[Cycle]:
-    """All whole cycles, in order of time; only those whose samples are all ``judged`` (n,) where that is given."""
+    """All whole cycles, in order of time; only those whose samples are all ``judged`` (n,) if that is given."""
     cycles = []
     for part in kinematics.stretches():
         at = reversals(kinematics, part)

@@ -1,13 +1,13 @@
-"""Displacement and relative acceleration brought together by a Kalman filter: the motion without a low-pass's delay.
+"""Displacement and relative acceleration fused by a Kalman filter: the motion without a low-pass's delay.
 
 States are displacement x, velocity v and the accelerometer's offset b. From sample to sample, with the mean a of the
 accelerations at both ends,
 
     x <- x + dt v + dt^2 / 2 (a - b),      v <- v + dt (a - b),      b <- b
 
-The noise of the acceleration enters x and v as a does, the offset wanders; the displacement is measured with white
-noise. A displacement that lies far from where the accelerations lead tells of an outlier in one of them: the filter
-begins anew. Source: R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960).
+The noise of the acceleration enters x and v as a does, the offset drifts; the displacement is measured with white
+noise. A displacement far from the one predicted by the accelerations shows an outlier in one of them: the filter is
+reset. Source: R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960).
 """
 
 from dataclasses import astuple, dataclass
@@ -17,47 +17,48 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 
-# What is carried: whether it runs, x, v, b, the acceleration before, and the covariance's upper triangle.
+# State: whether it runs, x, v, b, the acceleration before, and the covariance's upper triangle.
 RUNS, PLACE, SPEED, OFFSET, BEFORE, XX, XV, XB, VV, VB, BB = range(11)
 FUSION_SIZE = 11
 NOISES = 3
-_START_SPEED = 0.1  # m/s, how far the velocity may be off at a start
-_START_OFFSET = 1.0  # m/s^2, how large the offset may be
-_ABSURD = 1e4  # m/s^2, no suspension does this
-_FAR, _SLACK = 6.0, 1e-3  # standard deviations, and m on top
+_START_SPEED = 0.1  # m/s, standard deviation of the velocity at a start
+_START_OFFSET = 1.0  # m/s^2, standard deviation of the offset at a start
+_ABSURD = 1e4  # m/s^2, beyond any suspension
+_FAR, _SLACK = 6.0, 1e-3  # standard deviations, plus m
 
 
 @dataclass(frozen=True)
 class Fusion:
-    """How far the sensors are trusted."""
+    """Noise of the sensors."""
 
     displacement_noise: float = 2e-5  # m rms
     acceleration_noise: float = 0.3  # m/s^2 rms
     offset_drift: float = 0.01  # m/s^2 after a second
 
     def noises(self) -> np.ndarray:
-        """(3,) as `fuse` takes them."""
+        """(3,) for `fuse`."""
         return np.array(astuple(self))
 
 
 @compiled
-def fuse(noises, dt, raw, felt, state, x, v, a, alone):
-    """Replaces a low-pass's motion where there is an acceleration; a block of one is the live case.
+def fuse(noises, dt, raw, acceleration, state, x, v, a, alone):
+    """Replaces a low-pass's motion by the fused one; a block of one is the live case.
 
     Args:
         noises: (3,) as the fields of `Fusion`.
-        dt: (n,) s; 0 starts anew.
-        raw: (n,) m; ``felt``: (n,) m/s^2, NaN if none is there.
-        state: (FUSION_SIZE,), carried.
+        dt: (n,) s; 0 resets.
+        raw: (n,) m; ``acceleration``: (n,) m/s^2, measured acceleration, NaN if missing.
+        state: (FUSION_SIZE,), kept from block to block.
         x, v, a: (n,) the low-pass's displacement, velocity and acceleration, overwritten.
-        alone: (n,) uint8 output, 1 if there was no acceleration, or a sensor's outlier, and they stayed.
+        alone: (n,) uint8 output, 1 if the acceleration was missing or a sensor had an outlier, and the low-pass's
+            motion stays.
     """
     for i in range(raw.size):
-        alone[i] = 0 if abs(felt[i]) < _ABSURD else 1  # NaN is not
+        alone[i] = 0 if abs(acceleration[i]) < _ABSURD else 1  # NaN is not
         if alone[i] == 0 and (dt[i] <= 0.0 or state[RUNS] == 0.0):
-            _begin(noises, raw[i], v[i], felt[i], state)
+            _begin(noises, raw[i], v[i], acceleration[i], state)
         elif alone[i] == 0:
-            _advance(noises, dt[i], felt[i], state)
+            _advance(noises, dt[i], acceleration[i], state)
             off = abs(raw[i] - state[PLACE])
             if off < _FAR * sqrt(state[XX] + noises[0] ** 2) + _SLACK:
                 _correct(noises, raw[i], state)
@@ -66,22 +67,22 @@ def fuse(noises, dt, raw, felt, state, x, v, a, alone):
         if alone[i]:
             state[RUNS] = 0.0
             continue
-        x[i], v[i], a[i] = state[PLACE], state[SPEED], felt[i] - state[OFFSET]
+        x[i], v[i], a[i] = state[PLACE], state[SPEED], acceleration[i] - state[OFFSET]
 
 
 @compiled
-def _begin(noises, raw, speed, felt, state):
-    """At the raw displacement and the low-pass's velocity, the offset unknown."""
+def _begin(noises, raw, speed, acceleration, state):
+    """Starts at the raw displacement and the low-pass's velocity, with unknown offset."""
     state[:] = 0.0
-    state[RUNS], state[PLACE], state[SPEED], state[BEFORE] = 1.0, raw, speed, felt
+    state[RUNS], state[PLACE], state[SPEED], state[BEFORE] = 1.0, raw, speed, acceleration
     state[XX], state[VV], state[BB] = noises[0] ** 2, _START_SPEED**2, _START_OFFSET**2
 
 
 @compiled
-def _advance(noises, dt, felt, state):
-    """The motion over one step, and what is unsure after it."""
-    push = 0.5 * (state[BEFORE] + felt) - state[OFFSET]
-    state[BEFORE] = felt
+def _advance(noises, dt, acceleration, state):
+    """Predicts the motion over one step, and its covariance."""
+    push = 0.5 * (state[BEFORE] + acceleration) - state[OFFSET]
+    state[BEFORE] = acceleration
     h = 0.5 * dt * dt
     state[PLACE] += dt * state[SPEED] + h * push
     state[SPEED] += dt * push
@@ -97,7 +98,7 @@ def _advance(noises, dt, felt, state):
 
 @compiled
 def _correct(noises, raw, state):
-    """Takes the measured displacement in."""
+    """Corrects the motion by the measured displacement."""
     xx, xv, xb = state[XX], state[XV], state[XB]
     total = xx + noises[0] ** 2
     off = (raw - state[PLACE]) / total

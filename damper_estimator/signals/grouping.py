@@ -1,10 +1,10 @@
-"""Groups of cycles by velocity and frequency: LVLF, LVHF, HVLF, HVHF, with limits from the recordings' own ranges.
+"""Groups of cycles by velocity and frequency: LVLF, LVHF, HVLF, HVHF, with limits from the recordings' ranges.
 
     high velocity:  peak velocity > 0.4 of the largest           high frequency:  f > sqrt(f_min f_max)
 
 The factor and the mean give the groups of Gao et al., Table 1 (1.5 and 12 Hz, 0.1 to 1.2 m/s), whose objectives are
-means over such groups. Where the frequencies span less than a factor of two, or the peak velocities do, that letter
-is left out.
+means over such groups. If the frequencies, or the peak velocities, span less than a factor of two, that letter is left
+out.
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,13 +16,13 @@ from damper_estimator.signals.cycles import Cycle, find_cycles
 from damper_estimator.signals.measurement import Measurement
 
 HIGH_VELOCITY = 0.4  # of the largest peak velocity
-LEAST_SPAN = 2.0  # largest over smallest, below which a quantity is not split
+LEAST_SPAN = 2.0  # largest over smallest, below which a quantity is not divided
 _TAIL = 0.01  # share of the time in cycles at either end that does not set a range
 
 
 @dataclass(frozen=True)
 class GroupLimits:
-    """Where low ends and high begins; infinite if there is only one group.
+    """Limits between low and high; infinite if there is only one group.
 
     Attributes:
         velocity: m/s, of a cycle's peak velocity.
@@ -33,7 +33,7 @@ class GroupLimits:
     frequency: float
 
     def group(self, cycle: Cycle) -> str:
-        """Name of a cycle's group, such as ``LVHF``; ``all`` where nothing is split."""
+        """Name of a cycle's group, such as ``LVHF``; ``all`` if nothing is divided."""
         velocity = "" if np.isinf(self.velocity) else "HV" if cycle.peak_velocity > self.velocity else "LV"
         frequency = "" if np.isinf(self.frequency) else "HF" if cycle.frequency > self.frequency else "LF"
         return velocity + frequency or "all"
@@ -65,7 +65,7 @@ class Grouped:
     """The groups of several recordings.
 
     Attributes:
-        limits: that made them.
+        limits: of the groups.
         names: in order LVLF, LVHF, HVLF, HVHF.
         labels: for each recording (n,) int, the index of each sample's group in ``names``; -1 outside of whole judged
             cycles.
@@ -82,9 +82,9 @@ _ORDER = ("LVLF", "LVHF", "HVLF", "HVHF", "LV", "HV", "LF", "HF", "all")
 
 
 def group_names(found: Iterable[str]) -> tuple[str, ...]:
-    """The names that were found, each once and in order."""
-    there = set(found)
-    return tuple(name for name in _ORDER if name in there)
+    """The found names, each once and in order."""
+    present = set(found)
+    return tuple(name for name in _ORDER if name in present)
 
 
 def group_cycles(
@@ -94,16 +94,16 @@ def group_cycles(
 
     Args:
         measurements: of one damper.
-        limits: None forms them from these recordings.
-        names: of the groups, where other recordings have more than these; in order as ``group_names`` gives them.
+        limits: None derives them from these recordings.
+        names: of the groups, if other recordings have more than these; in the order of ``group_names``.
     """
     cycles = tuple(tuple(find_cycles(m.kinematics, m.judged)) for m in measurements)
-    chosen = group_limits(cycle for own in cycles for cycle in own) if limits is None else limits
-    names = tuple(names) or group_names(chosen.group(cycle) for own in cycles for cycle in own)
+    chosen = group_limits(cycle for of_recording in cycles for cycle in of_recording) if limits is None else limits
+    names = tuple(names) or group_names(chosen.group(cycle) for of_recording in cycles for cycle in of_recording)
     labels = []
-    for measurement, own in zip(measurements, cycles, strict=True):
+    for measurement, of_recording in zip(measurements, cycles, strict=True):
         label = np.full(len(measurement.kinematics), -1)
-        for cycle in own:
+        for cycle in of_recording:
             label[cycle.first : cycle.last] = names.index(chosen.group(cycle))
         labels.append(label)
     return Grouped(chosen, names, tuple(labels), cycles)

@@ -1,4 +1,4 @@
-"""What a model sees of a recording or of a live input: blocks of samples, filtered and differentiated."""
+"""A model's input from a recording or a live signal: blocks of samples, filtered and differentiated."""
 
 from dataclasses import dataclass
 
@@ -74,7 +74,7 @@ class Kinematics:
         return float(np.count_nonzero(inside) / self.dt[inside].sum()) if inside.any() else float("nan")
 
     def stretches(self) -> list[slice]:
-        """The parts between resets, each of them continuous."""
+        """The continuous parts between resets."""
         starts = np.flatnonzero(self.dt <= 0.0)
         return [slice(int(a), int(b)) for a, b in zip(starts, [*starts[1:], len(self)], strict=True)]
 
@@ -86,7 +86,7 @@ class Kinematics:
         return warm
 
     def select(self, part: slice) -> "Kinematics":
-        """A part of it as a recording of its own; its first sample is a start."""
+        """A part as a separate recording; its first sample is a start."""
         block = np.ascontiguousarray(self.block[:, part])
         if block.shape[1]:
             block[DT, 0] = 0.0
@@ -97,7 +97,7 @@ class Kinematics:
         return np.concatenate([np.arange(0)] + [np.arange(p.start, p.stop, stride) for p in self.stretches()])
 
     def at(self, places: np.ndarray) -> "Kinematics":
-        """The samples at ``places`` (k,), rising, alone: what was filtered and differentiated at the full rate."""
+        """Only the samples at ``places`` (k,), rising; they stay filtered and differentiated at the full rate."""
         block = np.ascontiguousarray(self.block[:, places])
         since = np.diff(np.cumsum(self.dt)[places], prepend=0.0)
         block[DT] = np.where(block[DT] > 0.0, since, 0.0)
@@ -108,11 +108,11 @@ class Differentiator:
     """Turns stamps and raw displacement into kinematics, sample by sample or in blocks of any size, with equal bits.
 
     Attributes:
-        alone: (n,) uint8, 1 for those samples of the last block whose acceleration was missed.
+        alone: (n,) uint8, 1 for the samples of the last block without acceleration.
     """
 
     def __init__(self, cutoff: float, max_gap: float, fusion: Fusion | None = None):
-        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s; ``fusion`` where accelerations are taken in."""
+        """``cutoff`` in Hz (0: unfiltered), ``max_gap`` in s; ``fusion`` of accelerations, or None."""
         self._cutoff, self._noises = cutoff, None if fusion is None else fusion.noises()
         self._fused, self.alone = np.zeros(FUSION_SIZE), np.zeros(0, np.uint8)
         self._admission = Admission(max_gap)
@@ -128,13 +128,13 @@ class Differentiator:
         pressure: np.ndarray | float = np.nan,
         acceleration: np.ndarray | float = np.nan,
     ) -> tuple[Kinematics, np.ndarray]:
-        """Kinematics of the samples that are good, and the verdict (n,) on every one.
+        """Kinematics of the good samples, and the verdict (n,) on every one.
 
         Args:
             stamp: (n,) int64 ns, in order of arrival.
             displacement: (n,) m.
             command, temperature, pressure: (n,) or one value, NaN if there is none.
-            acceleration: the same, m/s^2, of the accelerometer; counts where there is fusion.
+            acceleration: the same, m/s^2, of the accelerometer; used with fusion.
         """
         verdict, dt = self._admission.block(stamp, displacement)
         good = verdict < DUPLICATE
@@ -151,13 +151,23 @@ class Differentiator:
         differentiate(self._cutoff, dt, displacement, self._state, block[X], block[V], block[A])
         self.alone = np.zeros(stamp.size, np.uint8)
         if self._noises is not None:
-            felt = np.ascontiguousarray(np.broadcast_to(acceleration, stamp.shape), float)
-            fuse(self._noises, dt, displacement, felt, self._fused, block[X], block[V], block[A], self.alone)
+            acceleration_of_all = np.ascontiguousarray(np.broadcast_to(acceleration, stamp.shape), float)
+            fuse(
+                self._noises,
+                dt,
+                displacement,
+                acceleration_of_all,
+                self._fused,
+                block[X],
+                block[V],
+                block[A],
+                self.alone,
+            )
         block[COMMAND], block[TEMPERATURE], block[PRESSURE] = command, temperature, pressure
         return Kinematics(stamp, block), verdict
 
     def reset(self) -> None:
-        """The next sample starts anew."""
+        """The next sample is a new start."""
         self._admission.reset()
 
 

@@ -1,7 +1,7 @@
-"""Rows of the sample block, the only thing that effects know about signals.
+"""Rows of the sample block, the only part of the signals that effects use.
 
 A block is a contiguous float64 array of shape (8, n), SI units, displacement positive in extension. Row ``DT`` is the
-step that led to the sample; 0 marks the first sample after a reset. A row that is absent holds NaN.
+step that led to the sample; 0 marks the first sample after a reset. An absent row is NaN.
 """
 
 T = 0  # s since the first sample

@@ -11,7 +11,7 @@ from damper_estimator.signals.signal_map import DamperSignals, SignalMap
 
 
 def signal_map_yaml(signal_map: SignalMap) -> str:
-    """The map as YAML; ``parse_signal_map`` gives the same map back. Channels that nobody named are left out."""
+    """The map as YAML; ``parse_signal_map`` returns the same map. Channels that were not named are left out."""
     content: dict[str, object] = {
         "filter": {"cutoff": signal_map.cutoff or "none", "band": signal_map.band or "none"},
         "dampers": {name: _damper_content(signals) for name, signals in signal_map.dampers.items()},

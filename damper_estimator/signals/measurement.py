@@ -1,4 +1,4 @@
-"""One damper of one recording, ready to be compared with a model: kinematics and measured force on the same footing."""
+"""One damper of one recording, prepared for comparison with a model: kinematics and measured force, filtered alike."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ if TYPE_CHECKING:  # the node runs without the readers' libraries
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured on one damper.
+    """The measurement of one damper.
 
     Attributes:
         recording: path of the bag.
         damper: its name.
         kinematics: filtered, (n,) samples.
         force: (n,) N, the damper's force through the same causal filter; None if none was recorded.
-        judged: (n,) bool, samples that count: warm, and with a measured force near that no clipped sample has touched.
-        counts: what a node would have dropped, in order of arrival.
+        judged: (n,) bool, samples that count: warm, and with a measured force nearby that no clipped sample affects.
+        counts: of samples that a node would have dropped, in order of arrival.
         gauge: (m,) N, the finite values of the force channel by rising stamp, before spring and filter; empty without.
             Of the whole recording, also in a part of it.
         raw_displacement: (n,) m, before the filter.
         cutoff, band: Hz.
         signals: the damper's entry of the signal map.
-        acceleration: (n,) m/s^2, what an accelerometer measured, through the same causal filter; NaN if it has a
-            hole; None without one. Models never see it: theirs is the displacement's derivative.
+        acceleration: (n,) m/s^2, of an accelerometer, through the same causal filter; NaN in its gaps; None without
+            one. Models do not use it, but the displacement's derivative.
         gauge_stamp: (m,) int64 ns, corrected for skew; None if the gauge has the stamps of the whole kinematics.
     """
 
@@ -62,13 +62,13 @@ class Measurement:
         return low_pass_zero_phase(self.band, self.kinematics.dt, force)
 
     def as_gauge(self, values: np.ndarray) -> np.ndarray:
-        """(n,) what the filter makes of (m,) values at the gauge's stamps: as it makes ``force`` of ``gauge``."""
+        """(n,) values (m,) at the gauge's stamps through the filter, as ``force`` results from ``gauge``."""
         if self.gauge_stamp is None:
             return low_pass(self.cutoff, self.kinematics.dt, values)
         return at_stamps(self.gauge_stamp, values, self.kinematics, self.cutoff)
 
     def part(self, first: int, last: int) -> Measurement:
-        """Samples ``first`` to ``last``; the forces keep their filtering, the warm-up counts anew."""
+        """Samples ``first`` to ``last``; the forces stay filtered, the warm-up starts again."""
         window = slice(first, last)
         kinematics = self.kinematics.select(window)
         return replace(
@@ -82,7 +82,7 @@ class Measurement:
         )
 
     def thinned(self, stride: int) -> Measurement:
-        """Every ``stride``-th sample of each stretch alone; filtered and differentiated as all of them were."""
+        """Only every ``stride``-th sample of each stretch; filtered and differentiated at the full rate."""
         places = self.kinematics.thinned(stride)
         return replace(
             self,
@@ -107,11 +107,11 @@ def measure(
     """Reads one damper from a bag, in order of stamp.
 
     Args:
-        start, end: s since the first displacement, beside the map's own windows.
+        start, end: s since the first displacement, in addition to the map's windows.
         force_wanted: whether a missing force is an error.
 
     Raises:
-        InputError: one line; topics, fields or dampers that are not there, or nothing left in the window.
+        InputError: one line; for missing topics, fields or dampers, or without samples in the window.
     """
     chosen = signals_for(bag, signal_map, damper)
     data = read_channels(bag, chosen.dampers[damper].channels())
@@ -130,7 +130,7 @@ def measured(
     end: float = float("inf"),
     max_gap: float = DEFAULT_MAX_GAP,
 ) -> Measurement:
-    """One damper from the values of its channels, wherever they come from, in order of stamp.
+    """One damper from the values of its channels, from any source, in order of stamp.
 
     Args:
         recording: name for errors and records.
@@ -139,7 +139,7 @@ def measured(
         start, end, max_gap: as in ``measure``.
 
     Raises:
-        InputError: without displacement, or with nothing left in the window.
+        InputError: without displacement, or without samples in the window.
     """
     signals = signal_map.dampers[damper]
     if "displacement" not in data:
@@ -180,7 +180,7 @@ def measured(
 
 
 def check_force(measurement: Measurement) -> None:
-    """Refuses a measurement whose force was not measured, or at another time than its displacement.
+    """Refuses a measurement without force, or whose force was measured at another time than its displacement.
 
     Raises:
         InputError: one line.
@@ -208,8 +208,8 @@ def _acceleration(
 
 
 def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[float, float]]:
-    own = signal_map.windows or ((0.0, float("inf")),)
-    cut = [(max(first, start), min(last, end)) for first, last in own]
+    windows = signal_map.windows or ((0.0, float("inf")),)
+    cut = [(max(first, start), min(last, end)) for first, last in windows]
     return [(first, last) for first, last in cut if first < last]
 
 
@@ -234,7 +234,7 @@ def _kinematics(
     for first, last in windows:
         inside = slice(*np.searchsorted(stamp - origin, [first * 1e9, last * 1e9]))
         held = {
-            role: _held(data[role], getattr(signals, role).skew, stamp[inside])
+            role: _last_value(data[role], getattr(signals, role).skew, stamp[inside])
             for role in ("command", "temperature", "pressure")
             if role in data
         }
@@ -249,17 +249,17 @@ def _kinematics(
     return joined, np.concatenate(raws or [np.zeros(0)])
 
 
-def _held(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:
+def _last_value(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:
     """The last value of a slow channel at each stamp; NaN before the first."""
-    own_stamp, value = _in_order(data, skew)
-    index = np.searchsorted(own_stamp, stamp, side="right") - 1
+    channel_stamp, value = _in_order(data, skew)
+    index = np.searchsorted(channel_stamp, stamp, side="right") - 1
     return np.where(index >= 0, value[np.maximum(index, 0)] if value.size else np.nan, np.nan)
 
 
 def _damper_force(
     data: ChannelData, signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Measured damper force at the kinematics' stamps through the same causal filter, and where it was really near."""
+    """Measured damper force at the kinematics' stamps through the same causal filter, and where it was recorded."""
     force, near = _filtered(data, signals.force.skew, kinematics, cutoff, max_gap)
     return force - signals.spring_rate * kinematics.displacement - signals.preload, near
 
@@ -267,7 +267,7 @@ def _damper_force(
 def _filtered(
     data: ChannelData, skew: float, kinematics: Kinematics, cutoff: float, max_gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A fast channel at the kinematics' stamps through the causal filter, and where it was really near.
+    """A fast channel at the kinematics' stamps through the causal filter, and where it was recorded nearby.
 
     The channel is linear between its samples; the filter runs over the stamps of both, so it is exact for both.
     """
@@ -278,15 +278,15 @@ def _filtered(
     after = np.searchsorted(stamp, kinematics.stamp)
     before = np.searchsorted(stamp, kinematics.stamp, side="right") - 1
     inside = (before >= 0) & (after < stamp.size)
-    hole = np.where(
+    gap = np.where(
         inside, stamp[np.minimum(after, stamp.size - 1)] - stamp[np.maximum(before, 0)], np.iinfo(np.int64).max
     )
-    near = hole <= max_gap * 1e9
+    near = gap <= max_gap * 1e9
     return filtered, _settled(near, kinematics)
 
 
 def _settled(near: np.ndarray, kinematics: Kinematics) -> np.ndarray:
-    """``near`` less the warm-up that follows each hole in the channel."""
+    """``near`` less the warm-up after each gap in the channel."""
     returns = near & ~np.concatenate([[True], near[:-1]])
     for i in np.flatnonzero(returns):
         until = np.searchsorted(kinematics.stamp, kinematics.stamp[i] + 200_000_000)

@@ -1,7 +1,7 @@
-"""Finds rest: stretches in which displacement and force are quiet by the data's own noise.
+"""Finds rest: stretches in which displacement and force are quiet compared with the data's noise.
 
-Noise is what third differences see (rms / sqrt 20 for white noise), so motion hardly counts in it. A window is quiet
-where its scatter is no more than noise and quantisation explain, or vanishes beside the channel's whole range.
+Noise is measured by third differences (rms / sqrt 20 for white noise), which motion hardly affects. A window is quiet
+if its scatter is explained by noise and quantisation, or negligible compared with the channel's whole range.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ LEAST_SECONDS = 0.5
 _HOP = 0.1  # s
 _LEAST_SAMPLES = 12
 _NOISE_FACTOR = 1.6
-_RANGE_SHARES = (0.0005, 0.01)  # of displacement and force: hum and creep that third differences do not see
+_RANGE_SHARES = (0.0005, 0.01)  # of displacement and force: hum and creep that third differences do not show
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Rest:
 
     Attributes:
         start, end: s since the first displacement sample.
-        displacement, force: medians over it, m and N; force is NaN if none was given.
+        displacement, force: medians over it, m and N; force is NaN without one.
     """
 
     start: float
@@ -32,7 +32,7 @@ class Rest:
 
     @property
     def seconds(self) -> float:
-        """How long it lasted."""
+        """Its duration."""
         return self.end - self.start
 
 
@@ -47,7 +47,7 @@ def quantum(value: np.ndarray) -> float:
     if levels.size < 2 or levels.size > 0.5 * value.size:
         return 0.0
     steps = np.diff(levels)
-    # Round-off of the logger's own scaling makes tiny steps between equal readings.
+    # Rounding in the logger's scaling causes tiny steps between equal readings.
     return float(steps[steps > 1e-9 * np.ptp(levels)].min(initial=np.ptp(levels)))
 
 
@@ -68,8 +68,8 @@ def find_rests(
         channels.append(((force_stamp - stamp[0]) * 1e-9, force))
     starts = np.arange(0.0, time[-1] - LEAST_SECONDS + 1e-9, _HOP)
     still = np.ones(starts.size, bool)
-    for (own_time, value), share in zip(channels, _RANGE_SHARES, strict=False):
-        still &= _quiet(own_time, value, starts, share * float(np.ptp(value)) if value.size else 0.0)
+    for (channel_time, value), share in zip(channels, _RANGE_SHARES, strict=False):
+        still &= _quiet(channel_time, value, starts, share * float(np.ptp(value)) if value.size else 0.0)
     edges = np.flatnonzero(np.diff(still.astype(np.int8), prepend=0, append=0))
     spans = [(starts[a], starts[b - 1] + LEAST_SECONDS) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     return tuple(Rest(float(a), float(b), *_levels(channels, a, b)) for a, b in spans)
@@ -81,7 +81,7 @@ def _quiet(time: np.ndarray, value: np.ndarray, starts: np.ndarray, least: float
     first, last = np.searchsorted(time, starts), np.searchsorted(time, starts + LEAST_SECONDS)
     for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
         window = value[a:b]
-        # A hole in the recording is no rest.
+        # A gap in the recording is no rest.
         if b - a >= _LEAST_SAMPLES and time[b - 1] - time[a] > 0.8 * LEAST_SECONDS and np.isfinite(window).all():
             quiet[i] = window.std() <= max(_NOISE_FACTOR * noise_level(window) + coarse, least)
     return quiet

@@ -1,4 +1,4 @@
-"""The signal map: which topic and field is which quantity of which damper, and how its raw numbers become SI units."""
+"""The signal map: which topic and field is which quantity of which damper, and its conversion to SI units."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -21,15 +21,15 @@ class Channel:
     """One quantity: value = scale * raw + offset, or by a table; true(t) = value(t + skew).
 
     Attributes:
-        topic, field: where it is; ``field`` is a path of names and indices.
+        topic, field: of the messages; ``field`` is a path of names and indices.
         scale, offset: raw to SI.
-        skew: s, positive where the channel is late.
+        skew: s, positive if the channel is late.
         table: raw values and values, instead of scale (motion ratio); None without.
         unit: of the command, for people.
-        limits: raw, lowest and highest: of the command what its driver can set (None: those of the model's fit), of
-            temperature and pressure what the sensor can give (None: ordinary bounds).
-        max_age: s, of command, temperature and pressure: how old a value may be before it counts as silent; None: the
-            role's ordinary age.
+        limits: raw, lowest and highest value: of the command the range of its driver (None: those of the model's fit),
+            of temperature and pressure the range of the sensor (None: ordinary bounds).
+        max_age: s, of command, temperature and pressure: age of a value above which the channel counts as silent;
+            None: the role's ordinary age.
         given: whether a map names it, so that its absence is an error.
     """
 
@@ -45,7 +45,7 @@ class Channel:
     given: bool = False
 
     def value(self, raw: np.ndarray) -> np.ndarray:
-        """SI values of raw ones, any shape; the same code live and off line."""
+        """SI values of raw ones, any shape; the same code live and offline."""
         if self.table is not None:
             return np.interp(raw, *self.table)
         return self.scale * raw + self.offset
@@ -59,10 +59,10 @@ class Channel:
         return low, high
 
     def raw(self, value: float) -> float:
-        """The raw number that stands for an SI value; beyond a table its last one."""
+        """The raw number of an SI value; beyond a table its last one."""
         if self.table is None:
             return (value - self.offset) / self.scale
-        raw, values = self.table if self.table[1][0] <= self.table[1][-1] else (own[::-1] for own in self.table)
+        raw, values = self.table if self.table[1][0] <= self.table[1][-1] else (column[::-1] for column in self.table)
         return float(np.interp(value, values, raw))
 
 
@@ -93,14 +93,14 @@ class DamperSignals:
 
 @dataclass(frozen=True)
 class SignalMap:
-    """What a recording's channels mean.
+    """The meaning of a recording's channels.
 
     Attributes:
         cutoff: Hz of the filter before the model; 0 is the unfiltered mode.
         band: Hz of the zero-phase low-pass of the comparison; 0 for none.
         dampers: signals by damper; empty: those named in the displacement messages, on the default topics.
-        fusion: how displacement and acceleration are brought together live and in replay; None: displacement alone.
-        windows: (from, to) in s since the start of the recording that may be used; empty: all of it.
+        fusion: of displacement and acceleration, live and in replay; None: displacement alone.
+        windows: (from, to) in s since the start, the usable parts of the recording; empty: all of it.
         where: the file, for errors.
     """
 
@@ -113,35 +113,35 @@ class SignalMap:
 
     @property
     def gauge_cutoff(self) -> float:
-        """Hz, of the filter that delays the measured force as the estimate is delayed."""
+        """Hz, of the filter that delays the measured force like the estimate."""
         return self.cutoff if self.fusion is None else 0.0
 
     def with_dampers(self, names: list[str]) -> "SignalMap":
-        """The map with default signals for the named dampers, where it names none itself."""
+        """The map with default signals for the named dampers, if it names none."""
         return self if self.dampers else replace(self, dampers={name: default_signals(name) for name in names})
 
     def with_entry(self, damper: str, signals: DamperSignals) -> "SignalMap":
-        """The map with one damper's entry replaced; a force that changes is written, though nobody named it before."""
+        """The map with one damper's entry replaced; a changed force counts as named."""
         changed = signals != self.dampers.get(damper)
-        own = replace(signals, force=replace(signals.force, given=True)) if changed else signals
-        return replace(self, dampers={**self.dampers, damper: own})
+        entry = replace(signals, force=replace(signals.force, given=True)) if changed else signals
+        return replace(self, dampers={**self.dampers, damper: entry})
 
 
 def default_signals(damper: str) -> DamperSignals:
     """The default topics for one damper."""
-    own = f"suspension/{damper}"
+    namespace = f"suspension/{damper}"
     return DamperSignals(
         displacement=Channel("suspension/displacement", f"position[{damper}]"),
         force=Channel("suspension/force", f"effort[{damper}]"),
-        command=Channel(f"{own}/current", "data", unit="A"),
-        temperature=Channel(f"{own}/temperature", "temperature"),
-        pressure=Channel(f"{own}/pressure", "fluid_pressure"),
-        acceleration=Channel(f"{own}/acceleration", "accel.linear.z"),
+        command=Channel(f"{namespace}/current", "data", unit="A"),
+        temperature=Channel(f"{namespace}/temperature", "temperature"),
+        pressure=Channel(f"{namespace}/pressure", "fluid_pressure"),
+        acceleration=Channel(f"{namespace}/acceleration", "accel.linear.z"),
     )
 
 
 def load_signal_map(path: str | Path | None) -> SignalMap:
-    """Reads a signal map; None gives the default one.
+    """Reads a signal map; None stands for the default one.
 
     Raises:
         InputError: one line with the file and every unknown key or wrong value.
