@@ -220,7 +220,7 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     from damper_estimator.model import load_model
     from damper_estimator.node.displacement import Arrival, DisplacementInput, Estimator, names_in
     from damper_estimator.recordings import joint_states
-    from damper_estimator.recordings.layout import MalformedMessage
+    from damper_estimator.recordings.cdr_layout import MalformedMessage
     from damper_estimator.runtime import deployed
     from damper_estimator.signals import default_signals
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from damper_estimator.node.commands import FOLLOWED, LIMITED, Command
 from damper_estimator.recordings import encode, parse_path
+from damper_estimator.recordings.cdr_layout import layout_of
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
 from damper_estimator.recordings.field_path import request_tree
-from damper_estimator.recordings.layout import layout_of
 
 COMMAND_TYPE = "damper_msgs/msg/DamperCommand"
 _NUMBERS = ("current", "desired_force", "achievable_force")

@@ -15,9 +15,9 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import encode, parse_path
+from damper_estimator.recordings.cdr_layout import Layout, MalformedMessage, layout_of
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
 from damper_estimator.recordings.field_path import check_path, request_tree
-from damper_estimator.recordings.layout import Layout, MalformedMessage, layout_of
 from damper_estimator.recordings.padding import is_padding
 from damper_estimator.runtime import FIELDS
 from damper_estimator.signals import Channel

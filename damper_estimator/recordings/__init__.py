@@ -1,8 +1,8 @@
 """Recordings in and out, without ROS.
 
-Data enters the product here and nowhere else. `open_bag` reads ``.mcap`` files and rosbag2 folders in arrival order and
-turns fields of equal-shaped messages into arrays at once; `BagWriter` writes mcap that other tools open; bench and
-logger files (CSV, text, MAT) become bags by a column map. Signs, units and time bases are the signal map's business.
+All data are read here. `open_bag` reads ``.mcap`` files and rosbag2 folders in arrival order and turns fields of
+equal-shaped messages into arrays at once; `BagWriter` writes mcap that other tools open; bench and logger files (CSV,
+text, MAT) become bags by a column map. Signs, units and time bases belong to the signal map.
 """
 
 from importlib import import_module
@@ -63,7 +63,7 @@ __all__ = [
     "write_part",
 ]
 
-# Reading and writing files takes packages (mcap, zstandard) that a node does without unless it records.
+# Reading and writing files needs packages (mcap, zstandard) that a node does not need unless it records.
 _LOADED_ON_USE = {
     "bag": ("Bag", "Topic", "open_bag"),
     "batch": ("Batch", "Columns"),

@@ -1,4 +1,4 @@
-"""A recording: what is in it, and its messages in arrival order."""
+"""A recording: its topics, and its messages in arrival order."""
 
 import heapq
 from collections.abc import Iterable, Iterator, Mapping
@@ -11,12 +11,12 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.batch import Batch, Columns, Reading, joined_columns
-from damper_estimator.recordings.faults import one_line
-from damper_estimator.recordings.folder import contents_of, open_storage
-from damper_estimator.recordings.raw import RawMessages, in_arrival_order, joined
+from damper_estimator.recordings.library_errors import one_line
+from damper_estimator.recordings.raw_messages import RawMessages, in_arrival_order, joined
+from damper_estimator.recordings.storage_files import contents_of, open_storage
 
 _BATCH = 65536
-_BATCH_BYTES = 64 << 20  # large messages (images) make smaller batches
+_BATCH_BYTES = 64 << 20  # for smaller batches of large messages (images)
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Topic:
 
 
 class Bag:
-    """An opened recording; final. Use it as a context manager; made by `open_bag`.
+    """An opened recording; final. A context manager, created by `open_bag`.
 
     Attributes:
-        path: as it was given.
+        path: as given.
         topics: sorted by name.
     """
 
@@ -57,37 +57,37 @@ class Bag:
         self.close()
 
     def close(self) -> None:
-        """Closes the files; unpacked copies vanish."""
+        """Closes the files, and deletes unpacked copies."""
         self._stack.close()
 
     def batches(self, topics: Iterable[str] | None = None, size: int = _BATCH, ends: bool = False) -> Iterator[Batch]:
-        """The messages in arrival (log time) order over all files, equal times as they lie in the files.
+        """The messages in arrival (log time) order over all files, equal times in the order of the files.
 
         Args:
-            topics: which (all); `/` in front may be left out.
-            size: most messages in a batch.
-            ends: only the first and the last chunk, which is enough to see when it was recorded.
+            topics: to read (all); the leading `/` can be left out.
+            size: maximum number of messages in a batch.
+            ends: only the first and the last chunk, which suffices to find the time of recording.
 
         Raises:
-            InputError: for a topic that is not there (lists those that are), and for damaged files.
+            InputError: for an unknown topic (lists the existing ones), and for damaged files.
         """
         names = None if topics is None else [self.topic(name).name for name in topics]
-        wanted = self._reading.chosen(names)
-        for rank, messages in _grouped(self._merged(ends), wanted, size):
+        chosen = self._reading.chosen(names)
+        for rank, messages in _grouped(self._merged(ends), chosen, size):
             yield Batch(self._reading, self._reading.unpacked(messages), rank)
 
     def topic(self, name: str) -> Topic:
         """The topic of this name, with or without its leading ``/``.
 
         Raises:
-            InputError: if it is not in the recording; lists what is.
+            InputError: if it is not in the recording; lists the existing topics.
         """
         by_name = {topic.name: topic for topic in self.topics}
         for candidate in (name, f"/{name}", name.removeprefix("/")):
             if candidate in by_name:
                 return by_name[candidate]
-        there = ", ".join(by_name) or "none at all"
-        raise InputError(one_line(f"{self.path}: has no topic {name!r}; there are: {there}"))
+        existing = ", ".join(by_name) or "none at all"
+        raise InputError(one_line(f"{self.path}: has no topic {name!r}; there are: {existing}"))
 
     def read(self, fields: Mapping[str, Iterable[str]]) -> dict[str, Columns]:
         """Several topics in one pass over the whole recording: field paths by topic to columns by topic.
@@ -95,14 +95,14 @@ class Bag:
         Raises:
             InputError: as `batches` and `Batch.columns`.
         """
-        wanted = {name: tuple(paths) for name, paths in fields.items()}
-        parts: dict[str, list[Columns]] = {name: [] for name in wanted}
-        for name, paths in wanted.items():
+        fields_by_topic = {name: tuple(paths) for name, paths in fields.items()}
+        parts: dict[str, list[Columns]] = {name: [] for name in fields_by_topic}
+        for name, paths in fields_by_topic.items():
             self._reading.check(self.topic(name).name, paths)
-        for batch in self.batches(wanted):
-            for name, paths in wanted.items():
+        for batch in self.batches(fields_by_topic):
+            for name, paths in fields_by_topic.items():
                 parts[name].append(batch.columns(name, paths))
-        return {name: joined_columns(parts[name], len(paths)) for name, paths in wanted.items()}
+        return {name: joined_columns(parts[name], len(paths)) for name, paths in fields_by_topic.items()}
 
     def columns(self, topic: str, paths: Iterable[str]) -> Columns:
         """Fields of one topic over the whole recording.
@@ -113,7 +113,7 @@ class Bag:
         return self.read({topic: paths})[topic]
 
     def _merged(self, ends: bool) -> Iterator[RawMessages]:
-        """All messages, or the first and the last, in arrival order; connections are counted over all files."""
+        """All messages, or the first and the last, in arrival order; connections are numbered over all files."""
         shifts = np.cumsum([0, *(len(file.connections) for file in self._files)])
         spans = heapq.merge(
             *(file.spans(number) for number, file in enumerate(self._files)), key=lambda span: span.start
@@ -128,7 +128,7 @@ def open_bag(path: str | Path) -> Bag:
     """Opens an ``.mcap`` file or a rosbag2 folder (mcap or sqlite3; split; zstd), without ROS.
 
     Raises:
-        InputError: if it is missing, unreadable, cut off, damaged or no recording; says which and what to do.
+        InputError: if it is missing, unreadable, cut off, damaged or no recording; with the remedy.
     """
     return Bag(path)
 
@@ -142,26 +142,26 @@ def _topics(connections: Iterable) -> tuple[Topic, ...]:
     return tuple(found[name] for name in sorted(found))
 
 
-def _grouped(merged: Iterable[RawMessages], wanted: np.ndarray, size: int) -> Iterator[tuple[np.ndarray, RawMessages]]:
-    """Ranks and messages of the wanted connections in groups of ``size``, fewer where they are large."""
-    held: list[tuple[np.ndarray, RawMessages]] = []
+def _grouped(merged: Iterable[RawMessages], chosen: np.ndarray, size: int) -> Iterator[tuple[np.ndarray, RawMessages]]:
+    """Ranks and messages of the ``chosen`` connections in groups of ``size``, fewer if they are large."""
+    waiting: list[tuple[np.ndarray, RawMessages]] = []
     seen, count, bulk = 0, 0, 0
     for messages in merged:
-        rows = np.flatnonzero(wanted[messages.connection])
+        rows = np.flatnonzero(chosen[messages.connection])
         rank, seen = rows + seen, seen + len(messages)
         while len(rows):
-            room = size - count
-            part, rows = rows[:room], rows[room:]
-            held.append((rank[:room], messages.chosen(part)))
-            rank = rank[room:]
+            free = size - count
+            part, rows = rows[:free], rows[free:]
+            waiting.append((rank[:free], messages.chosen(part)))
+            rank = rank[free:]
             count += len(part)
             bulk += len(messages.data)
             if count >= size or bulk >= _BATCH_BYTES:
-                yield _together(held)
-                held, count, bulk = [], 0, 0
-    if held:
-        yield _together(held)
+                yield _as_one(waiting)
+                waiting, count, bulk = [], 0, 0
+    if waiting:
+        yield _as_one(waiting)
 
 
-def _together(held: list[tuple[np.ndarray, RawMessages]]) -> tuple[np.ndarray, RawMessages]:
-    return np.concatenate([rank for rank, _ in held]), joined([messages for _, messages in held])
+def _as_one(parts: list[tuple[np.ndarray, RawMessages]]) -> tuple[np.ndarray, RawMessages]:
+    return np.concatenate([rank for rank, _ in parts]), joined([messages for _, messages in parts])

@@ -1,4 +1,4 @@
-"""A stretch of a recording in arrival order, and the numbers in it."""
+"""A part of a recording in arrival order, and its numbers."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -8,11 +8,11 @@ import zstandard
 from rosbags.serde import SerdeError
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.cdr_layout import MalformedMessage, layout_of
 from damper_estimator.recordings.decode import Decoder
 from damper_estimator.recordings.definitions import Schema, definition_of, store_of
-from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained, one_line
-from damper_estimator.recordings.layout import MalformedMessage, layout_of
-from damper_estimator.recordings.raw import Connection, RawMessages
+from damper_estimator.recordings.library_errors import LIBRARY_ERRORS, explained, one_line
+from damper_estimator.recordings.raw_messages import Connection, RawMessages
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +20,8 @@ class Columns:
     """Fields of one topic, a row per message in arrival order.
 
     Attributes:
-        log: (n,) int64, ns, when the message was recorded.
-        stamp: (n,) int64, ns, ``header.stamp``; the log time where the type has no header.
+        log: (n,) int64, ns, time of recording.
+        stamp: (n,) int64, ns, ``header.stamp``; the log time if the type has no header.
         rank: (n,) int64, place of the message among all messages of the recording.
         values: (n, k) float64.
         present: (n, k) bool, False if the message has no such name or index (its value is NaN then).
@@ -35,7 +35,7 @@ class Columns:
 
 
 def joined_columns(parts: list[Columns], width: int) -> Columns:
-    """Consecutive columns as one; empty ones of ``width`` where there are none."""
+    """Consecutive columns as one; empty ones of ``width`` if there are none."""
     if not parts:
         none = np.empty(0, np.int64)
         return Columns(none, none, none, np.empty((0, width)), np.empty((0, width), bool))
@@ -43,7 +43,7 @@ def joined_columns(parts: list[Columns], width: int) -> Columns:
 
 
 class Reading:
-    """What all batches of a recording share: its connections, and the decoders made so far; final."""
+    """The shared data of all batches of a recording: its connections, and the decoders used so far; final."""
 
     def __init__(self, path: str, connections: tuple[Connection, ...], compressed: bool) -> None:
         self.path = path
@@ -52,14 +52,14 @@ class Reading:
         self._decoders: dict[tuple[Schema, tuple[str, ...]], Decoder] = {}
 
     def chosen(self, topics: Iterable[str] | None) -> np.ndarray:
-        """Which connections belong to the topics (all): (connections,) bool."""
+        """Whether each connection belongs to the topics (all): (connections,) bool."""
         names = None if topics is None else set(topics)
         return np.array([names is None or connection.topic in names for connection in self.connections], bool)
 
     def named(self, topic: str) -> str:
-        """The topic as the recording writes it, with or without the leading ``/``."""
-        there = {connection.topic for connection in self.connections}
-        return next((name for name in (topic, f"/{topic}", topic.removeprefix("/")) if name in there), topic)
+        """The topic as in the recording, with or without the leading ``/``."""
+        existing = {connection.topic for connection in self.connections}
+        return next((name for name in (topic, f"/{topic}", topic.removeprefix("/")) if name in existing), topic)
 
     def check(self, topic: str, paths: tuple[str, ...]) -> None:
         """Raises the InputError that reading these fields would raise."""
@@ -91,7 +91,7 @@ class Reading:
             raise self.malformed(connection, str(error)) from error
 
     def unpacked(self, raw: RawMessages) -> RawMessages:
-        """The messages as they were sent, where the recording compressed each by itself."""
+        """The messages as sent, if the recording compressed each separately."""
         if not self._compressed:
             return raw
         ends = raw.start + raw.length
@@ -108,7 +108,7 @@ class Reading:
 
     def malformed(self, connection: Connection, what: str) -> InputError:
         what = f"a message does not fit its type {connection.schema.type} ({what})"
-        return self.wrong(connection.topic, f"{what}; record the topic again, with the definition that was sent")
+        return self.wrong(connection.topic, f"{what}; record the topic again, with the definition of its publisher")
 
     def _refuse_other_encodings(self, connection: Connection) -> None:
         if connection.encoding != "cdr":
@@ -117,7 +117,7 @@ class Reading:
 
 
 def _without_padding(raw: bytes, schema: Schema) -> bytes:
-    """The message up to the end of its last field; as it is where that cannot be told."""
+    """The message up to the end of its last field; unchanged if that is unknown."""
     try:
         return raw[: layout_of(raw, definition_of(schema), {}, 0).end]
     except MalformedMessage:
@@ -126,7 +126,7 @@ def _without_padding(raw: bytes, schema: Schema) -> bytes:
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Consecutive messages of a recording (of the topics asked for) in arrival order.
+    """Consecutive messages of a recording (of the requested topics) in arrival order.
 
     Attributes:
         rank: (n,) int64, place of each message among all messages of the recording.
@@ -148,7 +148,7 @@ class Batch:
         """Fields of one topic; empty if none of its messages is in this batch.
 
         Raises:
-            InputError: if the type or a field is unknown (lists what there is), or a message is malformed.
+            InputError: if the type or a field is unknown (lists the existing ones), or a message is malformed.
         """
         paths = tuple(paths)
         rows, groups = self._rows(topic)
@@ -170,7 +170,7 @@ class Batch:
         return result
 
     def messages(self, topic: str) -> Iterator[tuple[int, object]]:
-        """Log time (ns) and decoded message (as rosbags makes it), one by one; general and slow.
+        """Log time (ns) and decoded message (of rosbags), one by one; general and slow.
 
         Raises:
             InputError: if the type is unknown or a message is malformed.

@@ -8,28 +8,28 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.bench_rest import find_motion, middle_position, rest_position
+from damper_estimator.recordings.bench_table import Column, MatTable, Table, file_content
 from damper_estimator.recordings.clock import Times, read_times
 from damper_estimator.recordings.column_map import Channel, ColumnMap
 from damper_estimator.recordings.quantities import QUANTITIES, bag_unit
-from damper_estimator.recordings.rest import find_motion, held_position, middle_position
-from damper_estimator.recordings.table import Column, MatTable, Table, file_content
 from damper_estimator.recordings.text_table import TextTable
 
-_FAST = ("displacement", "force")  # one number per row is expected of these
+_FAST = ("displacement", "force")  # these need one number per row
 _MOSTLY_TEXT = 0.5
 _SUFFIXES = (".gz", ".mat", ".csv", ".tsv", ".txt", ".dat", ".asc", ".log")
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A stretch of a bench file that becomes one recording.
+    """A part of a bench file that becomes one recording.
 
     Attributes:
         source: the file; ``number`` of ``parts`` in it, from 1.
         stamps: (n,) int64, ns.
         dampers: channels by damper and quantity: (n,) float64 (NaN: no number in the file), or one constant number.
-        units: as the bag holds them, in the same structure.
-        notes: what the user should know of it.
+        units: in the bag, in the same structure.
+        notes: for the user.
     """
 
     source: Path
@@ -42,7 +42,7 @@ class Part:
 
     @property
     def stem(self) -> str:
-        """The file's name without what tells its format."""
+        """The file's name without the suffixes of its format."""
         name = self.source.name
         for suffix in _SUFFIXES:
             name = name[: -len(suffix)] if name.lower().endswith(suffix) else name
@@ -63,8 +63,8 @@ def read_parts(path: Path, rules: ColumnMap) -> list[Part]:
     """Reads a CSV, text or MAT file (gzip or not) and cuts it into its parts.
 
     Raises:
-        InputError: if the file cannot be read, lacks a column, holds text in place of numbers, or its parts do not
-            match the constants that the map lists.
+        InputError: if the file cannot be read, lacks a column, contains text instead of numbers, or its parts do not
+            match the constants in the map.
     """
     table = _open_table(path, rules)
     columns = {
@@ -109,7 +109,7 @@ def _stretches(table: Table, rules: ColumnMap, times: Times) -> Iterator[slice]:
         cuts = (np.flatnonzero(np.diff(times.seconds) > rules.split.pause) + 1).tolist()
     elif rules.split.restart:
         if not times.measured:
-            raise InputError(f"{table.path}: a fixed rate never starts again; give time.column, or split by events")
+            raise InputError(f"{table.path}: a fixed rate never restarts; give time.column, or split by events")
         cuts = (np.flatnonzero(np.diff(times.seconds) < 0.0) + 1).tolist()
     edges = sorted({0, *cuts, table.rows})
     for start, stop in pairwise(edges):
@@ -155,14 +155,14 @@ def _converted(raw: np.ndarray, channel: Channel, name: str) -> np.ndarray:
 
 
 def _missing(path: Path, where: str, column: Column | None, values: np.ndarray | float) -> Iterator[str]:
-    """Says how many cells hold no number; refuses what is mostly text, and slow channels without any number."""
+    """Notes how many cells are no numbers; refuses columns that are mostly text, and slow channels without numbers."""
     bad = int(np.isnan(values).sum())
     if bad:
         share, name = bad / np.size(values), where.rpartition(".")[2]
         if share > _MOSTLY_TEXT and (name in _FAST or share == 1):
-            what = f"{bad} of {np.size(values)} cells of column {column!r} ({where}) hold no number"
+            what = f"{bad} of {np.size(values)} cells of column {column!r} ({where}) are no numbers"
             raise InputError(f"{path}: {what}; name another column, or text.decimal")
-        yield f"{bad} cells of {where} hold no number"
+        yield f"{bad} cells of {where} are no numbers"
 
 
 def _trimmed(part: Part, margin: float | None) -> Part:
@@ -172,7 +172,7 @@ def _trimmed(part: Part, margin: float | None) -> Part:
     start, stop = min(motion.start for motion in motions), max(motion.stop for motion in motions)
     keep = round(margin * 1e9)
     kept = (part.stamps >= part.stamps[start] - keep) & (part.stamps <= part.stamps[stop - 1] + keep)
-    kept[start:stop] = True  # whatever the times say
+    kept[start:stop] = True  # even if the times contradict
     return replace(part, stamps=part.stamps[kept], dampers=_each(part.dampers, lambda values: values[kept]))
 
 
@@ -184,12 +184,12 @@ def _each(dampers: Mapping, change) -> dict:
 
 
 def _centered(part: Part, whole: Part, center: str | None) -> Part:
-    """Subtracts the position at rest, which only the untrimmed part shows, or the middle of the stroke."""
+    """Subtracts the position at rest, which only the untrimmed part contains, or the middle of the stroke."""
     if center is None:
         return part
     dampers = {}
     for damper, channels in part.dampers.items():
         position = whole.dampers[damper]["displacement"]
-        zero = middle_position(position) if center == "middle" else held_position(position, find_motion(position))
+        zero = middle_position(position) if center == "middle" else rest_position(position, find_motion(position))
         dampers[damper] = {**channels, "displacement": channels["displacement"] - zero}
     return replace(part, dampers=dampers)

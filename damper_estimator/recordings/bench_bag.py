@@ -23,14 +23,14 @@ _SLOW = {
 
 
 def planned_paths(parts: Sequence[Part], templates: Sequence[str | None], output: Path) -> list[Path]:
-    """Where each part goes: ``output`` itself where it ends in ``.mcap``, else into the folder ``output``.
+    """The path of each part: ``output`` itself if it ends in ``.mcap``, else in the folder ``output``.
 
     Args:
         parts: of all files.
-        templates: name of each part's recording; None is ``{stem}``, or ``{stem}_{part}`` where a file has several.
+        templates: name of each part's recording; None is ``{stem}``, or ``{stem}_{part}`` if a file has several.
 
     Raises:
-        InputError: for several parts and one file, for names that meet, and for unknown placeholders.
+        InputError: for several parts and one file, for equal names, and for unknown placeholders.
     """
     if output.suffix == ".mcap":
         if len(parts) > 1:
@@ -46,7 +46,7 @@ def planned_paths(parts: Sequence[Part], templates: Sequence[str | None], output
 
 
 class _Names(string.Formatter):
-    """Writes numbers as people do (0.25, 1), not as Python does (1.0); final."""
+    """Writes numbers in short form (0.25, 1), not as Python (1.0); final."""
 
     def format_field(self, value: object, spec: str) -> str:
         return super().format_field(value, spec or ("g" if isinstance(value, float) else ""))
@@ -65,7 +65,7 @@ def _name(part: Part, template: str | None) -> str:
         name = _Names().format(template, **known)
     except (LookupError, ValueError) as error:
         what = f"name {template!r} cannot be filled in ({error})"
-        raise InputError(f"{part.source}: {what}; it may use {', '.join(f'{{{key}}}' for key in known)}") from error
+        raise InputError(f"{part.source}: {what}; it can use {', '.join(f'{{{key}}}' for key in known)}") from error
     if not name or "/" in name or "\0" in name:
         raise InputError(f"{part.source}: {name!r} is no name for a recording; correct name in the column map")
     return name
@@ -102,8 +102,8 @@ def _slow(part: Part) -> Iterator[Stream]:
 
 def _samples(part: Part, values: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     if np.ndim(values):
-        there = np.isfinite(values)
-        return part.stamps[there], values[there]
+        known = np.isfinite(values)
+        return part.stamps[known], values[known]
     _, first = np.unique((part.stamps - part.stamps[0]) // _SECOND, return_index=True)
     stamps = part.stamps[np.sort(first)]
     return stamps, np.full(len(stamps), float(values))

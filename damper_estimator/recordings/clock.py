@@ -1,4 +1,4 @@
-"""When the rows of a bench file were taken."""
+"""Times of the rows of a bench file."""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -6,46 +6,46 @@ from datetime import UTC, datetime
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.bench_table import Table
 from damper_estimator.recordings.column_map import Clock
 from damper_estimator.recordings.quantities import TIME_UNITS
-from damper_estimator.recordings.table import Table
 
 NANOSECONDS = 1_000_000_000
 EPOCH = 946_684_800  # s; files without a date are dated 2000-01-01 00:00 UTC
 _UNIX = 1e8  # s; larger numbers are Unix times
-_LATEST = 2**31  # s; where ROS time ends
+_LATEST = 2**31  # s; end of ROS time
 _EXACT = 1e-6  # of a step; smaller deviations from an even grid are rounding
 _PAUSE = 3.0  # steps; a longer one ends a run of even steps
 
 
 @dataclass(frozen=True, eq=False)
 class Times:
-    """Seconds of each row (rows,) from ``start`` (s, Unix time), and whether the file itself tells them."""
+    """Seconds of each row (rows,) from ``start`` (s, Unix time), and whether they come from the file."""
 
     start: int
     seconds: np.ndarray
     measured: bool
 
     def stamps(self, rows: slice) -> np.ndarray:
-        """Times of some rows as ns since 1970, (n,) int64; without times of its own a file's parts all begin alike."""
+        """Times of some rows as ns since 1970, (n,) int64; the parts of a file without times all begin at the same time."""
         seconds = self.seconds[rows] if self.measured else self.seconds[rows] - self.seconds[rows.start]
         return self.start * NANOSECONDS + np.rint(seconds * NANOSECONDS).astype(np.int64)
 
 
 def read_times(table: Table, clock: Clock) -> Times:
-    """Reads a time column or takes a fixed rate.
+    """Reads a time column, or uses a fixed rate.
 
-    Times that were printed with too few digits are put back on the even grid that they were rounded from: 3005 Hz with
+    Times that were printed with too few digits are restored to the even grid that they were rounded from: 3005 Hz with
     four decimals shows steps of 0.3 and 0.4 ms, and a velocity from these would be wrong by 11 %.
 
     Raises:
-        InputError: for a column, header line or date that is not there, and for times that are no numbers.
+        InputError: for a missing column, header line or date, and for times that are no numbers.
     """
-    times = _fixed_times(table, clock) if clock.column is None else _own_times(table, clock)
+    times = _fixed_times(table, clock) if clock.column is None else _times_of_file(table, clock)
     if ((times.start + times.seconds < 0) | (times.start + times.seconds >= _LATEST)).any():
         low, high = times.seconds.min(), times.seconds.max()
         raise InputError(
-            f"{table.path}: times from {low:g} to {high:g} s are beyond all dates; check time in the column map"
+            f"{table.path}: times from {low:g} to {high:g} s are no plausible dates; check time in the column map"
         )
     return times
 
@@ -54,7 +54,7 @@ def _fixed_times(table: Table, clock: Clock) -> Times:
     return Times(EPOCH, np.arange(table.rows) * _interval(table, clock), False)
 
 
-def _own_times(table: Table, clock: Clock) -> Times:
+def _times_of_file(table: Table, clock: Clock) -> Times:
     if clock.format is not None:
         seconds, resolution = _dates(table, clock), table.resolution(clock.column)
     else:
@@ -76,7 +76,7 @@ def _interval(table: Table, clock: Clock) -> float:
     value = clock.interval if clock.rate is None else clock.rate
     number = table.header_number(value) if isinstance(value, str) else float(value)
     if not 0 < number < float("inf"):
-        raise InputError(f"{table.path}: {value!r} is {number:g}, which is no rate; give time.rate in Hz")
+        raise InputError(f"{table.path}: {value!r} is {number:g}, which is no valid rate; give time.rate in Hz")
     return number if clock.rate is None else 1.0 / number
 
 
@@ -85,7 +85,7 @@ def _dates(table: Table, clock: Clock) -> np.ndarray:
     for row, text in enumerate(table.texts(clock.column)):
         try:
             found = datetime.strptime(text, clock.format).replace(tzinfo=UTC)
-            # Times of day come without a date: they are counted from the day that files without a date get.
+            # Times of day have no date: they count from the day of files without a date.
             seconds[row] = found.timestamp() if "%y" in clock.format.lower() else found.replace(year=2000).timestamp()
         except ValueError as error:
             what = f"row {row + 1}: {text!r} is no date of the form {clock.format!r}"
@@ -94,14 +94,14 @@ def _dates(table: Table, clock: Clock) -> np.ndarray:
 
 
 def even_steps(seconds: np.ndarray, resolution: float) -> np.ndarray:
-    """Puts runs of even steps that only rounding blurred back on their grid, (t_end - t_0) / (n - 1) apart.
+    """Restores runs of even steps, blurred only by rounding, to their grid, (t_end - t_0) / (n - 1) apart.
 
     Args:
         seconds: times as printed, (n,).
-        resolution: smallest step of their notation; each time may be off by as much.
+        resolution: smallest step of their notation; each time can be wrong by as much.
 
     Returns:
-        Times (n,); runs whose steps differ by more than rounding are left as they are.
+        Times (n,); runs whose steps differ by more than rounding stay unchanged.
     """
     if len(seconds) < 3:
         return seconds

@@ -1,4 +1,4 @@
-"""Column maps: what the columns of a bench or logger file mean (`config/columns/*.yaml`)."""
+"""Column maps: the meaning of the columns of a bench or logger file (`config/columns/*.yaml`)."""
 
 import re
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ import yaml
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.column_rules import check_map
-from damper_estimator.recordings.faults import explained
+from damper_estimator.recordings.library_errors import explained
 from damper_estimator.share import share_path
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": None}
@@ -20,7 +20,7 @@ _SOURCES = frozenset({"column", "value", "values", "rate", "interval", "pause", 
 
 @dataclass(frozen=True)
 class Channel:
-    """Where a channel comes from: a ``column``, or constant ``values`` (one for all parts, or one per part).
+    """The source of a channel: a ``column``, or constant ``values`` (one for all parts, or one per part).
 
     value in ``unit`` = scale * number in the file + offset.
     """
@@ -34,9 +34,9 @@ class Channel:
 
 @dataclass(frozen=True)
 class Clock:
-    """When the rows were taken: a column (numbers in ``unit``, or dates of ``format``), or a fixed rate in Hz.
+    """The times of the rows: a column (numbers in ``unit``, or dates of ``format``), or a fixed rate in Hz.
 
-    ``rate`` and ``interval`` are numbers, or the label of the header line that holds the number.
+    ``rate`` and ``interval`` are numbers, or the label of the header line with the number.
     """
 
     column: str | int | None = None
@@ -48,8 +48,8 @@ class Clock:
 
 @dataclass(frozen=True)
 class Split:
-    """Where a new part begins: at rows whose text ``column`` is one of ``equals``, behind a pause longer than s, or
-    where the time starts again.
+    """The beginning of a new part: at rows whose text ``column`` is one of ``equals``, after a longer ``pause`` in s, or
+    where the time restarts.
     """
 
     column: str | int | None = None
@@ -60,8 +60,8 @@ class Split:
 
 @dataclass(frozen=True)
 class TextFormat:
-    """How a text file is laid out; None if it is to be found out. ``separator`` ``""`` is any white space; in
-    ``blocks`` several tables follow each other, and lines without any number between them are left out.
+    """The layout of a text file; None if it is detected. ``separator`` ``""`` is any white space; with ``blocks``
+    several tables follow each other, and the lines without numbers between them are skipped.
     """
 
     separator: str | None = None
@@ -73,12 +73,12 @@ class TextFormat:
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """All that is needed to turn one file into recordings.
+    """The rules that turn one file into recordings.
 
     Attributes:
         dampers: channels by damper, then by quantity.
-        trim: rest (s) to keep at both ends, the remainder is cut off; None keeps all.
-        center: what becomes displacement 0: the position at ``rest``, the ``middle`` of the stroke, or None.
+        trim: rest (s) to keep at both ends; None keeps all.
+        center: the position that becomes displacement 0: at ``rest``, in the ``middle`` of the stroke, or None.
         name: template of the recordings' names.
     """
 
@@ -93,16 +93,16 @@ class ColumnMap:
 
 @dataclass(frozen=True, eq=False)
 class ColumnMaps:
-    """A column map file: what holds for all files, and what differs by file name."""
+    """A column map file: rules for all files, and differences by file name."""
 
     path: Path
     content: Mapping
 
     def for_file(self, name: str) -> ColumnMap:
-        """The map of one file; of several patterns that match, later ones win.
+        """The map of one file; of several matching patterns, later ones take precedence.
 
         Raises:
-            InputError: if something that is needed is given neither for all files nor for this one.
+            InputError: if something necessary is missing for all files and for this one.
         """
         merged = {key: value for key, value in self.content.items() if key != "files"}
         for pattern, differences in (self.content.get("files") or {}).items():
@@ -120,7 +120,7 @@ def column_map_of(content: object, where: str) -> ColumnMap:
     """A column map from its content; ``where`` names it in errors.
 
     Raises:
-        InputError: all that is wrong with it.
+        InputError: with all its faults.
     """
     complaints = check_map(content, complete=True)
     if complaints:
@@ -146,7 +146,7 @@ def load_column_maps(path: str | Path) -> ColumnMaps:
 
 
 class _Loader(yaml.SafeLoader):
-    """Takes 1e-3 for the number that everybody means; YAML 1.1 wants 1.0e-3; final."""
+    """Reads 1e-3 as a number; YAML 1.1 requires 1.0e-3; final."""
 
 
 _Loader.add_implicit_resolver(
@@ -155,7 +155,7 @@ _Loader.add_implicit_resolver(
 
 
 def _merged(base: Mapping, differences: Mapping) -> dict:
-    """Differences over base, key by key; a new source (a column, say) takes the old one's (a constant's) place."""
+    """Differences over base, key by key; a new source (such as a column) replaces the old one (such as a constant)."""
     replaced = _SOURCES if _SOURCES & differences.keys() else frozenset()
     result = {key: value for key, value in base.items() if key not in replaced}
     for key, value in differences.items():

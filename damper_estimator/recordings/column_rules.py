@@ -1,4 +1,4 @@
-"""What a column map may say: every complaint about it at once."""
+"""The rules of a column map: all faults at once."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -16,18 +16,18 @@ _SEPARATORS = ("tab", "comma", "semicolon", "space")
 
 
 def check_map(content: object, complete: bool) -> list[str]:
-    """Complaints about a column map's content, none where it is right.
+    """Complaints about a column map's content, none if it is correct.
 
     Args:
-        content: as YAML gives it.
-        complete: whether everything that a file needs must be there (else it may still come from ``files``).
+        content: of the YAML file.
+        complete: whether everything necessary must be there (else it can still come from ``files``).
     """
     if not isinstance(content, Mapping):
         return ["it must be a mapping with the key dampers"]
     complaints = list(_check(content, complete))
     files = content.get("files") or {}
     if not isinstance(files, Mapping):
-        complaints.append("files must map file name patterns to what differs")
+        complaints.append("files must map file name patterns to their differences")
         return complaints
     for pattern, differences in files.items():
         if isinstance(differences, Mapping):
@@ -58,7 +58,7 @@ def _check(content: Mapping, complete: bool, inside_files: bool = False) -> Iter
     if complete and not content.get("time"):
         yield "time is missing: give a column, a rate or an interval"
     if content.get("center") not in (None, False, "rest", "middle"):
-        yield f"center is {content['center']!r}; it may be rest or middle"
+        yield f"center is {content['center']!r}; it can be rest or middle"
     if not isinstance(content.get("name", ""), str):
         yield "name must be text such as {stem}_{part}"
 
@@ -89,9 +89,9 @@ def _check_channel(where: str, quantity: str, entry: object, complete: bool) -> 
         yield f"{where}.values must be a list of numbers, one per part"
     units = QUANTITIES[quantity].units
     if "unit" in entry and str(entry["unit"]) not in units:
-        yield f"{where}.unit is {entry['unit']!r}; it may be {', '.join(units)} (scale turns volts into one of them)"
+        yield f"{where}.unit is {entry['unit']!r}; it can be {', '.join(units)} (scale converts volts to one of them)"
     elif complete and "unit" not in entry:
-        yield f"{where}.unit is missing; it may be {', '.join(units)}"
+        yield f"{where}.unit is missing; it can be {', '.join(units)}"
 
 
 def _check_time(entry: object) -> Iterator[str]:
@@ -103,7 +103,7 @@ def _check_time(entry: object) -> Iterator[str]:
     if len(given) != 1:
         yield f"time needs one of column, rate and interval, not {' and '.join(given) or 'none'}"
     if "unit" in entry and str(entry["unit"]) not in TIME_UNITS:
-        yield f"time.unit is {entry['unit']!r}; it may be {', '.join(TIME_UNITS)}"
+        yield f"time.unit is {entry['unit']!r}; it can be {', '.join(TIME_UNITS)}"
     yield from _typed(entry, "time", column=_is_column, format=_is_date_format)
     for key in ("rate", "interval"):
         value = entry.get(key, 1.0)
@@ -130,9 +130,9 @@ def _check_text(entry: object) -> Iterator[str]:
     yield from _unknown(entry, _TEXT_KEYS, "text")
     separator = entry.get("separator", ",")
     if not isinstance(separator, str) or (len(separator) != 1 and separator not in _SEPARATORS):
-        yield f"text.separator is {separator!r}; it may be one character, {', '.join(_SEPARATORS)}"
+        yield f"text.separator is {separator!r}; it can be one character, {', '.join(_SEPARATORS)}"
     if entry.get("decimal", ".") not in (".", ","):
-        yield f"text.decimal is {entry['decimal']!r}; it may be '.' or ','"
+        yield f"text.decimal is {entry['decimal']!r}; it can be '.' or ','"
     titles = lambda value: _is_count(value) and value > 0  # noqa: E731
     yield from _typed(entry, "text", skip=_is_count, titles=titles, blocks=_is_yes)
 
@@ -146,7 +146,7 @@ def _check_trim(entry: object) -> Iterator[str]:
         or not _is_number(entry["margin"])
         or entry["margin"] < 0
     ):
-        yield "trim_rest may be true, or {margin: seconds of rest to keep}"
+        yield "trim_rest can be true, or {margin: seconds of rest to keep}"
 
 
 def _unknown(entry: Mapping, allowed: tuple[str, ...], where: str) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Numbers out of many serialised messages at once."""
+"""Numbers from many serialised messages at once."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,19 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.cdr_layout import Layout, layout_of
 from damper_estimator.recordings.definitions import Definition
 from damper_estimator.recordings.field_path import FieldPath, check_path, parse_path, request_tree
-from damper_estimator.recordings.layout import Layout, layout_of
-from damper_estimator.recordings.raw import gathered
+from damper_estimator.recordings.raw_messages import gathered
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
-_REMEMBERED_LAYOUTS = 64  # more different layouts than this are not worth a search: every message is walked
+_REMEMBERED_LAYOUTS = 64  # with more layouts a search does not pay: every message is walked
 NANOSECONDS = 1_000_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """What a decoder reads: ``stamp`` (n,) int64 ns or None, ``values`` (n, k) float64, ``present`` (n, k) bool."""
+    """The result of a decoder: ``stamp`` (n,) int64 ns or None, ``values`` (n, k) float64, ``present`` (n, k) bool."""
 
     stamp: np.ndarray | None
     values: np.ndarray
@@ -102,7 +102,7 @@ class Decoder:
 
 
 def _stamp_paths(definition: Definition) -> list[FieldPath]:
-    """The parts of ``header.stamp``; none where the type has no such thing."""
+    """The parts of ``header.stamp``; none if the type has none."""
     paths = [parse_path(text) for text in _STAMP]
     try:
         for path in paths:

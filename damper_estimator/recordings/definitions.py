@@ -1,4 +1,4 @@
-"""Message definitions: from the bag's own schema, else those of ROS 2 Jazzy and of this project."""
+"""Message definitions: from the bag's schema, else those of ROS 2 Jazzy and of this project."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -11,12 +11,12 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_
 from rosbags.typesys.store import Typestore
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings.faults import LIBRARY_ERRORS, explained
+from damper_estimator.recordings.library_errors import LIBRARY_ERRORS, explained
 from damper_estimator.share import share_path
 
 DAMPER_FORCES, DAMPER_COMMAND = "damper_msgs/msg/DamperForces", "damper_msgs/msg/DamperCommand"
 
-# What a CDR number looks like; bool, byte and char are bytes.
+# CDR numbers; bool, byte and char are bytes.
 NUMBERS: Mapping[str, np.dtype] = {
     name: np.dtype(code)
     for name, code in {
@@ -33,7 +33,7 @@ _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 @dataclass(frozen=True)
 class Schema:
-    """A message type as a recording names it; ``encoding`` and ``text`` are empty if it holds no definition."""
+    """A message type in a recording; ``encoding`` and ``text`` are empty if it contains no definition."""
 
     type: str
     encoding: str = ""
@@ -42,18 +42,18 @@ class Schema:
 
 @dataclass(frozen=True, eq=False)
 class Definition:
-    """The fields of a message type and of all types that it is made of.
+    """The fields of a message type and of all types that it contains.
 
     Attributes:
         type: such as ``sensor_msgs/msg/JointState``.
-        types: fields by type name, as rosbags gives them: ``(constants, [(field, description)])``.
+        types: fields by type name, in the form of rosbags: ``(constants, [(field, description)])``.
     """
 
     type: str
     types: Mapping[str, tuple]
 
     def fields(self, type_name: str) -> list[tuple]:
-        """``(field, description)`` in order; a type without fields travels as one byte."""
+        """``(field, description)`` in order; a type without fields is serialised as one byte."""
         return self.types[type_name][1] or [("structure_needs_at_least_one_member", (Nodetype.BASE, ("uint8", 0)))]
 
 
@@ -68,7 +68,7 @@ def field_types(fields: list[tuple]) -> Iterator[str]:
 
 @cache
 def builtin_store() -> Typestore:
-    """The message types of ROS 2 Jazzy and this project's own."""
+    """The message types of ROS 2 Jazzy and of this project."""
     store = get_typestore(Stores.ROS2_JAZZY)
     for name in (DAMPER_FORCES, DAMPER_COMMAND):
         path = share_path(f"msg_defs/msg/{name.rpartition('/')[2]}.msg")
@@ -79,12 +79,12 @@ def builtin_store() -> Typestore:
 
 @cache
 def definition_of(schema: Schema) -> Definition:
-    """The definition of a message type; a recording's own schema wins over the built-in one.
+    """The definition of a message type; a recording's schema takes precedence over the built-in one.
 
     Raises:
         InputError: if neither knows the type; the text lacks the topic, which the caller adds.
     """
-    types = _own_types(schema) or _builtin_types(schema)
+    types = _types_of_recording(schema) or _builtin_types(schema)
     pending, complete = [schema.type], {}
     while pending:
         name = pending.pop()
@@ -94,7 +94,7 @@ def definition_of(schema: Schema) -> Definition:
     return Definition(schema.type, complete)
 
 
-def _own_types(schema: Schema) -> dict:
+def _types_of_recording(schema: Schema) -> dict:
     try:
         if schema.encoding == "ros2msg":
             types = get_types_from_msg(schema.text, schema.type)
@@ -102,7 +102,7 @@ def _own_types(schema: Schema) -> dict:
             types = _idl_types(schema.text)
         else:
             return {}
-    except (TypesysError, *LIBRARY_ERRORS):  # the built-in definition may still do
+    except (TypesysError, *LIBRARY_ERRORS):  # the built-in definition can still fit
         return {}
     return types if schema.type in types else {}
 
@@ -135,9 +135,9 @@ def _fields_of(name: str, types: dict, schema: Schema) -> tuple:
 
 
 def _checked(name: str, fields: tuple) -> tuple:
-    """The fields of a type. Names become Python code when messages are decoded whole, so they must be names."""
+    """The fields of a type. Whole messages are decoded by generated Python code, so names must be valid."""
     wrong = [] if _TYPE.fullmatch(name) else [name]
-    wrong += [own for own in (*(c[0] for c in fields[0]), *(f[0] for f in fields[1])) if not _NAME.fullmatch(own)]
+    wrong += [name for name in (*(c[0] for c in fields[0]), *(f[0] for f in fields[1])) if not _NAME.fullmatch(name)]
     if wrong:
         raise InputError(f"{wrong[0][:50]!r} is no name of a type or field in ROS 2; the bag is damaged")
     return fields

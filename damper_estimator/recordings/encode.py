@@ -1,20 +1,20 @@
-"""Many serialised messages at once: one is serialised as a template, the numbers that vary are patched in."""
+"""Serialises many messages at once: from one template, with the varying numbers patched in."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from rosbags.interfaces import Nodetype
 
+from damper_estimator.recordings.cdr_layout import layout_of
 from damper_estimator.recordings.decode import NANOSECONDS
 from damper_estimator.recordings.definitions import NUMBERS, Definition, builtin_schema, builtin_store, definition_of
 from damper_estimator.recordings.field_path import FieldPath, parse_path, request_tree
-from damper_estimator.recordings.layout import layout_of
 
 _STAMP = "header.stamp"
 
 
 def encode(type_name: str, count: int, fields: Mapping[str, object]) -> list[bytes]:
-    """Serialises ``count`` messages of a built-in type (CDR, little endian); fields left out are zero or empty.
+    """Serialises ``count`` messages of a built-in type (CDR, little endian); omitted fields are zero or empty.
 
     Args:
         type_name: such as ``sensor_msgs/msg/JointState``.
@@ -24,7 +24,7 @@ def encode(type_name: str, count: int, fields: Mapping[str, object]) -> list[byt
 
     Raises:
         InputError: for a type that neither ROS 2 Jazzy nor this project has.
-        ValueError: for a field that the type has not, or an array of another length.
+        ValueError: for a field that the type lacks, or an array of another length.
     """
     definition = definition_of(builtin_schema(type_name))
     columns = {path: value for path, value in fields.items() if not _is_text(value)}
@@ -32,7 +32,7 @@ def encode(type_name: str, count: int, fields: Mapping[str, object]) -> list[byt
     numbers = _split_stamp({path: np.asarray(value) for path, value in columns.items()})
     for path, column in numbers.items():
         if column.ndim not in (1, 2) or len(column) != count:
-            raise ValueError(f"{path}: shape {column.shape} does not hold {count} messages")
+            raise ValueError(f"{path}: shape {column.shape} does not fit {count} messages")
     if count == 0:
         return []
     template = _template(definition, texts, numbers)
@@ -69,7 +69,7 @@ def _template(definition: Definition, texts: Mapping[str, object], numbers: Mapp
 
 
 def _blank(definition: Definition, description: tuple) -> object:
-    """The zero or empty value of a field, as rosbags wants it."""
+    """The zero or empty value of a field, in the form of rosbags."""
     kind, detail = description
     if kind == Nodetype.NAME:
         fields = {name: _blank(definition, inner) for name, inner in definition.fields(detail)}
@@ -100,7 +100,7 @@ def joint_states(
     velocity: np.ndarray | None = None,
     effort: np.ndarray | None = None,
 ) -> list[bytes]:
-    """``sensor_msgs/msg/JointState``: k names, stamps (n,) ns, arrays (n, k); left out, they are empty."""
+    """``sensor_msgs/msg/JointState``: k names, stamps (n,) ns, arrays (n, k); omitted ones are empty."""
     arrays = {"position": position, "velocity": velocity, "effort": effort}
     given = {field: array for field, array in arrays.items() if array is not None}
     return encode("sensor_msgs/msg/JointState", len(stamps), {"header.stamp": stamps, "name": list(names), **given})
@@ -129,7 +129,7 @@ def accelerations(stamps: np.ndarray, vertical: np.ndarray) -> list[bytes]:
 def damper_forces(names: Sequence[str], stamps: np.ndarray, fields: Mapping[str, np.ndarray]) -> list[bytes]:
     """``damper_msgs/msg/DamperForces``: k names, stamps (n,) ns, arrays (n, k) by field.
 
-    Number fields that are left out are NaN (not available), ``status`` is 0 (GOOD).
+    Omitted number fields are NaN (not available), ``status`` is 0 (GOOD).
     """
     shape = (len(stamps), len(names))
     definition = definition_of(builtin_schema("damper_msgs/msg/DamperForces"))

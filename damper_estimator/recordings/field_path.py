@@ -14,7 +14,7 @@ _STEP = re.compile(r"([A-Za-z]\w*)(?:\[([^\[\]]+)\])?(?:\.(?=.)|$)")
 
 @dataclass(frozen=True)
 class Step:
-    """One link of a path: a field, and which of its elements (by number, or by the entry of ``name[]``)."""
+    """One step of a path: a field, and one of its elements (by number, or by the entry of ``name[]``)."""
 
     field: str
     index: int | str | None = None
@@ -48,10 +48,10 @@ def parse_path(text: str) -> FieldPath:
 
 
 def check_path(path: FieldPath, definition: Definition) -> None:
-    """Holds a path against a message type.
+    """Checks a path against a message type.
 
     Raises:
-        InputError: if the type has no such field, or the path does not end at one number; names what there is.
+        InputError: if the type has no such field, or the path does not end at one number; names the existing fields.
     """
     description = (Nodetype.NAME, definition.type)
     for step in path.steps:
@@ -62,13 +62,13 @@ def check_path(path: FieldPath, definition: Definition) -> None:
     if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
         raise _wrong(path, definition, f"is an array; add an index such as {path.text}[0] or {path.text}[front_left]")
     if detail[0] not in NUMBERS:
-        raise _wrong(path, definition, f"is a {detail[0]}, not a number; choose a field that holds numbers")
+        raise _wrong(path, definition, f"is a {detail[0]}, not a number; choose a field of numbers")
 
 
 def _follow(path: FieldPath, step: Step, description: tuple, definition: Definition) -> tuple:
     kind, type_name = description
     if kind != Nodetype.NAME:
-        raise _wrong(path, definition, f"has {step.field!r} below a field that has no fields of its own")
+        raise _wrong(path, definition, f"has {step.field!r} below a field without fields")
     fields = dict(definition.fields(type_name))
     if step.field not in fields:
         raise _wrong(path, definition, f"has no field {step.field!r}; there are {_listed(definition, type_name)}")

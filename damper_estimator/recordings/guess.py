@@ -13,13 +13,13 @@ import yaml
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.bench import read_parts
+from damper_estimator.recordings.bench_table import Column
 from damper_estimator.recordings.column_map import column_map_of
 from damper_estimator.recordings.guess_clock import guess_clock
 from damper_estimator.recordings.guess_physics import Motion, check_signs, motion_of, slope_of
 from damper_estimator.recordings.guess_sheet import Sheet, read_sheet
 from damper_estimator.recordings.guess_words import Title, read_title
 from damper_estimator.recordings.quantities import QUANTITIES
-from damper_estimator.recordings.table import Column
 
 _SPEEDS = {"m/s": 1.0, "mm/s": 1e-3, "in/s": 0.0254}
 _BOUNDS = {  # SI; half the range between the ends, or the largest value

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.bench_table import Column, file_content
 from damper_estimator.recordings.column_map import TextFormat
-from damper_estimator.recordings.faults import explained
 from damper_estimator.recordings.guess_words import is_unit
+from damper_estimator.recordings.library_errors import explained
 from damper_estimator.recordings.mat_file import read_mat
-from damper_estimator.recordings.table import Column, file_content
 from damper_estimator.recordings.text_layout import split_cells
 from damper_estimator.recordings.text_table import TextTable, decoded
 

@@ -24,8 +24,8 @@ from mcap.stream_reader import get_chunk_data_stream
 from damper_estimator.compiled import compiled
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.definitions import Schema
-from damper_estimator.recordings.faults import explained
-from damper_estimator.recordings.raw import Connection, RawMessages, Span, gathered
+from damper_estimator.recordings.library_errors import explained
+from damper_estimator.recordings.raw_messages import Connection, RawMessages, Span, gathered
 
 MAGIC = b"\x89MCAP0\r\n"
 _LOG = logging.getLogger(__name__)  # without further ado it writes to standard error

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.recordings.definitions import Schema
-from damper_estimator.recordings.faults import explained
-from damper_estimator.recordings.raw import Connection, RawMessages, Span
+from damper_estimator.recordings.library_errors import explained
+from damper_estimator.recordings.raw_messages import Connection, RawMessages, Span
 
 MAGIC = b"SQLite format 3\0"
 _PAGE = 4096  # messages that are loaded together ...

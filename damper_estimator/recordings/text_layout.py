@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.bench_table import Column
 from damper_estimator.recordings.column_map import TextFormat
-from damper_estimator.recordings.table import Column
 
 _CANDIDATES = ("\t", ";", ",")
 _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.bench_table import Column, Table
 from damper_estimator.recordings.column_map import TextFormat
-from damper_estimator.recordings.table import Column, Table
 from damper_estimator.recordings.text_layout import TextLayout, find_layout
 
 _NUMBER_IN_TEXT = re.compile(r"[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?")

@@ -37,7 +37,7 @@ class LineInput:
     acceleration_stamp: np.ndarray
 
     @classmethod
-    def nothing(cls, messages: int, dampers: int) -> "LineInput":
+    def empty(cls, messages: int, dampers: int) -> "LineInput":
         """Messages that contain all dampers, without slow channels, to be filled."""
         n, k = messages, dampers
         return cls(
@@ -84,7 +84,7 @@ class LineOutput:
     blocks: np.ndarray
 
     @classmethod
-    def room_for(cls, messages: int, dampers: int) -> "LineOutput":
+    def empty(cls, messages: int, dampers: int) -> "LineOutput":
         """Without estimates, to be filled."""
         n, k = messages, dampers
         return cls(

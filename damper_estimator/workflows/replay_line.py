@@ -21,7 +21,7 @@ from damper_estimator.runtime import (
     Residuals,
     VehicleLine,
     deployed,
-    together,
+    group_equal_keys,
 )
 from damper_estimator.signals import DUPLICATE, Counts, SignalMap
 from damper_estimator.workflows.arrivals import Chunk
@@ -121,7 +121,7 @@ def write_answer(writer: BagWriter, chunk: Chunk, answer: Answer) -> None:
         at = logs[np.searchsorted(ranks, m.rank)]
         writer.write_messages(FORCE, FORCE_TYPE, at, damper_forces(m.names, m.stamp, m.fields))
     residuals = answer.residuals
-    for stamp, rows in together({name: own.stamp for name, own in residuals.items()}):
+    for stamp, rows in group_equal_keys({name: own.stamp for name, own in residuals.items()}):
         first = next(iter(rows))
         effort = np.stack([residuals[name].value[own] for name, own in rows.items()], axis=1)
         at = residuals[first].log[rows[first]]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper_estimator.recordings.rest import find_motion, held_position, middle_position
+from damper_estimator.recordings.bench_rest import find_motion, middle_position, rest_position
 
 RATE = 500.0
 
@@ -29,7 +29,7 @@ def test_the_ends_of_the_motion_are_found_to_a_twentieth_of_a_cycle(before, afte
     slack = 0.05 * RATE / frequency + 2
     assert abs(motion.start - before) <= slack
     assert abs(motion.stop - (len(position) - after)) <= slack
-    assert held_position(position, motion) == pytest.approx(30.0, abs=0.02)
+    assert rest_position(position, motion) == pytest.approx(30.0, abs=0.02)
     assert middle_position(position) == pytest.approx(30.0, abs=0.02)
 
 

@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.cdr_layout import MalformedMessage
 from damper_estimator.recordings.decode import Decoder
 from damper_estimator.recordings.definitions import Schema, builtin_schema, definition_of, store_of
-from damper_estimator.recordings.layout import MalformedMessage
 
 JOINT_STATE = definition_of(builtin_schema("sensor_msgs/msg/JointState"))
 NAMES = ["front_left", "rear_left", "fl", "hinten_links_ä", ""]

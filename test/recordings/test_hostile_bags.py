@@ -204,7 +204,7 @@ def test_a_missing_part_of_a_split_recording_is_named(tmp_path):
     information = {"relative_file_paths": ["x_0.mcap", "x_1.mcap"], "compression_mode": "", "compression_format": ""}
     (tmp_path / "metadata.yaml").write_text(yaml.safe_dump({"rosbag2_bagfile_information": information}))
     (tmp_path / "x_0.mcap").touch()
-    with pytest.raises(InputError, match="x_1.mcap is missing; put it back beside metadata.yaml"):
+    with pytest.raises(InputError, match="x_1.mcap is missing; copy it next to metadata.yaml"):
         open_bag(tmp_path)
 
 

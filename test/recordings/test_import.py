@@ -187,7 +187,7 @@ def test_the_results_are_one_line_per_part_or_json(bench, capsys):
 def test_cells_without_numbers_are_counted_and_become_nan(bench, capsys):
     text = csv(TIME, POSITION, FORCE).replace(";0.0;", ";overflow;", 3)
     bench({**channels(), "time": {"rate": RATE}}, text)
-    assert "3 cells of front_left.displacement hold no number" in capsys.readouterr().out
+    assert "3 cells of front_left.displacement are no numbers" in capsys.readouterr().out
 
 
 def rules_with(**more) -> dict:
@@ -200,7 +200,7 @@ BAD = {
     "missing column": (
         rules_with(**channels(force={"column": "Kraft", "unit": "N"})), None, "'Kraft'; there are: Time, Position",
     ),
-    "text column": (rules_with(**channels(force={"column": "Event", "unit": "N"})), None, "hold no number"),
+    "text column": (rules_with(**channels(force={"column": "Event", "unit": "N"})), None, "are no numbers"),
     "empty": (rules_with(), " \n", "run.csv: empty"),
     "one row": (rules_with(), "Position;Load\n1;2\n", "fewer than two rows"),
     "constants": (
@@ -213,7 +213,7 @@ BAD = {
     "pause without times": (rules_with(split={"pause": 1}), None, "pauses cannot be seen at a fixed rate"),
     "unknown key": (rules_with(colour=1), None, "unknown keys colour"),
     "no rate line": (rules_with(time={"rate": {"line": "Rate"}}), None, "no header line begins with 'rate'"),
-    "rate of no sense": (rules_with(time={"rate": 1e-9}), None, "are beyond all dates; check time"),
+    "rate of no sense": (rules_with(time={"rate": 1e-9}), None, "are no plausible dates; check time"),
 }  # fmt: skip
 
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.bag import Bag
+from damper_estimator.recordings.cdr_layout import MalformedMessage
 from damper_estimator.recordings.decode import Decoder
 from damper_estimator.recordings.definitions import builtin_schema, definition_of
-from damper_estimator.recordings.layout import MalformedMessage
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 TOPIC = "/suspension/displacement"

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings.bench_table import file_content
 from damper_estimator.recordings.column_map import TextFormat
-from damper_estimator.recordings.table import file_content
 from damper_estimator.recordings.text_table import TextTable
 
 PATH = Path("bench.csv")

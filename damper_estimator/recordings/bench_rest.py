@@ -1,4 +1,4 @@
-"""Rest at both ends of a bench test, and the position that it is held at."""
+"""Rest at both ends of a bench test, and the position at rest."""
 
 from dataclasses import dataclass
 
@@ -8,22 +8,22 @@ _NOISE = 8.0  # standard deviations of the sensor's noise that count as motion
 _QUANTA = 2.0  # steps of its resolution
 _STROKE = 0.005  # share of the stroke
 _BLOCK = 16  # samples
-_SETTLED = 5  # samples that tell the position at rest
+_SETTLED = 5  # samples that determine the position at rest
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Rows ``start`` to ``stop`` (exclusive) of motion; all rows where there is no rest, or no motion at all."""
+    """Rows ``start`` to ``stop`` (exclusive) of motion; all rows without rest, or without motion."""
 
     start: int
     stop: int
 
 
 def find_motion(position: np.ndarray) -> Motion:
-    """Finds where the displacement first leaves, and for the last time returns to, where it is held at rest.
+    """Finds where the displacement first leaves its position at rest, and last returns to it.
 
-    Motion is what leaves the first (last) position by more than the sensor's own noise (from second differences, which
-    hardly see the motion, where the record is quietest), its resolution, and 0.5 % of the stroke.
+    Motion differs from the first (last) position by more than the sensor's noise (from second differences, which motion
+    hardly affects, where the record is quietest), its resolution, and 0.5 % of the stroke.
 
     Args:
         position: displacement (n,), in any unit; NaN counts as rest.
@@ -40,8 +40,8 @@ def find_motion(position: np.ndarray) -> Motion:
     return Motion(ends[0], ends[1] + 1)
 
 
-def held_position(position: np.ndarray, motion: Motion) -> float:
-    """The median position before the motion, else behind it, else over all."""
+def rest_position(position: np.ndarray, motion: Motion) -> float:
+    """The median position before the motion, else after it, else over all."""
     for part in (position[: motion.start], position[motion.stop :], position):
         known = part[np.isfinite(part)]
         if len(known) >= _SETTLED:
@@ -64,7 +64,7 @@ def _threshold(values: np.ndarray) -> float:
 
 
 def _quietest(values: np.ndarray) -> float:
-    """The median in the quietest tenth of short blocks: the sensor's noise, where the test rests at all."""
+    """The median in the quietest tenth of short blocks: the sensor's noise, if the test has a rest."""
     blocks = values[: len(values) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
     return float(np.percentile(np.median(blocks, axis=1), 10)) if len(blocks) else float(np.median(values))
 

@@ -1,4 +1,4 @@
-"""Turns what libraries raise on unusable files into the user's one line."""
+"""Turns the errors of libraries on unusable files into one line for the user."""
 
 import sqlite3
 import struct
@@ -14,14 +14,14 @@ from damper_estimator.errors import InputError, did_you_mean_file
 
 
 def _error_of(module: str, name: str) -> tuple[type[Exception], ...]:
-    """An error class of a library; none where the library is not installed, because then nothing raises it."""
+    """An error class of a library; none if the library is not installed, because then nothing raises it."""
     try:
         return (getattr(import_module(module), name),)
     except ModuleNotFoundError:
         return ()
 
 
-# Bytes that are no bag make the libraries below raise all of these (found by fuzzing).
+# Bytes that are no bag make the libraries raise all of these (found by fuzzing).
 LIBRARY_ERRORS: tuple[type[Exception], ...] = (
     *_error_of("mcap.exceptions", "McapError"),
     *_error_of("zstandard", "ZstdError"),
@@ -42,9 +42,9 @@ LIBRARY_ERRORS: tuple[type[Exception], ...] = (
 
 @contextmanager
 def explained(path: str | Path, remedy: str) -> Iterator[None]:
-    """Raises an `InputError` that names ``path`` for whatever a library raises inside the block.
+    """Raises an `InputError` that names ``path`` for any error of a library inside the block.
 
-    Keep the block to library calls: inside it our own bugs would be blamed on the user's file.
+    Keep the block to library calls: inside it our bugs would be blamed on the user's file.
     """
     try:
         yield
@@ -56,5 +56,5 @@ def explained(path: str | Path, remedy: str) -> Iterator[None]:
 
 
 def one_line(text: object) -> str:
-    """Text from a file (names, library messages) as it may stand in a one-line message."""
+    """Text from a file (names, library messages) without line breaks, for a one-line message."""
     return " ".join(str(text).split()) or type(text).__name__

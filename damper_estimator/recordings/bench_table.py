@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings.faults import explained
+from damper_estimator.recordings.library_errors import explained
 from damper_estimator.recordings.mat_file import read_mat
 
 Column = str | int

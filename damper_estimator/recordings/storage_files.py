@@ -1,4 +1,4 @@
-"""Which storage files make up a recording: a single file, or a rosbag2 folder with its ``metadata.yaml``."""
+"""The storage files of a recording: a single file, or a rosbag2 folder with its ``metadata.yaml``."""
 
 import shutil
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import zstandard
 
 from damper_estimator.errors import InputError, did_you_mean_file
 from damper_estimator.recordings import mcap_file, sqlite_file
-from damper_estimator.recordings.faults import explained
+from damper_estimator.recordings.library_errors import explained
 from damper_estimator.recordings.mcap_file import McapFile
 from damper_estimator.recordings.sqlite_file import SqliteFile
 
@@ -20,7 +20,7 @@ _GIVE = "; give an .mcap file or a rosbag2 folder"
 
 @dataclass(frozen=True)
 class Contents:
-    """The storage files of a recording in order, and whether each message is compressed by itself (zstd)."""
+    """The storage files of a recording in order, and whether each message is compressed separately (zstd)."""
 
     files: tuple[Path, ...]
     compressed_messages: bool
@@ -30,7 +30,7 @@ def contents_of(path: Path) -> Contents:
     """Finds the storage files of an ``.mcap`` or ``.db3`` file or a rosbag2 folder.
 
     Raises:
-        InputError: if there is nothing, no recording, or a file of it is missing.
+        InputError: if the path does not exist, is no recording, or a file of it is missing.
     """
     with explained(path, "give an .mcap file or a rosbag2 folder"):
         if path.is_file():
@@ -57,13 +57,13 @@ def _from_metadata(folder: Path, metadata: Path) -> Contents:
         information = yaml.load(metadata.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))[
             _KEY
         ]
-        # Old versions put a folder before the name, right or wrong; the files lie beside the metadata.
+        # Old versions put a folder before the name, sometimes a wrong one; the files are next to the metadata.
         files = tuple(folder / PurePosixPath(str(name)).name for name in information["relative_file_paths"])
         mode = str(information.get("compression_mode") or "").upper()
         compression = str(information.get("compression_format") or "zstd")
     missing = [path.name for path in files if not path.is_file()]
     if missing:
-        raise InputError(f"{folder}: {', '.join(missing)} is missing; put it back beside metadata.yaml, or {remedy}")
+        raise InputError(f"{folder}: {', '.join(missing)} is missing; copy it next to metadata.yaml, or {remedy}")
     if mode not in ("", "NONE") and compression != "zstd":
         raise InputError(
             f"{folder}: compressed with {compression!r}; only zstd can be read, convert with: ros2 bag convert"
@@ -72,7 +72,7 @@ def _from_metadata(folder: Path, metadata: Path) -> Contents:
 
 
 def open_storage(path: Path, scratch: Path) -> McapFile | SqliteFile:
-    """Opens one storage file by what it holds, not by its name; a zstd file is unpacked into ``scratch`` first.
+    """Opens one storage file by its content, not its name; a zstd file is unpacked into ``scratch`` first.
 
     Raises:
         InputError: if it is empty, damaged or no storage file.
