@@ -1,4 +1,4 @@
-"""Columns of a bench file, whatever its format."""
+"""Columns of a bench file of any format."""
 
 import gzip
 import re
@@ -16,7 +16,7 @@ _EXPRESSION = re.compile(r"\s*([A-Za-z]\w*)((?:\.[A-Za-z]\w*)*)\s*(?:\[\s*(:|\d+
 
 
 class Table(ABC):
-    """Rows and columns that were read from ``path``."""
+    """Rows and columns of the file ``path``."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -31,7 +31,7 @@ class Table(ABC):
         """A column, (rows,) float64; NaN if there is no number.
 
         Raises:
-            InputError: if there is no such column (lists those there are).
+            InputError: if there is no such column (lists the existing ones).
         """
 
     @abstractmethod
@@ -47,7 +47,7 @@ class Table(ABC):
         """
 
     def resolution(self, column: Column) -> float:
-        """The smallest step that the column's notation can show; 0 if numbers are stored in full."""
+        """The smallest step of the column's notation; 0 if numbers are stored in full."""
         return 0.0
 
 
@@ -67,7 +67,7 @@ class MatTable(Table):
     def numbers(self, column: Column) -> np.ndarray:
         found = self._find(column)
         if found.ndim != 1 or found.dtype.kind not in "fiub":
-            raise self._wrong(column, f"holds {found.dtype} of shape {found.shape}, not one column of numbers")
+            raise self._wrong(column, f"is {found.dtype} of shape {found.shape}, not one column of numbers")
         if self._rows and len(found) != self._rows:
             raise self._wrong(column, f"has {len(found)} rows, but the columns before it have {self._rows}")
         self._rows = len(found)
@@ -90,7 +90,7 @@ class MatTable(Table):
         value: object = self._variables
         for step in (name, *fields.split(".")[1:]):
             if not isinstance(value, dict) or step not in value:
-                raise self._wrong(column, "is not there")
+                raise self._wrong(column, "does not exist")
             value = value[step]
         array = np.asarray(value)
         places = tuple(slice(None) if part == ":" else int(part) for part in index if part is not None)
@@ -100,12 +100,12 @@ class MatTable(Table):
             raise self._wrong(column, f"reaches beyond the array's shape {array.shape}") from error
 
     def _wrong(self, column: Column, what: str) -> InputError:
-        there = ", ".join(f"{name} {np.shape(value)}" for name, value in self._variables.items())
-        return InputError(f"{self.path}: variable {str(column)!r} {what}; there are: {there or 'none at all'}")
+        existing = ", ".join(f"{name} {np.shape(value)}" for name, value in self._variables.items())
+        return InputError(f"{self.path}: variable {str(column)!r} {what}; there are: {existing or 'none at all'}")
 
 
 def file_content(path: Path) -> bytes:
-    """The bytes of a file, unpacked where it is gzip.
+    """The bytes of a file, unpacked if it is gzip.
 
     Raises:
         InputError: if it is missing, unreadable, damaged or empty.

@@ -1,8 +1,8 @@
-"""Where the wanted numbers lie in a serialised message (CDR), found by walking its definition once.
+"""The positions of requested numbers in a serialised message (CDR), found by walking its definition once.
 
-All messages whose *structural* bytes (byte order, string and sequence lengths, and the contents of ``name[]`` where an
-element is looked up by name) agree have the same layout, so that they can be read as one array. What follows the last
-field is judged by ``padding``.
+All messages whose *structural* bytes (byte order, string and sequence lengths, and the contents of ``name[]`` if an
+element is looked up by name) agree have the same layout, so that they can be read as one array. The module ``padding``
+judges the bytes after the last field.
 """
 
 import struct
@@ -14,7 +14,7 @@ from rosbags.interfaces import Nodetype
 from damper_estimator.recordings.definitions import NUMBERS, Definition
 from damper_estimator.recordings.padding import allowance, is_padding
 
-_ENCAPSULATION = 4  # bytes before the payload; alignment counts from behind them
+_ENCAPSULATION = 4  # bytes before the payload; alignment counts from there
 _WIDE = 8  # bytes of the largest numbers
 
 
@@ -31,7 +31,7 @@ class Leaf:
         return np.ndarray(len(matrix), self.dtype, matrix, self.offset, matrix.strides[:1])
 
     def write(self, matrix: np.ndarray, column: np.ndarray) -> None:
-        """Puts numbers (n,) or (n, count) into every message (row) of a byte matrix."""
+        """Writes numbers (n,) or (n, count) into every message (row) of a byte matrix."""
         strides = (matrix.strides[0], self.dtype.itemsize)
         target = np.ndarray((len(matrix), self.count), self.dtype, matrix, self.offset, strides)
         target[...] = column if column.ndim == 2 else column[:, None]
@@ -39,11 +39,11 @@ class Leaf:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Leaf per wanted path (None if this message lacks it) and the structural bytes that make it so.
+    """Leaf per requested path (None if this message lacks it) and the structural bytes that determine the layout.
 
     Attributes:
         end: bytes up to the end of the last field.
-        allowed: bytes of any content that may follow, as ``padding`` has it.
+        allowed: bytes of any content that can follow, by ``padding``.
     """
 
     leaves: tuple[Leaf | None, ...]
@@ -53,7 +53,7 @@ class Layout:
     allowed: int
 
     def fits(self, matrix: np.ndarray) -> np.ndarray:
-        """Which rows of ``matrix`` (n, bytes) have this layout, followed by nothing but padding: (n,) bool."""
+        """Whether each row of ``matrix`` (n, bytes) has this layout, followed only by padding: (n,) bool."""
         spare = matrix.shape[1] - self.end
         if spare < 0:
             return np.zeros(len(matrix), bool)
@@ -64,7 +64,7 @@ class Layout:
 
 
 class MalformedMessage(Exception):
-    """The bytes end before the definition does, or hold more than it and padding."""
+    """The bytes end before the definition, or contain more than it and padding."""
 
 
 def layout_of(raw: bytes, definition: Definition, request: dict, slots: int) -> Layout:
@@ -73,8 +73,8 @@ def layout_of(raw: bytes, definition: Definition, request: dict, slots: int) -> 
     Args:
         raw: serialised message with its encapsulation header, either byte order.
         definition: its type.
-        request: the wanted paths as `request_tree` gives them.
-        slots: how many paths there are.
+        request: the requested paths, from `request_tree`.
+        slots: number of paths.
 
     Raises:
         MalformedMessage: if the bytes do not fit the definition.
@@ -104,11 +104,11 @@ class _Walk:
 
     @property
     def allowed(self) -> int:
-        """Bytes of any content that may follow."""
+        """Bytes of any content that can follow."""
         return allowance(self._sequences)
 
     def finish(self) -> None:
-        """The definition must use the message up, but for padding."""
+        """Checks that the definition uses the whole message, except padding."""
         if not is_padding(self._raw, self.position, self.allowed):
             left = len(self._raw) - self.position
             raise MalformedMessage(f"{left} of its {len(self._raw)} bytes are left over, more than padding")
@@ -128,13 +128,13 @@ class _Walk:
         element, count = detail
         if kind == Nodetype.SEQUENCE:
             count = self._read_length()
-        wanted = _by_position(request, names, count)
+        requested = _by_position(request, names, count)
         if element[0] == Nodetype.BASE and element[1][0] in NUMBERS:
             self._sequences += kind == Nodetype.SEQUENCE and NUMBERS[element[1][0]].itemsize == _WIDE
-            self._numbers(element[1][0], count, wanted)
+            self._numbers(element[1][0], count, requested)
             return
         for position in range(count):
-            self._element(element, wanted.get(position), names)
+            self._element(element, requested.get(position), names)
 
     def _element(self, description: tuple, request: dict | list | None, names: tuple[str, ...]) -> None:
         kind, detail = description
@@ -147,11 +147,11 @@ class _Walk:
         else:
             raise MalformedMessage(f"fields of type {detail[0]} are not supported")
 
-    def _numbers(self, name: str, count: int, wanted: dict) -> None:
+    def _numbers(self, name: str, count: int, requested: dict) -> None:
         dtype = NUMBERS[name].newbyteorder(self._order)
         if count:  # an empty sequence is not padded to its elements' alignment
             self._align(dtype.itemsize)
-        for position, slots in wanted.items():
+        for position, slots in requested.items():
             whole = position is None
             leaf = Leaf(self.position + (0 if whole else position * dtype.itemsize), dtype, count if whole else 1)
             for slot in slots:
@@ -159,7 +159,7 @@ class _Walk:
         self._skip(count * dtype.itemsize)
 
     def _names(self, fields: list[tuple]) -> tuple[str, ...]:
-        """The entries of this message's ``name[]``, read ahead; () where it has none."""
+        """The entries of this message's ``name[]``, read in advance; () if it has none."""
         start, spans, sequences = self.position, len(self.spans), self._sequences
         names: tuple[str, ...] = ()
         contents = []
@@ -174,7 +174,7 @@ class _Walk:
                 break
             self._field(description, {}, ())
         self.position, self._sequences = start, sequences
-        del self.spans[spans:]  # the walk proper passes here again
+        del self.spans[spans:]  # the actual walk passes here again
         self.spans += contents
         return names
 
@@ -207,16 +207,16 @@ def _is_string_array(description: tuple) -> bool:
 
 
 def _by_position(request: dict, names: tuple[str, ...], count: int) -> dict:
-    """Branches by element number; None keeps the whole array; what this message lacks is left out."""
-    wanted: dict = {}
+    """Branches by element number; None keeps the whole array; missing elements are dropped."""
+    requested: dict = {}
     for index, branch in request.items():
         if index is None:
-            wanted[None] = branch
+            requested[None] = branch
             continue
         position = (names.index(index) if index in names else count) if isinstance(index, str) else index
         if position < count:
-            wanted[position] = _joined(wanted.get(position), branch)
-    return wanted
+            requested[position] = _joined(requested.get(position), branch)
+    return requested
 
 
 def _joined(first: dict | list | None, second: dict | list) -> dict | list:

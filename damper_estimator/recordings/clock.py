@@ -27,7 +27,9 @@ class Times:
     measured: bool
 
     def stamps(self, rows: slice) -> np.ndarray:
-        """Times of some rows as ns since 1970, (n,) int64; the parts of a file without times all begin at the same time."""
+        """Times of some rows as ns since 1970, (n,) int64; the parts of a file without times all begin at the same
+        time.
+        """
         seconds = self.seconds[rows] if self.measured else self.seconds[rows] - self.seconds[rows.start]
         return self.start * NANOSECONDS + np.rint(seconds * NANOSECONDS).astype(np.int64)
 

@@ -48,8 +48,8 @@ class Clock:
 
 @dataclass(frozen=True)
 class Split:
-    """The beginning of a new part: at rows whose text ``column`` is one of ``equals``, after a longer ``pause`` in s, or
-    where the time restarts.
+    """The beginning of a new part: at rows whose text ``column`` is one of ``equals``, after a longer ``pause`` in s,
+    or where the time restarts.
     """
 
     column: str | int | None = None

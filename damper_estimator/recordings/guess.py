@@ -1,7 +1,7 @@
-"""A guessed column map: from titles, units, ranges, which channel is the derivative of which, and the sign of power.
+"""A column map guessed from titles, units, ranges, derivatives between channels, and the sign of power.
 
-What the file does not tell is said: an assumption where everything else speaks for it, else a doubt. A guess with a
-doubt is not to be used before somebody has looked at it.
+Information that the file lacks is reported: as an assumption if everything else supports it, else as a doubt. A guess
+with a doubt must not be used before a person has checked it.
 """
 
 from collections.abc import Mapping
@@ -30,20 +30,20 @@ _BOUNDS = {  # SI; half the range between the ends, or the largest value
     "command": (0.0, 200.0),
     "acceleration": (0.0, 1e4),
 }
-_AGREES = 0.1  # share by which a slope and the channel of the velocity may differ
+_AGREES = 0.1  # share by which a slope and the velocity channel can differ
 
 
 @dataclass(frozen=True)
 class ColumnGuess:
-    """A column and what it is taken for.
+    """A column and its guessed meaning.
 
     Attributes:
-        column: as a column map names it.
-        quantity: "" for one that is left out; else of `quantities.QUANTITIES`, or ``time``.
-        damper: whose it is.
+        column: as in a column map.
+        quantity: "" if it is not used; else of `quantities.QUANTITIES`, or ``time``.
+        damper: its name.
         unit: of its numbers; "" if it has none.
-        scale: -1 if its sign is turned round.
-        why: in words.
+        scale: -1 if its sign is reversed.
+        why: the reason in words.
     """
 
     column: Column
@@ -62,8 +62,8 @@ class Guess:
     Attributes:
         columns: every column of the file.
         time, text, split: as in a column map.
-        assumed: what the file does not say and is taken for granted.
-        doubts: what somebody has to decide before the map is used.
+        assumed: assumptions that the file does not confirm.
+        doubts: questions that a person has to decide before the map is used.
     """
 
     path: Path
@@ -75,18 +75,19 @@ class Guess:
     doubts: tuple[str, ...]
 
     def content(self) -> dict[str, object]:
-        """The column map, as `column_map.load_column_maps` reads it."""
+        """The column map, for `column_map.load_column_maps`."""
         dampers: dict[str, dict[str, object]] = {}
-        for own in self.columns:
-            if own.quantity in QUANTITIES:
-                entry = {"column": own.column, "unit": own.unit} | ({"scale": own.scale} if own.scale != 1.0 else {})
-                dampers.setdefault(own.damper, {})[own.quantity] = entry
+        for column in self.columns:
+            if column.quantity in QUANTITIES:
+                scale = {"scale": column.scale} if column.scale != 1.0 else {}
+                entry = {"column": column.column, "unit": column.unit} | scale
+                dampers.setdefault(column.damper, {})[column.quantity] = entry
         content: dict[str, object] = {"dampers": dampers, "time": dict(self.time)}
         content |= {"text": dict(self.text)} if self.text else {}
         return content | ({"split": dict(self.split)} if self.split else {})
 
     def map_text(self) -> str:
-        """The column map as a file, with what was assumed and what is in doubt as comments."""
+        """The column map as a file, with assumptions and doubts as comments."""
         notes = [f"guessed from {self.path.name}; config/columns/example.yaml explains every key"]
         notes += [f"assumed: {text}" for text in self.assumed] + [f"IN DOUBT: {text}" for text in self.doubts]
         comments = "".join(f"# {' '.join(text.split())}\n" for text in notes)
@@ -97,7 +98,7 @@ def guess_columns(path: Path) -> Guess:
     """Guesses the column map of a CSV, text or MAT file.
 
     Raises:
-        InputError: if it cannot be read, or holds no table of numbers.
+        InputError: if it cannot be read, or contains no table of numbers.
     """
     sheet = read_sheet(path)
     titles = [read_title(title, unit) for title, unit in zip(sheet.titles, sheet.units, strict=True)]
@@ -116,14 +117,14 @@ def guess_columns(path: Path) -> Guess:
         name = damper or "damper"
         for quantity, (i, unit, why) in found.items():
             columns[i] = replace(columns[i], quantity=quantity, damper=name, unit=unit, why=why)
-        _turn(sheet, columns, found, clock.seconds, assumed, doubts)
+        _correct_signs(sheet, columns, found, clock.seconds, assumed, doubts)
     split = {"restart": True} if clock.restarts else {}
     guess = Guess(path, tuple(columns), clock.entry, sheet.text, split, tuple(assumed), tuple(dict.fromkeys(doubts)))
-    return guess if guess.doubts else _tried(guess)
+    return guess if guess.doubts else _checked(guess)
 
 
-def _tried(guess: Guess) -> Guess:
-    """The guess, with a doubt where the file cannot be read by its own map."""
+def _checked(guess: Guess) -> Guess:
+    """The guess, with a doubt if the file cannot be read by the guessed map."""
     try:
         read_parts(guess.path, column_map_of(guess.content(), str(guess.path)))
     except InputError as error:
@@ -133,19 +134,19 @@ def _tried(guess: Guess) -> Guess:
 
 def _of_damper(sheet: Sheet, titles: list[Title], damper: str, seconds, doubts: list[str]) -> dict[str, tuple]:
     """Column, unit and reason by quantity for one damper."""
-    own = [i for i, title in enumerate(titles) if title.damper in (damper, "")]
+    candidates = [i for i, title in enumerate(titles) if title.damper in (damper, "")]
     found: dict[str, tuple] = {}
-    speed = _chosen(sheet, titles, own, "velocity", None, [])
+    speed = _chosen(sheet, titles, candidates, "velocity", None, [])
     rate = None
     if speed is not None and seconds is not None and titles[speed].unit:
         rate = _SPEEDS[titles[speed].unit] * sheet.numbers[speed]
     for quantity in QUANTITIES:
         essential = quantity in ("displacement", "force")
-        i = _chosen(sheet, titles, own, quantity, rate if quantity == "displacement" else None, doubts, seconds)
+        i = _chosen(sheet, titles, candidates, quantity, rate if quantity == "displacement" else None, doubts, seconds)
         where = f" of {damper}" if damper else ""
         if i is None:
             if essential:
-                doubts.append(f"no column is plainly the {quantity}{where}")
+                doubts.append(f"no column is clearly the {quantity}{where}")
             continue
         unit, why = _unit_of(sheet, titles[i], i, quantity, rate, seconds, doubts)
         if unit and _in_range(sheet.numbers[i], quantity, unit, sheet.titles[i] or i + 1, essential, doubts):
@@ -154,10 +155,10 @@ def _of_damper(sheet: Sheet, titles: list[Title], damper: str, seconds, doubts: 
 
 
 def _chosen(
-    sheet: Sheet, titles: list[Title], own: list[int], quantity: str, rate, doubts: list[str], seconds=None
+    sheet: Sheet, titles: list[Title], candidates: list[int], quantity: str, rate, doubts: list[str], seconds=None
 ) -> int | None:
-    """The column of a quantity; None if there is none, or it cannot be told which."""
-    fits = [i for i in own if titles[i].quantity == quantity and not titles[i].target]
+    """The column of a quantity; None if there is none, or it is ambiguous."""
+    fits = [i for i in candidates if titles[i].quantity == quantity and not titles[i].target]
     fits = [i for i in fits if np.isfinite(sheet.numbers[i]).mean() > 0.5 or quantity not in ("displacement", "force")]
     fits = [i for i in fits if np.isfinite(sheet.numbers[i]).any()]
     named = [i for i in fits if titles[i].damper] or fits
@@ -175,7 +176,7 @@ def _chosen(
 
 
 def _unit_of(sheet: Sheet, title: Title, i: int, quantity: str, rate, seconds, doubts: list[str]) -> tuple[str, str]:
-    """Unit of a column, and why; a displacement's unit is checked by, or told from, the channel of the velocity."""
+    """Unit of a column, and the reason; that of a displacement is checked or found by the velocity channel."""
     name = repr(sheet.titles[i] or i + 1)
     known = QUANTITIES[quantity].units
     if quantity == "displacement" and rate is not None and seconds is not None:
@@ -183,14 +184,14 @@ def _unit_of(sheet: Sheet, title: Title, i: int, quantity: str, rate, seconds, d
         if abs(agreement) > 0.95:
             found = [unit for unit, (factor, _) in known.items() if abs(abs(slope) / factor - 1.0) < _AGREES]
             if title.unit and title.unit not in found:
-                doubts.append(f"{name} is said to be in {title.unit}, but its slope is not the column of the velocity")
+                doubts.append(f"{name} is titled in {title.unit}, but its slope is not the velocity column")
             elif not title.unit and len(found) == 1:
-                return found[0], "its slope is the column of the velocity"
+                return found[0], "its slope is the velocity column"
             elif title.unit and slope < 0:
-                doubts.append(f"{name} and the column of the velocity have opposite signs")
+                doubts.append(f"{name} and the velocity column have opposite signs")
     if title.unit in known:
         return title.unit, "title and unit" if title.unit else ""
-    doubts.append(f"the unit of {name} ({quantity}) is not named; it may be {', '.join(list(known)[:5])}")
+    doubts.append(f"the unit of {name} ({quantity}) is not named; it can be {', '.join(list(known)[:5])}")
     return next(iter(known)), "title"
 
 
@@ -210,10 +211,10 @@ def _in_range(values: np.ndarray, quantity: str, unit: str, name: object, essent
     return good or essential
 
 
-def _turn(
+def _correct_signs(
     sheet: Sheet, columns: list[ColumnGuess], found: Mapping, seconds, assumed: list[str], doubts: list[str]
 ) -> None:
-    """Turns signs round so that the damper takes energy out, where the file tells which one."""
+    """Reverses signs so that the damper dissipates energy, if the file shows which one is wrong."""
     if seconds is None or not {"displacement", "force"} <= found.keys():
         return
     values = {}
@@ -224,6 +225,6 @@ def _turn(
     verdict = check_signs(motion)
     assumed += verdict.assumed
     doubts += verdict.doubts
-    for quantity in verdict.turned:
+    for quantity in verdict.reversed:
         i = found[quantity][0]
-        columns[i] = replace(columns[i], scale=-1.0, why=f"{columns[i].why}; turned round, see the sign of power")
+        columns[i] = replace(columns[i], scale=-1.0, why=f"{columns[i].why}; reversed because of the sign of power")

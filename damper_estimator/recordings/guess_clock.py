@@ -1,7 +1,7 @@
-"""Which column of a bench file is the time, in which unit; or the rate that the file names."""
+"""The time column of a bench file and its unit, or the rate that the file names."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -11,7 +11,7 @@ from damper_estimator.recordings.guess_words import Title
 from damper_estimator.recordings.quantities import TIME_UNITS
 
 _LEAST_RATE, _MOST_RATE = 15.0, 50_000.0  # Hz at which dampers are logged
-_EVEN = 0.05  # share by which steps of a time may differ in the middle half
+_EVEN = 0.05  # share by which steps of a time can differ in the middle half
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +21,8 @@ class ClockGuess:
     Attributes:
         index: its column; -1 for none.
         entry: ``time`` of the column map.
-        seconds: (n,) of each row; None if nothing tells.
-        restarts: whether it starts again.
+        seconds: (n,) of each row; None if unknown.
+        restarts: whether the time restarts within the file.
     """
 
     index: int
@@ -36,7 +36,7 @@ class ClockGuess:
 
 def guess_clock(sheet: Sheet, titles: Sequence[Title]) -> ClockGuess:
     """The time of a file's rows."""
-    rising = [i for i, own in enumerate(sheet.numbers) if _rises(own)]
+    rising = [i for i, values in enumerate(sheet.numbers) if _rises(values)]
     named = [i for i in rising if titles[i].quantity == "time"]
     if len(named) > 1:
         fine = [i for i in named if _step(sheet.numbers[i]) > 0 and titles[i].unit]
@@ -49,13 +49,10 @@ def guess_clock(sheet: Sheet, titles: Sequence[Title]) -> ClockGuess:
         return _by_rate(sheet, sheet.rate, "a line above the numbers names the rate")
     untitled = [i for i in rising if not titles[i].quantity and not sheet.titles[i]]
     if untitled:
-        own = _by_column(sheet, titles[untitled[0]], untitled[0], False)
-        return ClockGuess(
-            own.index, own.entry, own.seconds, "it rises evenly", own.restarts, own.assumed,
-            (*own.doubts, f"column {untitled[0] + 1} has no title; it rises as a time does"),
-        )  # fmt: skip
+        guess = _by_column(sheet, titles[untitled[0]], untitled[0], False)
+        return replace(guess, doubts=(*guess.doubts, f"column {untitled[0] + 1} has no title; it rises like a time"))
     rows = len(sheet.numbers[0])
-    doubt = "no column rises as a time does, and no line names a rate: give time.rate in Hz"
+    doubt = "no column rises like a time, and no line names a rate: give time.rate in Hz"
     return ClockGuess(-1, {"rate": 1000}, np.arange(rows) * 1e-3, doubts=(doubt,))
 
 
@@ -65,13 +62,13 @@ def _by_column(sheet: Sheet, title: Title, index: int, several: bool) -> ClockGu
         doubts.append("several columns could be the time")
     step = _step(values)
     unit = title.unit if title.quantity == "time" else ""
-    possible = [own for own, factor in TIME_UNITS.items() if _LEAST_RATE <= 1.0 / (step * factor) <= _MOST_RATE]
-    likely = [own for own in possible if own in ("s", "ms", "us")]
+    possible = [name for name, factor in TIME_UNITS.items() if _LEAST_RATE <= 1.0 / (step * factor) <= _MOST_RATE]
+    likely = [name for name in possible if name in ("s", "ms", "us")]
     if unit and unit not in possible:
         doubts.append(f"a step of the time is {step:g} {unit}, a rate of {1.0 / (step * TIME_UNITS[unit]):.3g} Hz")
     elif not unit and len(likely) == 1:
         unit = likely[0]
-        assumed.append(f"the time is in {unit}: its steps of {step:g} make {1.0 / (step * TIME_UNITS[unit]):.4g} Hz")
+        assumed.append(f"the time is in {unit}: its steps of {step:g} mean {1.0 / (step * TIME_UNITS[unit]):.4g} Hz")
     elif not unit:
         doubts.append(f"the unit of the time is not named; its steps are {step:g}")
         unit = likely[0] if likely else "s"
@@ -94,7 +91,7 @@ def _by_date(sheet: Sheet) -> ClockGuess:
 
 
 def _several(sheet: Sheet) -> tuple[str, ...]:
-    return ("several columns hold dates or times",) if len(sheet.dates) > 1 else ()
+    return ("several columns contain dates or times",) if len(sheet.dates) > 1 else ()
 
 
 def _date_seconds(sheet: Sheet, index: int, form: str, rows: int) -> np.ndarray | None:
@@ -110,12 +107,12 @@ def _date_seconds(sheet: Sheet, index: int, form: str, rows: int) -> np.ndarray 
 
 def _by_rate(sheet: Sheet, rate: float, why: str) -> ClockGuess:
     seconds = np.arange(len(sheet.numbers[0])) / rate
-    doubts = () if _LEAST_RATE <= rate <= _MOST_RATE else (f"the rate {rate:g} Hz is not that of a damper's log",)
+    doubts = () if _LEAST_RATE <= rate <= _MOST_RATE else (f"the rate {rate:g} Hz is implausible for a damper",)
     return ClockGuess(-1, {"rate": rate}, seconds, why, assumed=(f"{rate:g} Hz: {why}",), doubts=doubts)
 
 
 def _rises(values: np.ndarray) -> bool:
-    """Whether numbers rise in mostly even steps; they may start again a few times."""
+    """Whether numbers rise in mostly even steps; a few restarts are allowed."""
     known = values[np.isfinite(values)]
     if len(known) < 10 or len(known) < 0.9 * len(values):
         return False

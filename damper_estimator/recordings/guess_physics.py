@@ -1,13 +1,13 @@
-"""What the numbers of a bench file tell: slopes, and the sign of the power that a damper takes out."""
+"""Physics in the numbers of a bench file: slopes, and the sign of the dissipated power."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 _SLOW = 0.08  # of the largest velocity; below, the force is that of gas, spring and gauge zero
-_STATIC = 0.04  # of the largest force; a smaller constant force says nothing
-_POWER = 0.25  # correlation of force and velocity below which they do not go together
-_MOST = 200_000  # samples that are looked at
+_STATIC = 0.04  # of the largest force; a smaller constant force has no meaning
+_POWER = 0.25  # correlation below which force and velocity are not related
+_MOST = 200_000  # samples that are evaluated
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,9 +20,9 @@ class Motion:
 
 @dataclass(frozen=True)
 class Signs:
-    """Which channels are to be turned round; what was assumed, and what has to be decided."""
+    """The channels whose sign must be reversed, assumptions, and questions to decide."""
 
-    turned: tuple[str, ...] = ()
+    reversed: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
 
@@ -40,7 +40,7 @@ def velocity_of(position: np.ndarray, seconds: np.ndarray) -> np.ndarray:
 
 
 def slope_of(position: np.ndarray, seconds: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
-    """Factor between a channel of the velocity and the slope of a position, and their correlation."""
+    """Factor between a velocity channel and the slope of a position, and their correlation."""
     slope = velocity_of(position[:_MOST], seconds[:_MOST])
     both = np.isfinite(slope) & np.isfinite(velocity[:_MOST])
     a, b = slope[both], velocity[:_MOST][both]
@@ -58,35 +58,39 @@ def motion_of(position: np.ndarray, force: np.ndarray, seconds: np.ndarray) -> M
 
 
 def check_signs(motion: Motion | None) -> Signs:
-    """A damper takes energy out, so force and velocity have the same sign; its gas pushes the rod out.
+    """Checks signs: a damper dissipates energy, so force and velocity have the same sign; its gas pushes the rod out.
 
-    The power tells whether one of the two is turned round; the constant force, which is negative where extension is
-    positive, tells which.
+    The power shows whether one of the two is reversed; the constant force, which is negative if extension is positive,
+    shows which one.
     """
     if motion is None or motion.velocity.std() == 0 or motion.force.std() == 0:
-        return Signs(doubts=("displacement and force do not move; nothing tells their signs",))
+        return Signs(doubts=("displacement and force are constant; their signs are unknown",))
     v, force = motion.velocity, motion.force
     agreement = float(np.corrcoef(v, force)[0, 1])
     if abs(agreement) < _POWER:
         return Signs(
-            doubts=(f"force and velocity hardly go together (correlation {agreement:.2f}): are these the columns?",)
+            doubts=(
+                f"force and velocity are hardly related (correlation {agreement:.2f}): are these the right columns?",
+            )
         )
     slow = np.abs(v) < _SLOW * np.percentile(np.abs(v), 99)
     static = float(np.median(force[slow])) if slow.sum() > 10 else 0.0
-    tells = abs(static) > _STATIC * np.percentile(np.abs(force - np.median(force)), 99)
+    is_clear = abs(static) > _STATIC * np.percentile(np.abs(force - np.median(force)), 99)
     if agreement > 0:
-        if tells and static > 0:
-            what = (
-                f"the force at rest is {static:.3g} N: either both signs are turned round, or the gauge's zero is off"
-            )
+        if is_clear and static > 0:
+            what = f"the force at rest is {static:.3g} N: either both signs are reversed, or the gauge's zero is wrong"
             return Signs(doubts=(what,))
-        said = "the force at rest is that of gas, which pushes the rod out" if tells else "nothing in the file says so"
-        return Signs(assumed=(f"displacement is positive in extension ({said})",))
-    if not tells:
-        return Signs(
-            ("force",), doubts=("displacement and force have opposite signs, and nothing tells which is turned round",)
+        reason = (
+            "the force at rest is that of gas, which pushes the rod out"
+            if is_clear
+            else "nothing in the file confirms it"
         )
-    turned = "force" if static > 0 else "displacement"
+        return Signs(assumed=(f"displacement is positive in extension ({reason})",))
+    if not is_clear:
+        return Signs(
+            ("force",), doubts=("displacement and force have opposite signs, and nothing shows which one is reversed",)
+        )
+    wrong = "force" if static > 0 else "displacement"
     return Signs(
-        (turned,), (f"the {turned} is turned round: the damper takes energy out, and its gas pushes the rod out",)
+        (wrong,), (f"the sign of the {wrong} is reversed: a damper dissipates energy, and its gas pushes the rod out",)
     )

@@ -1,4 +1,4 @@
-"""A bench or logger file as it lies there: all of its columns, titles, units, and hints at its rate."""
+"""A bench or logger file without a map: its columns, titles, units, and hints at its rate."""
 
 import re
 from collections import Counter
@@ -33,16 +33,16 @@ _HERTZ = re.compile(
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """All that a file shows.
+    """The content of a file.
 
     Attributes:
-        columns: how a column map names each: its title, its number or a MAT expression.
+        columns: as in a column map: title, number or MAT expression.
         titles, units: of each column, "" if there are none.
-        numbers: (rows,) of each; all NaN if it holds text.
-        dates, texts: the format of the columns that hold dates, and their cells.
+        numbers: (rows,) of each; all NaN for text.
+        dates, texts: the format of the columns of dates, and their cells.
         rate: Hz that a line above the numbers names; None if none does.
         text: for the column map's key of that name; empty for MAT files.
-        several: whether lines of titles come again among the numbers.
+        several: whether lines of titles repeat among the numbers.
     """
 
     path: Path
@@ -58,10 +58,10 @@ class Sheet:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """Reads a CSV, text or MAT file without knowing what is in it.
+    """Reads a CSV, text or MAT file of unknown content.
 
     Raises:
-        InputError: if it cannot be read, or holds no table of numbers.
+        InputError: if it cannot be read, or contains no table of numbers.
     """
     content = file_content(path)
     if path.suffix.lower() == ".mat" or content.startswith(b"MATLAB "):
@@ -72,7 +72,7 @@ def read_sheet(path: Path) -> Sheet:
     title, titles, units = _titles(path, lines[:first], separator, width)
     several = _has_headings(path, lines[first:], separator, decimal, width)
     text = {"separator": _SEPARATORS[separator], "decimal": decimal}
-    # Without a row of titles that fits, the first line of numbers is told by what stands above it.
+    # Without a suitable row of titles, the lines above the first numbers are skipped.
     text |= {"titles": title + 1} if title is not None else {"skip": first}
     text |= {"blocks": True} if several else {}
     numbered = list(range(1, width + 1))
@@ -86,7 +86,7 @@ def read_sheet(path: Path) -> Sheet:
 
 
 def _named(index: int, titles: Sequence[str]) -> Column:
-    """The title where it stands for one column alone, else the number."""
+    """The title if it is unique, else the number."""
     plain = [re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", title).casefold().strip("\"' ") for title in titles]
     return titles[index] if titles[index] and plain.count(plain[index]) == 1 and plain[index] else index + 1
 
@@ -104,18 +104,18 @@ def _layout(path: Path, lines: Sequence[str]) -> tuple[str, str, int]:
             widths = Counter(len(row) for row in rows)
             width, count = widths.most_common(1)[0]
             cells = [cell for row in rows if len(row) == width for cell in row if cell]
-            there = [_is_number(cell, decimal) for cell in cells]
-            score = count / len(rows) * (sum(there) / len(there) if there else 0.0)
+            numeric = [_is_number(cell, decimal) for cell in cells]
+            score = count / len(rows) * (sum(numeric) / len(numeric) if numeric else 0.0)
             marks = sum(decimal in cell for cell in cells) > 0
             if width >= 2 and score + 0.01 * marks > best[0] + 1e-9:
                 best = (score + 0.01 * marks, separator, decimal, width)
     if best[0] < 0.3 or best[3] > _MOST_COLUMNS:
-        raise InputError(f"{path}: no table of numbers is found in it; describe it in a column map (--columns)")
+        raise InputError(f"{path}: contains no table of numbers; describe it in a column map (--columns)")
     return best[1], best[2], _without_empty_end(path, middle, best[1], best[3])
 
 
 def _without_empty_end(path: Path, middle: Sequence[str], separator: str, width: int) -> int:
-    """The number of columns less those behind the last separator that are always empty."""
+    """The number of columns without those at the end that are always empty."""
     rows = [row for row in split_cells(path, middle, separator) if len(row) == width]
     while width > 2 and not any(row[width - 1].strip() for row in rows):
         width -= 1
@@ -123,7 +123,7 @@ def _without_empty_end(path: Path, middle: Sequence[str], separator: str, width:
 
 
 def _first_row(path: Path, lines: Sequence[str], separator: str, decimal: str, width: int) -> int:
-    """The first of three lines in a row that hold numbers, where so few are there."""
+    """The first of three consecutive lines of numbers."""
     run, start, need = 0, 0, 3
     head = lines[: _HEAD * 5]
     for i, row in enumerate(split_cells(path, head, separator)):
@@ -145,7 +145,7 @@ def _first_row(path: Path, lines: Sequence[str], separator: str, decimal: str, w
 def _titles(
     path: Path, head: Sequence[str], separator: str, width: int
 ) -> tuple[int | None, tuple[str, ...], tuple[str, ...]]:
-    """Line of the titles, titles and units; the line only where the map can use its titles."""
+    """Line of the titles, titles and units; the line only if the map can use its titles."""
     units = ("",) * width
     for i in range(len(head) - 1, max(len(head) - 8, -1), -1):
         cells = _cells(path, head[i], separator, width)
@@ -166,13 +166,13 @@ def _titles(
 
 
 def _is_unit_row(path: Path, head: Sequence[str], separator: str, width: int) -> bool:
-    """Whether titles stand above: single letters such as t, x, F could be both."""
+    """Whether there are titles above: single letters such as t, x, F can be both."""
     above = [cells for line in head[-3:] if (cells := _cells(path, line, separator, width)) and any(cells)]
     return any(len([c for c in cells if c]) >= 2 for cells in above)
 
 
 def _cells(path: Path, line: str, separator: str, width: int) -> tuple[str, ...] | None:
-    """The titles in a line; those that hold spaces, in columns of white space, are two spaces apart."""
+    """The titles in a line; in columns of white space, titles with spaces are two spaces apart."""
     line = line.lstrip("#%/ ") if separator != "\t" else line.lstrip("#%/")
     row = [cell.strip().strip('"') for cell in next(iter(split_cells(path, [line], separator)), [])]
     if not separator and len(row) != width:
@@ -183,7 +183,7 @@ def _cells(path: Path, line: str, separator: str, width: int) -> tuple[str, ...]
 
 
 def _has_headings(path: Path, lines: Sequence[str], separator: str, decimal: str, width: int) -> bool:
-    """Whether lines without numbers stand among the numbers."""
+    """Whether there are lines without numbers among the numbers."""
     rows = split_cells(path, [line for line in lines if line.strip()], separator)
     return any(2 * sum(_is_number(cell.strip(), decimal) for cell in row) < max(width, 2) for row in rows if any(row))
 
@@ -227,7 +227,7 @@ def _mat_sheet(path: Path, content: bytes) -> Sheet:
         columns = list(_arrays(read_mat(content), ""))
     lengths = Counter(len(values) for _, values in columns if len(values) > 2)
     if not lengths:
-        raise InputError(f"{path}: holds no columns of numbers; describe it in a column map (--columns)")
+        raise InputError(f"{path}: contains no columns of numbers; describe it in a column map (--columns)")
     rows = max(lengths, key=lambda length: (lengths[length] > 1, length))
     kept = [(name, values) for name, values in columns if len(values) == rows][:_MOST_COLUMNS]
     titles = tuple(name.rpartition(".")[2] if "[" not in name else name for name, _ in kept)

@@ -1,4 +1,4 @@
-"""What the titles of bench and logger files say: quantity, unit, damper, and whether a column is a target."""
+"""Meaning of the titles of bench and logger files: quantity, unit, damper, and whether a column is a target."""
 
 import re
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _UNITS = {
     for spellings, unit in units.items()
     for spelling in spellings.split()
 }
-_EXACT = {"MPa": ("pressure", "MPa"), "mPa": ("", ""), "Mpa": ("pressure", "MPa")}  # where capital letters tell
+_EXACT = {"MPa": ("pressure", "MPa"), "mPa": ("", ""), "Mpa": ("pressure", "MPa")}  # where capital letters decide
 _WORDS = {
     "time": "time zeit temps tiempo tempo timestamp elapsed t",
     "displacement": "displacement disp displ position pos stroke travel weg hub federweg course deplacement"
@@ -44,20 +44,20 @@ _CORNERS = {
 _CORNER = {word: corner for corner, words in _CORNERS.items() for word in words.split()}
 _LONG = {f"{a} {b}": f"{a}_{b}" for a in ("front", "rear") for b in ("left", "right")}
 _BRACKET = re.compile(r"[\[({<]\s*([^\])}>]*?)\s*[\])}>]")
-_BEHIND = re.compile(r"^(.*\S)(?:\s+in\s+|\s*[/,_|:-]\s*|\s+)(\S+)$")
+_UNIT_AT_END = re.compile(r"^(.*\S)(?:\s+in\s+|\s*[/,_|:-]\s*|\s+)(\S+)$")
 _ACCENTS = str.maketrans("éèêáàâóôúüíîñç", "eeeaaaoouuiinc")
 
 
 @dataclass(frozen=True)
 class Title:
-    """What a title says.
+    """The meaning of a title.
 
     Attributes:
-        quantity: of `quantities.QUANTITIES`, or time, velocity, voltage, counter; "" if nothing tells it.
-        unit: as the column map writes it; "" if none is named.
+        quantity: of `quantities.QUANTITIES`, or time, velocity, voltage, counter; "" if unknown.
+        unit: as in a column map; "" if none is named.
         damper: corner of the vehicle; "" if none is named.
-        target: whether it is what a controller wanted, not what was measured.
-        clash: what is contradictory, in words; "" for nothing.
+        target: whether it is the set value of a controller, not a measurement.
+        clash: a contradiction in words; "" for none.
     """
 
     quantity: str
@@ -68,30 +68,30 @@ class Title:
 
 
 def read_title(title: str, unit_below: str = "") -> Title:
-    """What a title and the cell of a row of units below it say."""
+    """The meaning of a title and of the cell below it in a row of units."""
     text, by_unit, unit = _without_unit(title)
     if unit_below and (found := _unit(unit_below)):
         by_unit, unit = found
     words = _words(text)
-    said = [_QUANTITY[word] for word in words if word in _QUANTITY]
+    quantities = [_QUANTITY[word] for word in words if word in _QUANTITY]
     long = [
         quantity for word, quantity in zip(words, map(_QUANTITY.get, words), strict=True) if quantity and len(word) > 1
     ]
-    by_word = (long or said or [""])[-1 if not long else 0]
+    by_word = (long or quantities or [""])[-1 if not long else 0]
     damper = next((_CORNER[word] for word in words if word in _CORNER), "")
-    damper = damper or next((own for phrase, own in _LONG.items() if phrase in " ".join(words)), "")
+    damper = damper or next((corner for phrase, corner in _LONG.items() if phrase in " ".join(words)), "")
     target = bool(_TARGET.search(" ".join(words)))
     if by_word == "command" or (by_unit == "command" and "current" in words):
         target = False
     quantity, clash = by_unit or by_word, ""
     if by_unit == "voltage":
         quantity = by_word if by_word == "command" else "voltage"
-    elif by_unit and long and by_word not in (by_unit, "counter") and not _goes_with(by_word, by_unit):
+    elif by_unit and long and by_word not in (by_unit, "counter") and not _is_compatible(by_word, by_unit):
         clash = f"{title!r} names {by_word}, but its unit {unit} is one of {by_unit}"
     return Title(quantity, unit, damper, target, clash)
 
 
-def _goes_with(word: str, unit: str) -> bool:
+def _is_compatible(word: str, unit: str) -> bool:
     """Pairs that do not contradict each other: a gauge's name on a channel of another quantity."""
     return (word, unit) in {("time", "counter"), ("displacement", "velocity"), ("displacement", "acceleration")}
 
@@ -101,7 +101,7 @@ def _without_unit(title: str) -> tuple[str, str, str]:
     for inside in _BRACKET.findall(title):
         if found := _unit(inside):
             return _BRACKET.sub(" ", title), *found
-    match = _BEHIND.match(title.strip())
+    match = _UNIT_AT_END.match(title.strip())
     if match and len(match.group(1)) > 1 and (found := _unit(match.group(2))) and not _is_letter(match.group(2)):
         return match.group(1), *found
     if match and re.search(r"(_|/|,| in )\s*\S+$", title) and (found := _unit(match.group(2))):
@@ -125,7 +125,7 @@ def _unit(text: str) -> tuple[str, str] | None:
 def _words(text: str) -> list[str]:
     """A title's words in lower case: also those of CamelCase and with_underscores."""
     text = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", _BRACKET.sub(" ", text))
-    return [own for own in re.split(r"[^a-z0-9äöüß]+", text.lower().translate(_ACCENTS)) if own]
+    return [word for word in re.split(r"[^a-z0-9äöüß]+", text.lower().translate(_ACCENTS)) if word]
 
 
 def is_unit(text: str) -> bool:

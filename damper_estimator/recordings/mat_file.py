@@ -1,7 +1,7 @@
 """MAT files of version 5 to 7.2 (not 7.3, which is HDF5): numbers, texts, cells and structs.
 
-Source: MathWorks, "MAT-File Format", version 5. `scipy.io.loadmat` reads the same files, but damaged ones make it crash
-the whole process, which no program for other people's files can have.
+Source: MathWorks, "MAT-File Format", version 5. `scipy.io.loadmat` reads the same files, but damaged ones can crash
+the whole process, which is unacceptable for users' files.
 """
 
 import struct
@@ -23,7 +23,7 @@ _COMPLEX = 0x800
 def read_mat(content: bytes) -> dict[str, object]:
     """Variables by name: arrays without dimensions of length one, str, list (cells, struct arrays) or dict (structs).
 
-    What has no numbers or texts (functions, tables, sparse and complex arrays) is left out.
+    Variables without numbers or texts (functions, tables, sparse and complex arrays) are dropped.
 
     Raises:
         ValueError: if the content is damaged or of another version.
@@ -47,7 +47,7 @@ def read_mat(content: bytes) -> dict[str, object]:
 
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
-    """Type and bytes of each data element in a stretch."""
+    """Type and bytes of each data element."""
     position = 0
     while position + 8 <= len(data):
         kind, size = struct.unpack_from(order + "II", data, position)
@@ -57,7 +57,7 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
             start = position + 8
             step = 8 + (size if kind == _COMPRESSED else -(-size // 8) * 8)
         if start + size > len(data) or (step == 8 and size > 4 and start == position + 4):
-            raise ValueError("an element reaches beyond its place")
+            raise ValueError("an element reaches beyond its end")
         yield kind, data[start : start + size]
         position += step
 
@@ -70,7 +70,7 @@ class _Head:
 
 
 def _matrix(data: bytes, order: str) -> tuple[str, object]:
-    """Name and value of a matrix element; None for what is not supported."""
+    """Name and value of a matrix element; None for an unsupported type."""
     if not data:
         return "", np.empty(0)
     elements = _elements(data, order)

@@ -1,7 +1,7 @@
-"""The mcap storage: one pass over the record headers finds what is where, chunks are loaded when their time comes.
+"""The mcap storage: one pass over the record headers finds all records, chunks are loaded when needed.
 
-The mcap library parses records, decompresses and checks chunks. The messages inside a chunk are cut here: the library
-makes an object of each, which costs ten times as much. A file that was not completed is read as far as it is whole.
+The mcap library parses records, decompresses and checks chunks. The messages inside a chunk are separated here: the
+library creates an object for each, which costs ten times as much. An incomplete file is read as far as it is whole.
 """
 
 import logging
@@ -28,7 +28,7 @@ from damper_estimator.recordings.library_errors import explained
 from damper_estimator.recordings.raw_messages import Connection, RawMessages, Span, gathered
 
 MAGIC = b"\x89MCAP0\r\n"
-_LOG = logging.getLogger(__name__)  # without further ado it writes to standard error
+_LOG = logging.getLogger(__name__)  # by default it writes to standard error
 _HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("log", "<i8"), ("published", "<i8")])
 _CHUNK_TIMES = struct.Struct("<QQQ")
@@ -37,7 +37,7 @@ _PLAIN_SPAN = 1 << 20  # bytes of messages outside chunks that are loaded togeth
 
 @dataclass(frozen=True)
 class _Place:
-    """Where messages lie in the file: one chunk record, or a run of message records outside chunks."""
+    """The position of messages in the file: one chunk record, or a run of message records outside chunks."""
 
     start: int
     offset: int
@@ -54,7 +54,7 @@ class McapFile:
 
     def __init__(self, path: Path, name: str | None = None) -> None:
         self._name = name or str(path)
-        self._remedy = f"recover what can be with: mcap recover {self._name} -o recovered.mcap"
+        self._remedy = f"recover the readable part with: mcap recover {self._name} -o recovered.mcap"
         self._schemas: dict[int, SchemaRecord] = {}
         self._channels: dict[int, Channel] = {}
         self._counts: Counter[int] | None = None
@@ -70,7 +70,7 @@ class McapFile:
         except BaseException:
             self._file.close()
             raise
-        # The first channel of a number counts, as in every reader: later records of it are repetitions.
+        # The first channel of a number counts, as in every reader: later records are repetitions.
         self._index = np.full(1 << 16, -1, np.int32)
         self._index[list(self._channels)] = np.arange(len(self._channels))
 
@@ -78,7 +78,7 @@ class McapFile:
         self._file.close()
 
     def spans(self, file: int) -> Iterator[Span]:
-        """The stretches of the file by start time."""
+        """The spans of the file by start time."""
         for number, place in sorted(enumerate(self._places), key=lambda numbered: numbered[1].start):
             yield Span(file, number, place.start, lambda place=place: self._load(place))
 
@@ -117,7 +117,7 @@ class McapFile:
             self._salvage(size - position)
 
     def _salvage(self, lost: int) -> None:
-        """A file whose recorder was killed, or the disk full: what is whole is used, and what is lost is told."""
+        """A file whose recorder was killed, or with a full disk: whole messages are used, the loss is logged."""
         if not self._places:
             raise InputError(f"{self._name}: cut off before the first messages were complete; {self._remedy}")
         self._counts = None
@@ -163,14 +163,14 @@ class McapFile:
             self._channels.setdefault(channel.id, channel)
 
     def _count_messages(self) -> None:
-        """For files without statistics or without repeated channels: looks into every chunk."""
+        """For files without statistics or without repeated channels: reads every chunk."""
         self._counts = Counter()
         for place in self._places:
             channels, counts = np.unique(self._cut(place, definitions=True)[1], return_counts=True)
             self._counts.update(dict(zip(channels.tolist(), counts.tolist(), strict=True)))
 
     def _cut(self, place: _Place, definitions: bool = False) -> tuple[bytes, np.ndarray, ...]:
-        """The place's bytes, and channel, log time, start and length of every message in them."""
+        """The bytes of a place, and channel, log time, start and length of every message in them."""
         with explained(self._name, self._remedy):
             self._file.seek(place.offset)
             data = self._file.read(place.size)
@@ -200,7 +200,7 @@ class McapFile:
 
 
 def _is_whole(head: bytes, position: int, end: int) -> bool:
-    """Whether the record that begins there is all in the file."""
+    """Whether the record at this position is completely in the file."""
     if len(head) < _HEAD.size:
         return False
     opcode, length = _HEAD.unpack(head)
@@ -235,6 +235,6 @@ def _walk(data, opcode, start, length):
 
 
 def _full_name(type_name: str) -> str:
-    """``std_msgs/String``, as some writers put it, in its full form."""
+    """The full form of names such as ``std_msgs/String``, which some writers use."""
     package, _, name = type_name.partition("/")
     return type_name if "/" in name else f"{package}/msg/{name}"

@@ -1,4 +1,4 @@
-"""What a column of a bench file can hold, and the units that it may come in."""
+"""Quantities of the columns of a bench file, and their units."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Quantity:
 
     Attributes:
         name: as in a signal map.
-        unit: what the bag holds.
+        unit: in the bag.
         units: ``(factor, offset)`` by unit name: value in ``unit`` = factor * number + offset.
     """
 
@@ -32,7 +32,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     for quantity in (
         Quantity("displacement", "m", _scaled(m=1.0, cm=1e-2, mm=1e-3, um=1e-6) | {"in": (_INCH, 0.0)}),
         Quantity("force", "N", _scaled(N=1.0, kN=1e3, kgf=_GRAVITY, lbf=_POUND)),
-        # A command stays in its own unit: a signal map says whether it is A, V or a share.
+        # A command keeps its unit: a signal map says whether it is A, V or a share.
         Quantity("command", "A", _scaled(A=1.0, mA=1e-3, V=1.0, mV=1e-3) | {"1": (1.0, 0.0), "%": (0.01, 0.0)}),
         Quantity("temperature", "deg C", {"degC": (1.0, 0.0), "C": (1.0, 0.0), "°C": (1.0, 0.0), "K": (1.0, -273.15)}
                  | {"F": (5 / 9, -160 / 9), "degF": (5 / 9, -160 / 9), "°F": (5 / 9, -160 / 9)}),
@@ -45,7 +45,7 @@ TIME_UNITS: Mapping[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9,
 
 
 def bag_unit(quantity: str, unit: str) -> str:
-    """The unit in which the bag holds a channel that came in ``unit``."""
+    """The unit in the bag of a channel in ``unit``."""
     if quantity == "command":
         return {"mA": "A", "mV": "V", "%": "1"}.get(unit, unit)
     return QUANTITIES[quantity].unit

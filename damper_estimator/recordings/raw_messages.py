@@ -1,4 +1,4 @@
-"""Raw messages of a recording: blocks from the storage files, brought into arrival order."""
+"""Raw messages of a recording: blocks from the storage files in arrival order."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -14,9 +14,9 @@ class Connection:
 
     Attributes:
         topic, schema: its name and message type.
-        encoding: how messages are serialised; only ``cdr`` can be decoded.
-        messages: how many there are.
-        metadata: ``(key, value)`` pairs that the storage keeps with it, such as the offered quality of service.
+        encoding: of the serialised messages; only ``cdr`` can be decoded.
+        messages: their number.
+        metadata: ``(key, value)`` pairs in the storage, such as the offered quality of service.
     """
 
     topic: str
@@ -52,7 +52,7 @@ class RawMessages:
 
 @dataclass(frozen=True, eq=False)
 class Span:
-    """A stretch of a storage file, not loaded yet: no message in it is earlier than ``start`` ns."""
+    """A part of a storage file, not yet loaded: no message in it is earlier than ``start`` ns."""
 
     file: int
     number: int
@@ -61,7 +61,7 @@ class Span:
 
 
 def joined(parts: list[RawMessages]) -> RawMessages:
-    """Several stretches as one, in their order."""
+    """Several blocks as one, in their order."""
     if len(parts) == 1:
         return parts[0]
     shifts = np.cumsum([0, *(len(part.data) for part in parts[:-1])])
@@ -75,26 +75,26 @@ def joined(parts: list[RawMessages]) -> RawMessages:
 
 
 def in_arrival_order(spans: Iterable[Span], shifts: np.ndarray) -> Iterator[RawMessages]:
-    """Messages by log time, equal times by file and place in it; holds no more spans than overlap in time.
+    """Messages by log time, equal times by file and position; keeps only spans that overlap in time in memory.
 
     Args:
         spans: by their start.
-        shifts: number of the first connection of each file; the connections of a file count from 0 before.
+        shifts: number of the first connection of each file, added to the file's connection numbers.
     """
-    held: list[tuple[Span, RawMessages]] = []
+    waiting: list[tuple[Span, RawMessages]] = []
     for span in spans:
-        ready, held = _split(held, span.start)
+        ready, waiting = _split(waiting, span.start)
         if ready:
             yield _sorted(ready)
         messages = span.load()
-        held.append((span, replace(messages, connection=messages.connection + shifts[span.file])))
-    if held:
-        yield _sorted(held)
+        waiting.append((span, replace(messages, connection=messages.connection + shifts[span.file])))
+    if waiting:
+        yield _sorted(waiting)
 
 
-def _split(held: list[tuple[Span, RawMessages]], until: int) -> tuple[list, list]:
+def _split(waiting: list[tuple[Span, RawMessages]], until: int) -> tuple[list, list]:
     ready, kept = [], []
-    for span, messages in held:
+    for span, messages in waiting:
         early = messages.log < until
         if early.all():
             ready.append((span, messages))
@@ -106,8 +106,8 @@ def _split(held: list[tuple[Span, RawMessages]], until: int) -> tuple[list, list
     return ready, kept
 
 
-def _sorted(held: list[tuple[Span, RawMessages]]) -> RawMessages:
-    place = sorted(held, key=lambda item: (item[0].file, item[0].number))
+def _sorted(waiting: list[tuple[Span, RawMessages]]) -> RawMessages:
+    place = sorted(waiting, key=lambda item: (item[0].file, item[0].number))
     messages = joined([part for _, part in place])
     if (np.diff(messages.log) >= 0).all():
         return messages
@@ -115,7 +115,7 @@ def _sorted(held: list[tuple[Span, RawMessages]]) -> RawMessages:
 
 
 def gathered(buffer: np.ndarray, start: np.ndarray, size: int) -> np.ndarray:
-    """Stretches of one size as the rows of a matrix (n, size) of bytes."""
+    """Runs of bytes of one size as the rows of a matrix (n, size)."""
     if size == 0 or len(start) == 0:
         return np.empty((len(start), size), np.uint8)
     return np.lib.stride_tricks.sliding_window_view(buffer, size)[start]

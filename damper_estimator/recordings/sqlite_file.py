@@ -11,21 +11,21 @@ from damper_estimator.recordings.library_errors import explained
 from damper_estimator.recordings.raw_messages import Connection, RawMessages, Span
 
 MAGIC = b"SQLite format 3\0"
-_PAGE = 4096  # messages that are loaded together ...
-_PAGE_BYTES = 16 << 20  # ... unless they are large
+_PAGE = 4096  # messages loaded together
+_PAGE_BYTES = 16 << 20  # for fewer large messages
 
 
 class SqliteFile:
     """One ``.db3`` file; final. Close it after use.
 
     Raises:
-        InputError: if the file is damaged or holds no recording.
+        InputError: if the file is damaged or contains no recording.
     """
 
     def __init__(self, path: Path, name: str | None = None) -> None:
         self._name = name or str(path)
         self._remedy = f"correct a copy with: sqlite3 {self._name} .recover | sqlite3 new.db3"
-        # Read-only media need immutable; a write-ahead log left by a crash is only seen without it.
+        # Read-only media need immutable; a write-ahead log left by a crash is read only without it.
         mode = "mode=ro" if path.with_name(path.name + "-wal").exists() else "mode=ro&immutable=1"
         with explained(self._name, self._remedy):
             self._database = sqlite3.connect(f"{path.resolve().as_uri()}?{mode}", uri=True)
@@ -66,7 +66,7 @@ class SqliteFile:
         return {name: Schema(name, str(encoding), str(text)) for name, encoding, text in rows}
 
     def spans(self, file: int) -> Iterator[Span]:
-        """The stretches of the file by start time; each must be loaded before the next is asked for."""
+        """The spans of the file by start time; each must be loaded before the next is requested."""
         with explained(self._name, self._remedy):
             cursor = self._database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id")
             ahead = cursor.fetchone()
@@ -96,7 +96,7 @@ class SqliteFile:
 
 
 def _page(first: tuple, cursor: sqlite3.Cursor) -> tuple[list[tuple], tuple | None]:
-    """The rows from ``first`` on that are loaded together, and the one behind them."""
+    """The rows from ``first`` on that are loaded together, and the next one."""
     rows, size = [first], len(first[2])
     for row in cursor:
         if len(rows) >= _PAGE or size >= _PAGE_BYTES:

@@ -1,4 +1,4 @@
-"""How a text file of columns is laid out: separator, decimal sign, titles, first row of numbers."""
+"""Layout of a text file of columns: separator, decimal sign, titles, first row of numbers."""
 
 import csv
 import re
@@ -14,8 +14,8 @@ _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _WHOLE = re.compile(r"[-+]?\d+")
 _UNIT_IN_TITLE = re.compile(r"\s*[\[(][^\])]*[\])]\s*$")
 _SAMPLE = 40
-_HEAD = 1000  # lines in which titles and the first numbers must lie
-_UNIT_ROWS = 3  # at most so many lines without numbers between titles and data
+_HEAD = 1000  # lines that must contain the titles and the first numbers
+_UNIT_ROWS = 3  # maximum number of lines without numbers between titles and data
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class TextLayout:
         return ([cell.strip() for cell in row] for row in split_cells(self.path, lines, self.separator))
 
     def place(self, column: Column) -> int:
-        """Which cell of a row a column is.
+        """The cell of a column in a row.
 
         Raises:
-            InputError: if there is no such title, or several; lists those there are.
+            InputError: if there is no such title, or several; lists the existing ones.
         """
         if isinstance(column, int):
             return column - 1
@@ -46,15 +46,15 @@ class TextLayout:
                 return places[0]
             if places:
                 raise InputError(f"{self.path}: several columns are titled {column!r}; give the column's number")
-        there = ", ".join(title for title in self.titles if title) or "no titles (give column numbers)"
-        raise InputError(f"{self.path}: has no column {column!r}; there are: {there}")
+        existing = ", ".join(title for title in self.titles if title) or "no titles (give column numbers)"
+        raise InputError(f"{self.path}: has no column {column!r}; there are: {existing}")
 
     def is_heading(self, cells: Sequence[str]) -> bool:
-        """Whether a line among the data is no row of them: fewer than half as many numbers as the table has columns."""
+        """Whether a line among the data is no data row: fewer than half as many numbers as columns."""
         return 2 * sum(_is_number(self, cell) for cell in cells) < max(len(self.titles), 2)
 
     def number(self, cell: str) -> float:
-        """The number in a cell, NaN if it holds none."""
+        """The number in a cell, NaN if there is none."""
         try:
             return float(cell.replace(",", ".") if self.decimal == "," else cell)
         except ValueError:
@@ -64,14 +64,14 @@ class TextLayout:
 def find_layout(
     path: object, lines: Sequence[str], known: TextFormat, needed: Sequence[Column], named: Sequence[Column]
 ) -> TextLayout:
-    """Looks at the middle of a file for its separator and at its head for titles and the first numbers.
+    """Finds the separator in the middle of a file, and titles and first numbers at its head.
 
     Args:
         path: for messages.
         lines: all lines.
-        known: what the column map says of the layout.
-        needed: the columns that must hold numbers; they tell where the data begin.
-        named: further columns that are asked for.
+        known: the layout in the column map.
+        needed: the columns of numbers; they determine where the data begin.
+        named: further requested columns.
 
     Raises:
         InputError: if a column is missing.
@@ -89,13 +89,13 @@ def find_layout(
 
 
 def _title_row(blank: TextLayout, head: list[list[str]], known: TextFormat, columns: Sequence[Column]) -> int | None:
-    """The line that holds most of the titles that are asked for; else the last line before the numbers."""
+    """The line with most of the requested titles; else the last line before the numbers."""
     if known.titles is not None:
         if known.titles > len(head):
             raise InputError(f"{blank.path}: text.titles is line {known.titles}, but the file has {len(head)} lines")
         return known.titles - 1
-    wanted = {plain_title(column) for column in columns if isinstance(column, str)}
-    found = [len(wanted.intersection(map(plain_title, cells))) for cells in head]
+    requested = {plain_title(column) for column in columns if isinstance(column, str)}
+    found = [len(requested.intersection(map(plain_title, cells))) for cells in head]
     if any(found[known.skip :]):
         return known.skip + max(range(len(found) - known.skip), key=lambda row: found[known.skip + row])
     numeric = (row for row in range(known.skip, len(head)) if _share_of_numbers(blank, head[row]) > 0.5)
@@ -104,7 +104,7 @@ def _title_row(blank: TextLayout, head: list[list[str]], known: TextFormat, colu
 
 
 def _first_row(layout: TextLayout, head: list[list[str]], places: list[int]) -> int:
-    """The first line with a number in every column that needs one; behind titles, in any: units come without."""
+    """The first line with a number in every needed column; after titles, in any of them: unit rows have none."""
     last = len(head) if not layout.titles else min(len(head), layout.first + _UNIT_ROWS + 1)
     for row in range(layout.first, last):
         found = [place < len(head[row]) and _is_number(layout, head[row][place]) for place in places]
@@ -132,7 +132,7 @@ def _separator(middle: Sequence[str]) -> str:
 
 
 def _is_decimal_comma(line: str) -> bool:
-    """Whether white space alone cuts the line into several numbers, some with a comma."""
+    """Whether white space separates the line into several numbers, some with a comma."""
     cells = line.split()
     return len(cells) > 1 and all(_COMMA_NUMBER.fullmatch(cell) or _WHOLE.fullmatch(cell) for cell in cells)
 
@@ -158,10 +158,10 @@ def split_cells(path: object, lines: Sequence[str], separator: str) -> Iterator[
             yield from csv.reader(lines, delimiter=separator, skipinitialspace=True)
         except csv.Error as error:
             raise InputError(
-                f"{path}: cannot be cut into cells ({error}); look for a quote that is not closed"
+                f"{path}: cannot be split into cells ({error}); look for a quote that is not closed"
             ) from error
 
 
 def plain_title(title: Column) -> str:
-    """A title as people write it: without its unit, quotes and case."""
+    """A title without unit, quotes and case."""
     return _UNIT_IN_TITLE.sub("", str(title).lstrip("#% ").strip("\"' ")).casefold()

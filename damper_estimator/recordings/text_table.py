@@ -13,17 +13,17 @@ from damper_estimator.recordings.column_map import TextFormat
 from damper_estimator.recordings.text_layout import TextLayout, find_layout
 
 _NUMBER_IN_TEXT = re.compile(r"[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?")
-_BLOCK = 50_000  # rows that are turned into numbers together
+_BLOCK = 50_000  # rows converted together
 _SAMPLE = 40
 
 
 class TextTable(Table):
-    """A text file of columns; final. Only the columns that are asked for are kept.
+    """A text file of columns; final. Only the requested columns are kept.
 
     Args:
         path: for messages.
         content: the file's bytes, unpacked.
-        known: what is known of the layout.
+        known: known part of the layout.
         needed: columns of numbers.
         named: columns of text.
 
@@ -58,7 +58,9 @@ class TextTable(Table):
             match = _NUMBER_IN_TEXT.search(line, len(label)) if line.casefold().startswith(label) else None
             if match:
                 return float(match.group().replace(",", "."))
-        raise InputError(f"{self.path}: no header line begins with {label!r} and holds a number; give time.rate in Hz")
+        raise InputError(
+            f"{self.path}: no header line begins with {label!r} and contains a number; give time.rate in Hz"
+        )
 
     def resolution(self, column: Column) -> float:
         places = re.compile(re.escape(self._layout.decimal) + r"(\d+)")

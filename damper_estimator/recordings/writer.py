@@ -1,4 +1,4 @@
-"""Recordings to write: mcap files as rosbag2, Foxglove and PlotJuggler open them."""
+"""Writes recordings: mcap files for rosbag2, Foxglove and PlotJuggler."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -16,7 +16,7 @@ from damper_estimator.recordings.batch import Batch
 from damper_estimator.recordings.definitions import Schema, builtin_schema, builtin_store
 from damper_estimator.recordings.encode import encode
 
-# As rosbag2 of Jazzy writes the default profile (reliable, volatile, last ten).
+# The default profile (reliable, volatile, last ten) as written by rosbag2 of Jazzy.
 _QOS = """- history: keep_last
   depth: 10
   reliability: reliable
@@ -47,8 +47,8 @@ class Stream:
 class BagWriter:
     """Writes one ``.mcap`` file (ros2 profile, CDR, full schemas, zstd chunks); final; a context manager.
 
-    The file grows beside its place and is moved there when the block ends well; after an error nothing is left.
-    Messages should come roughly in the order of their log times.
+    The file is written next to its path and moved there when the block ends without an error; after an error nothing is
+    left. Messages should come roughly in the order of their log times.
 
     Raises:
         InputError: if the path is no ``.mcap`` file or cannot be written.
@@ -57,9 +57,9 @@ class BagWriter:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         if self.path.suffix != ".mcap":
-            raise InputError(f"{self.path}: recordings are written as mcap; give a name that ends in .mcap")
+            raise InputError(f"{self.path}: recordings are written as mcap; give a name ending in .mcap")
         if not self.path.parent.is_dir():
-            raise InputError(f"{self.path}: cannot be written (there is no folder {self.path.parent}); make it first")
+            raise InputError(f"{self.path}: cannot be written (there is no folder {self.path.parent}); create it first")
         self._stack = ExitStack()
 
     def __enter__(self) -> "BagWriter":
@@ -87,7 +87,7 @@ class BagWriter:
             self._sink.add(channel, time, data)
 
     def write_streams(self, streams: Iterable[Stream]) -> None:
-        """Writes several topics together, message by message by log time (equal times: as the streams come)."""
+        """Writes several topics together, message by message by log time (equal times in the order of the streams)."""
         streams = list(streams)
         channels = [self._sink.channel(stream.topic, builtin_schema(stream.type)) for stream in streams]
         logs = [np.asarray(stream.log, np.int64) for stream in streams]
@@ -103,7 +103,7 @@ class BagWriter:
         self._sink.add(self._sink.channel(topic, schema or builtin_schema(type_name)), log_ns, data)
 
     def write_batch(self, batch: Batch) -> None:
-        """Copies all messages of a batch as they are, with the definitions of their recording."""
+        """Copies all messages of a batch unchanged, with the definitions of their recording."""
         channels: dict[int, int] = {}
         for connection, log_ns, data in batch.raw():
             channel = channels.get(id(connection))
@@ -116,13 +116,13 @@ class BagWriter:
 
 
 class LiveBagWriter:
-    """Writes one ``.mcap`` file that can be read however the process ends; final.
+    """Writes one ``.mcap`` file that stays readable, however the process ends; final.
 
-    The file stands in its place from the beginning. What was there at the last `flush` survives a process that is
-    killed: `open_bag` reads all whole chunks of a file that was not closed.
+    The file has its final path from the beginning. The messages before the last `flush` survive a killed process:
+    `open_bag` reads all whole chunks of a file that was not closed.
 
     Raises:
-        OSError: if the file cannot be made, or there is no room; also from every method.
+        OSError: if the file cannot be created, or the disk is full; also from every method.
     """
 
     def __init__(self, path: Path) -> None:
@@ -132,11 +132,11 @@ class LiveBagWriter:
         self._sink = _Sink(self._file)
 
     def write_raw(self, topic: str, type_name: str, log_ns: int, data: bytes) -> None:
-        """Takes one serialised message of a built-in type."""
+        """Writes one serialised message of a built-in type."""
         self._sink.add(self._sink.channel(topic, builtin_schema(type_name)), log_ns, data)
 
     def flush(self) -> int:
-        """Ends the chunk and hands it to the operating system; the size of the file in bytes."""
+        """Ends the chunk and passes it to the operating system; returns the size of the file in bytes."""
         self._sink.flush()
         return self._file.tell()
 
@@ -148,13 +148,13 @@ class LiveBagWriter:
             self._file.close()
 
     def abandon(self) -> None:
-        """Closes the file as it is, where there is no room to complete it."""
+        """Closes the file without completing it, if the disk is full."""
         with suppress(OSError):
             self._file.close()
 
 
 class _Sink:
-    """Messages into one open file, with their definitions; final."""
+    """Writes messages with their definitions to one open file; final."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._schemas: dict[Schema, int] = {}
@@ -187,7 +187,7 @@ class _Sink:
 
 
 def _with_text(schema: Schema) -> Schema:
-    """Old recordings keep no definitions; built-in types get theirs."""
+    """Adds the definition of a built-in type, if an old recording lacks it."""
     if schema.text or schema.type not in builtin_store().fielddefs:
         return schema
     return builtin_schema(schema.type)

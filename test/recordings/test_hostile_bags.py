@@ -80,7 +80,7 @@ def test_an_mcap_cut_anywhere_gives_its_whole_chunks_and_tells_what_is_lost(tmp_
                 values = bag.columns("/x", ["position[a]"]).values[:, 0]
         except InputError as error:
             assert least == 0
-            assert re.search(r"cut\.mcap: cut off before .*; recover what can be with: mcap recover", str(error))
+            assert re.search(r"cut\.mcap: cut off before .*; recover the readable part with: mcap recover", str(error))
             continue
         assert values.size in (least, most) and np.array_equal(values, np.arange(values.size))
         assert f"{values.size} messages are whole" in caplog.text and "bytes are lost" in caplog.text

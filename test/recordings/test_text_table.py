@@ -142,7 +142,7 @@ def test_a_quote_that_never_closes_is_refused():
 
 
 def test_a_header_without_the_rate_is_refused():
-    with pytest.raises(InputError, match="no header line begins with 'sampling rate' and holds a number"):
+    with pytest.raises(InputError, match="no header line begins with 'sampling rate' and contains a number"):
         table("Sampling Rate: fast\n" + rows()).header_number("Sampling Rate")
 
 
