@@ -1,4 +1,4 @@
-"""A real estimator process on real DDS; skipped, with the reason, where ROS is not installed."""
+"""A real estimator process on real DDS; skipped, with the reason, if ROS is not installed."""
 
 import os
 import signal
@@ -18,10 +18,10 @@ NOTHING_LOST = {"qos_reliability": "reliable", "qos_depth": 2000}  # by the midd
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests that start an estimator of their own come first in each module: the shared one would answer beside it."""
+    """Tests that start an estimator come first in each module: the shared one would answer as well."""
     places = [place for place, item in enumerate(items) if item.path.parent == Path(__file__).parent]
     modules = {items[place].path: number for number, place in reversed(list(enumerate(places)))}
-    ordered = sorted((items[p] for p in places), key=lambda own: (modules[own.path], "shared" in own.fixturenames))
+    ordered = sorted((items[p] for p in places), key=lambda item: (modules[item.path], "shared" in item.fixturenames))
     for place, item in zip(places, ordered, strict=True):
         items[place] = item
 
@@ -40,7 +40,7 @@ def ros() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def signals() -> None:
-    """Processes that tests start hear SIGINT and SIGHUP, also where this one was started in the background."""
+    """Processes that tests start receive SIGINT and SIGHUP, also if this one was started in the background."""
     for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, handler)
@@ -48,7 +48,7 @@ def signals() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def domain(ros, tmp_path_factory) -> Iterator[None]:
-    """A ROS domain that nothing else on this machine uses, and a folder for ROS's logs."""
+    """A free ROS domain on this machine, and a folder for ROS's logs."""
     from damper_estimator.node.playback.domain import free_ros_domain
 
     with pytest.MonkeyPatch.context() as patch, free_ros_domain():
@@ -99,9 +99,9 @@ def start() -> Iterator[Callable[..., subprocess.Popen]]:
 
 @pytest.fixture(scope="module")
 def shared(domain, identified) -> Iterator[Callable[..., None]]:
-    """One estimator for all tests of a module: it is started once, and brought to each test's parameters while it runs.
+    """One estimator for all tests of a module: it is started once, and gets each test's parameters while it runs.
 
-    Models and filters begin anew with every change; counts of messages go on.
+    Every change resets models and filters; counts of messages continue.
     """
     defaults = {
         "model": identified("coulomb"),
@@ -114,17 +114,17 @@ def shared(domain, identified) -> Iterator[Callable[..., None]]:
     words = [word for name, value in first.items() for word in ("-p", f"{name}:={value}")]
     process = subprocess.Popen([EXECUTABLE, "--ros-args", *words])
 
-    def bring(rig, **parameters: object) -> None:
+    def set_parameters(rig, **parameters: object) -> None:
         taken, reason = rig.set(**defaults | parameters)
         assert taken, reason
 
-    yield bring
+    yield set_parameters
     process.terminate()
     assert process.wait(STOPPED_WITHIN) == 0
 
 
 def stop(process: subprocess.Popen) -> None:
-    """Ends a process that a test started, and reads what it said."""
+    """Ends a process that a test started, and reads its output."""
     process.terminate()
     try:
         process.communicate(timeout=STOPPED_WITHIN)
@@ -135,7 +135,7 @@ def stop(process: subprocess.Popen) -> None:
 
 @pytest.fixture
 def player(domain) -> Iterator[object]:
-    """Plays to an estimator of the default name."""
+    """A player for an estimator of the default name."""
     import rclpy
 
     from damper_estimator.node.playback.player import Player
@@ -149,7 +149,7 @@ def player(domain) -> Iterator[object]:
 
 @pytest.fixture
 def rig(domain) -> Iterator[object]:
-    """Drives an estimator of the default name."""
+    """A rig for an estimator of the default name."""
     import rclpy
     from rig import Rig
 

@@ -1,4 +1,4 @@
-"""What the tests of the launch files share: a launch of its own per test, and the car that its nodes hear."""
+"""Fixtures of the tests of the launch files: a launch per test, and the car whose topics its nodes use."""
 
 import os
 import signal
@@ -40,7 +40,7 @@ def package(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def launch(package, tmp_path) -> Iterator[Callable[..., subprocess.Popen]]:
-    """Launches a file of the project, or one with the given text; what is left ends with the test by SIGINT."""
+    """Launches a file of the project, or one with the given text; remaining processes end with the test by SIGINT."""
     running = []
     environment = os.environ | {
         "AMENT_PREFIX_PATH": os.pathsep.join([str(package), os.environ.get("AMENT_PREFIX_PATH", sys.prefix)])
@@ -99,7 +99,7 @@ def ours(file, **arguments):
 
 
 def group_of(process: subprocess.Popen) -> list[int]:
-    """The processes that a launch has started and that are still there."""
+    """The running processes of a launch."""
     listed = subprocess.run(["ps", "-o", "pid=,stat=", "-g", str(process.pid)], capture_output=True, text=True).stdout
     rows = [line.split() for line in listed.splitlines()]
     return [int(pid) for pid, state in rows if int(pid) != process.pid and not state.startswith("Z")]

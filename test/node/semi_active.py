@@ -35,7 +35,7 @@ def semi_active_parameters(folder: Path, dampers: tuple[str, ...] = DAMPERS) -> 
     (folder / "map.yaml").write_text(yaml.safe_dump(signals))
     return {
         "model": str(models), "signals": str(folder / "map.yaml"), "safe_current": SAFE, "desired_force_timeout": 10.0,
-        "stale_after": 0.2, "command_lag": 0.0,  # the car reports one current, whatever is commanded
+        "stale_after": 0.2, "command_lag": 0.0,  # the car reports one current, regardless of the commands
     }  # fmt: skip
 
 
@@ -47,14 +47,14 @@ def by_table(folder: Path) -> str:
 
 
 class Car:
-    """Drives an estimator and hears what it commands; final.
+    """Drives an estimator and receives its commands; final.
 
     Attributes:
-        commands: A, all that were commanded, by damper; ``sources``: why, as ``~/command`` says.
+        commands: A, all received ones, by damper; ``sources``: from ``~/command``.
     """
 
     def __init__(self, rig: Rig, dampers: tuple[str, ...] = DAMPERS, namespace: str = "", driver: bool = False) -> None:
-        """With ``driver`` somebody else reports the current that flows."""
+        """With ``driver`` another node reports the flowing current."""
         from damper_msgs.msg import DamperCommand
         from std_msgs.msg import Float64
 
@@ -101,14 +101,15 @@ class Car:
             self.move(desired)
             if condition():
                 return
-        raise AssertionError(f"{what} did not come; commanded {[own[-3:] for own in self.commands.values()]}")
+        raise AssertionError(f"{what} did not come; commanded {[commands[-3:] for commands in self.commands.values()]}")
 
     def energise(self) -> None:
         """Drives until every damper is commanded another current than the safe one."""
         self.drive_until(
-            lambda: all(own and own[-1] > 2.0 * SAFE for own in self.commands.values()), "currents above the safe one"
+            lambda: all(commands and commands[-1] > 2.0 * SAFE for commands in self.commands.values()),
+            "currents above the safe one",
         )
 
     def last(self) -> dict[str, float]:
         """The last commands."""
-        return {name: own[-1] for name, own in self.commands.items()}
+        return {name: commands[-1] for name, commands in self.commands.items()}

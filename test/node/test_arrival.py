@@ -1,4 +1,4 @@
-"""How messages arrive: padding behind them, losses on the way, two publishers of one damper; over DDS."""
+"""Arrival of messages over DDS: padding after them, losses, two publishers of one damper."""
 
 import os
 import subprocess
@@ -11,7 +11,8 @@ from rig import MS, START, joint_state
 GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
 TOPIC = "/suspension/displacement"
 
-# Publishes samples far faster than the node takes them, then some slowly: losses show in the numbers that follow them.
+# Publishes samples far faster than the node processes them, then some slowly: losses show in the following sequence
+# numbers.
 FLOOD = """
 import sys, time
 import numpy as np
@@ -41,7 +42,7 @@ time.sleep(2.0)
 
 @pytest.fixture
 def second(rig):
-    """Makes further publishers of the displacement topic beside that of the rig."""
+    """Creates further publishers of the displacement topic."""
     from sensor_msgs.msg import JointState
 
     made = []
@@ -57,8 +58,8 @@ def second(rig):
 
 
 @pytest.mark.parametrize("executor", ["events", "single"])
-def test_a_flood_is_answered_right_and_every_loss_is_counted(executor, start, identified, rig):
-    """The filter sees what was answered and nothing else; what is missing between two messages is counted."""
+def test_a_flood_is_answered_correctly_and_every_loss_is_counted(executor, start, identified, rig):
+    """The filter processes exactly the answered samples; those missing between two messages are counted."""
     count, slow = 20_000, 200
     asked = {"qos_reliability": "best_effort", "qos_depth": 5, "cutoff": 30.0, "executor": executor}
     start(model=identified("linear_viscous"), dampers="[left]", **asked)
@@ -104,7 +105,7 @@ def independent_velocity(stamps: np.ndarray, cutoff: float) -> np.ndarray:
     return velocity
 
 
-def test_padding_behind_messages_changes_nothing(shared, identified, rig):
+def test_padding_after_messages_changes_nothing(shared, identified, rig):
     """Published raw, as rmw_serialize leaves them, and as buffers of a fixed size."""
     shared(rig, model=identified("linear_viscous"))
     rig.ready()
@@ -150,11 +151,11 @@ def alternate(rig, publishers, names, count=800):
     """Each publisher sends its damper's sample in turn, 1 ms apart in all; the answers."""
     before = len(rig.forces)
     for i in range(count):
-        own = i % len(publishers)
+        sender = i % len(publishers)
         rig.stamp += MS
         # Small enough to be neither a jump nor noise.
-        value = 0.02 * np.sin(0.02 * i) + 2e-5 * own
-        publishers[own].publish(joint_state([value], [names[own]], rig.stamp))
+        value = 0.02 * np.sin(0.02 * i) + 2e-5 * sender
+        publishers[sender].publish(joint_state([value], [names[sender]], rig.stamp))
         rig.wait(lambda i=i: rig.answered(before) >= i - 20, "answers")
     rig.wait(lambda: rig.answered(before) >= count, "answers")
     return [m for m in rig.forces[before:] if STALE not in m.status]
@@ -185,7 +186,7 @@ def test_two_publishers_of_different_dampers_are_good(start, identified, rig, se
     assert values["from one of two publishers"] == "" and values["lost"] == "0"
 
 
-def test_a_publisher_that_begins_again_beside_another_is_not_reported(start, identified, rig, second):
+def test_a_publisher_that_restarts_next_to_another_is_not_reported(start, identified, rig, second):
     start(model=identified("linear_viscous"), dampers="[left, right]", stale_after=60.0)
     rig.ready()
     other = second()

@@ -24,10 +24,10 @@ REACHED, LIMITED, SAFE_OLD, SAFE_STATUS, SAFE_NO_ANSWER, SAFE_STOPPED, IDLE = ra
 def semi_active(tmp_path) -> dict[str, object]:
     """Parameters of a node with a magneto-rheological damper and one whose force knows no current."""
     effects = [{"command_lag": {}}, {"viscous": {"rate": 800.0}}, {"semi_active_squash": {"gain": 600.0}}]
-    for name, own in (("left", effects), ("right", effects[1:2])):
+    for name, of_damper in (("left", effects), ("right", effects[1:2])):
         region = {"velocity": [-9.0, 9.0], "command": [0.0, 2.0]} if name == "left" else {"velocity": [-9.0, 9.0]}
         fit = {"residual_stddev": 10.0, "region": region}
-        content = {"name": name, "source": "test", "effects": own, "fit": fit}
+        content = {"name": name, "source": "test", "effects": of_damper, "fit": fit}
         (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(content))
     signals = {"dampers": {"left": {"command": {"topic": CURRENT, "limits": [0.0, 2.0]}}, "right": {}}}
     (tmp_path / "signals").mkdir()
@@ -43,7 +43,7 @@ class Commanded:
     """A rig that desires forces, and hears the currents; final.
 
     Attributes:
-        currents: A, of the left damper; ``told``: the messages that say where they come from.
+        currents: A, of the left damper; ``reports``: the messages with their sources.
         motion: what it has sent, m.
         flows: what the driver reports with every 20th sample, A; None for nothing.
     """
@@ -52,18 +52,18 @@ class Commanded:
         from damper_msgs.msg import DamperCommand
         from std_msgs.msg import Float64
 
-        self.rig, self.currents, self.told, self.motion, self.flows = rig, [], [], [], 0.5
-        self._asked, self._is_wished, self._is_fresh = 0, False, False
+        self.rig, self.currents, self.reports, self.motion, self.flows = rig, [], [], [], 0.5
+        self._requested, self._is_wished, self._is_fresh = 0, False, False
         node = rig.node
         node.create_subscription(
             Float64, "/suspension/left/current_command", lambda m: self.currents.append(m.data), 1000
         )
-        node.create_subscription(DamperCommand, f"{rig.name}/command", self.told.append, 1000)
+        node.create_subscription(DamperCommand, f"{rig.name}/command", self.reports.append, 1000)
         rig.ready()
         rig.publisher(CURRENT, FLOAT)
         rig.publisher(WISH, JOINT_STATE)
         rig.wait(lambda: node.count_publishers("/suspension/left/current_command") > 0, "the currents")
-        rig.wait(lambda: self.told, "what is commanded")
+        rig.wait(lambda: self.reports, "what is commanded")
         self.flow(0.5)
         rig.listen(0.5)
 
@@ -85,9 +85,9 @@ class Commanded:
             self.await_command(lambda m: m.header.stamp.sec * 10**9 + m.header.stamp.nanosec == self.rig.stamp)
         self._is_fresh = False
 
-    def wish(self, force: float) -> float:
+    def request(self, force: float) -> float:
         """Desires a force of the left damper; the current that answers it."""
-        self._asked = len(self.told)  # what repeats an older answer does not count
+        self._requested = len(self.reports)  # what repeats an older answer does not count
         self.send_wish(force, "left")
         self._is_wished = self._is_fresh = True
         return self.await_command(lambda m: m.desired_force[0] == force or np.isnan([force, m.desired_force[0]]).all())
@@ -104,79 +104,79 @@ class Commanded:
         """Waits for the next message that meets a condition, and its current; older ones are not asked again."""
 
         def found() -> int | None:
-            new = enumerate(self.told[self._asked :], self._asked)
+            new = enumerate(self.reports[self._requested :], self._requested)
             return next((i for i, m in new if m.source[0] != IDLE and condition(m)), None)
 
         self.rig.wait(lambda: found() is not None, "the command")
-        self._asked = found() + 1
-        commanded = [m for m in self.told[: self._asked] if m.source[0] != IDLE]
+        self._requested = found() + 1
+        commanded = [m for m in self.reports[: self._requested] if m.source[0] != IDLE]
         self.rig.wait(lambda: len(self.currents) >= len(commanded), "the currents")
         assert self.currents[len(commanded) - 1] == commanded[-1].current[0]
         return commanded[-1].current[0]
 
 
-def test_every_wish_is_answered_by_the_current_of_the_inverse_model(semi_active, shared, rig):
+def test_every_desired_force_is_answered_with_the_current_of_the_inverse_model(semi_active, shared, rig):
     shared(rig, **semi_active)
     node = Commanded(rig)
     node.drive(300)
-    assert node.currents == []  # nobody wished
-    told = rig.forces[-1]
-    wishes = (450.0, 700.0, -200.0, 1e5)
-    answers = [node.wish(force) for force in wishes]
-    # The same samples off line.
+    assert node.currents == []  # no force was desired
+    forces = rig.forces[-1]
+    requests = (450.0, 700.0, -200.0, 1e5)
+    answers = [node.request(force) for force in requests]
+    # The same samples offline.
     motion = np.array(node.motion)
     estimator = DamperEstimator(deployed(load_model(semi_active["model"], "left"), 60.0, 0.1))
     kinematics = estimator.block(START + MS * (1 + np.arange(motion.size)), motion, 0.5).kinematics
     inverse = InverseModel(load_model(semi_active["model"], "left"), (0.0, 2.0))
     looked = [inverse.solve(column, slope=True) for column in kinematics.block.T][-1]
-    assert [inverse.again(force).current for force in wishes] == answers
+    assert [inverse.again(force).current for force in requests] == answers
     assert answers[-1] == 2.0 and 0.0 < answers[0] < 2.0
     fields = ("force_min", "force_max", "dforce_dvelocity", "dforce_dcurrent")
-    left, right = list(told.name).index("left"), list(told.name).index("right")
-    assert tuple(getattr(told, field)[left] for field in fields) == looked.reach
-    assert np.isnan([getattr(told, field)[right] for field in fields]).all()
-    assert told.force_min[left] < told.force[left] < told.force_max[left]
+    left, right = list(forces.name).index("left"), list(forces.name).index("right")
+    assert tuple(getattr(forces, field)[left] for field in fields) == looked.reach
+    assert np.isnan([getattr(forces, field)[right] for field in fields]).all()
+    assert forces.force_min[left] < forces.force[left] < forces.force_max[left]
 
 
-def test_samples_that_come_faster_than_wishes_are_answered_with_the_wish_that_holds(semi_active, shared, rig):
+def test_samples_faster_than_desired_forces_are_answered_with_the_last_desired_force(semi_active, shared, rig):
     shared(rig, **semi_active)
     node = Commanded(rig)
     node.drive(250)
-    first = node.wish(500.0)
+    first = node.request(500.0)
     node.drive(11)
     assert len(node.currents) == 11
     assert first != SAFE and SAFE not in node.currents
 
 
-def test_the_safe_current_is_commanded_whenever_a_wish_cannot_be_trusted(semi_active, shared, rig):
+def test_the_safe_current_is_commanded_whenever_a_desired_force_cannot_be_trusted(semi_active, shared, rig):
     shared(rig, **semi_active)
     node = Commanded(rig)
-    assert node.wish(500.0) == SAFE  # no sample yet
+    assert node.request(500.0) == SAFE  # no sample yet
     node.drive(50)
-    assert node.wish(500.0) == SAFE  # warming up
+    assert node.request(500.0) == SAFE  # warming up
     node.drive(250)
-    assert node.wish(500.0) != SAFE
-    assert node.wish(float("nan")) == SAFE  # taken back
-    assert node.wish(500.0) != SAFE
+    assert node.request(500.0) != SAFE
+    assert node.request(float("nan")) == SAFE  # taken back
+    assert node.request(500.0) != SAFE
     assert rig.set(desired_force_timeout=0.002) == (True, "")
     before = len(node.currents)
     node.drive(20)
-    assert set(node.currents[before:]) == {SAFE}  # the wish is old
+    assert set(node.currents[before:]) == {SAFE}  # the request is old
     rig.wait(lambda: "the desired force was too old" in rig.message(": left command"), "the report")
     assert rig.set(desired_force_timeout=10.0, safe_current=0.75) == (True, "")
     node.drive(2)
-    assert node.wish(500.0) not in (SAFE, 0.75)
+    assert node.request(500.0) not in (SAFE, 0.75)
     assert rig.set(stale_after=0.05) == (True, "")
     rig.wait(lambda: node.currents[-1] == 0.75, "the safe current when the input stops")
     assert rig.set(stale_after=60.0) == (True, "")
     node.drive(5)
-    assert node.wish(500.0) != 0.75
+    assert node.request(500.0) != 0.75
     assert rig.transition(DEACTIVATE)
     rig.wait(lambda: node.currents[-1] == 0.75, "the safe current at the end")
     assert rig.transition(ACTIVATE)
 
 
-def test_a_wish_that_no_current_can_follow_is_reported_with_the_reason(semi_active, shared, rig):
+def test_a_desired_force_that_no_current_can_follow_is_reported_with_the_reason(semi_active, shared, rig):
     shared(rig, **semi_active)
     node = Commanded(rig)
     node.send_wish(200.0, "right")
@@ -192,16 +192,16 @@ def with_region(semi_active, **region: list[float]) -> None:
     path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | {"fit": fit}))
 
 
-def test_outside_the_region_of_the_fit_desired_forces_are_followed_only_where_that_is_set(semi_active, shared, rig):
+def test_outside_the_region_of_the_fit_desired_forces_are_followed_only_if_that_is_set(semi_active, shared, rig):
     with_region(semi_active, velocity=[-0.001, 0.001])
     shared(rig, **semi_active)
     node = Commanded(rig)
     node.drive(250)
-    assert node.wish(500.0) == SAFE
+    assert node.request(500.0) == SAFE
     assert rig.set(command_extrapolating=True) == (True, "")
     node.replaced()
     node.drive(250)
-    assert node.wish(500.0) != SAFE
+    assert node.request(500.0) != SAFE
 
 
 def test_currents_stay_within_the_region_of_the_fit_unless_that_is_set(semi_active, shared, rig):
@@ -210,11 +210,11 @@ def test_currents_stay_within_the_region_of_the_fit_unless_that_is_set(semi_acti
     node = Commanded(rig)
     node.flows = 0.3
     node.drive(250)
-    assert node.wish(1e5) == 0.4  # while it extends
+    assert node.request(1e5) == 0.4  # while it extends
     assert rig.set(command_extrapolating=True) == (True, "")
     node.replaced()
     node.drive(250)
-    assert node.wish(-1e5) == 2.0
+    assert node.request(-1e5) == 2.0
 
 
 @pytest.mark.parametrize("safe", [0.0, SAFE])
@@ -226,11 +226,11 @@ def test_a_safe_current_outside_the_region_of_the_fit_does_not_keep_the_damper_p
     node.flows = None
     for gap in (0, 150 * MS):
         rig.stamp += gap
-        node.wish(500.0)
+        node.request(500.0)
         for _ in range(40):
             node.flow(node.currents[-1])
             node.drive(10)
-        assert node.wish(500.0) != safe and node.currents[-1] >= 0.5
+        assert node.request(500.0) != safe and node.currents[-1] >= 0.5
     assert rig.forces[-1].status[0] == GOOD
 
 
@@ -243,17 +243,19 @@ def test_limits_and_safe_current_that_contradict_the_model_are_refused(semi_acti
     assert not taken and "nothing in common with the region 3 to 4 A" in reason
 
 
-def test_a_silent_or_wild_current_leaves_no_estimate_good_until_the_model_has_forgotten_it(semi_active, shared, rig):
+def test_after_a_silent_or_implausible_current_no_estimate_is_good_until_the_model_has_forgotten_it(
+    semi_active, shared, rig
+):
     shared(rig, **semi_active)
     node = Commanded(rig)
     node.drive(260)
     assert rig.forces[-1].status[0] == GOOD
     node.flows = None
     node.drive(300)
-    assert rig.forces[-1].status[0] == DEGRADED and node.wish(500.0) == SAFE
+    assert rig.forces[-1].status[0] == DEGRADED and node.request(500.0) == SAFE
     node.flows = 0.5
     node.drive(300)
-    assert rig.forces[-1].status[0] == GOOD and node.wish(500.0) != SAFE
+    assert rig.forces[-1].status[0] == GOOD and node.request(500.0) != SAFE
     for wild in (65535.0, 1e300, float("nan"), -50.0):
         before = rig.forces[-1].force[0]
         node.flow(wild)
@@ -266,31 +268,31 @@ def test_a_silent_or_wild_current_leaves_no_estimate_good_until_the_model_has_fo
     assert int(rig.fresh_values(": left")["command: values that cannot be"]) >= 4
 
 
-def test_what_is_commanded_is_told_with_its_stamp_its_reason_and_a_number(semi_active, shared, rig):
+def test_commands_are_reported_with_stamp_reason_and_sequence_number(semi_active, shared, rig):
     shared(rig, **semi_active)
     node = Commanded(rig)
-    assert {m.source[0] for m in node.told} == {IDLE} and not any(m.valid[0] for m in node.told)
-    assert [list(m.name) for m in node.told[-2:]] == [["left"], ["left"]] and node.told[-1].current[0] == SAFE
+    assert {m.source[0] for m in node.reports} == {IDLE} and not any(m.valid[0] for m in node.reports)
+    assert [list(m.name) for m in node.reports[-2:]] == [["left"], ["left"]] and node.reports[-1].current[0] == SAFE
     node.drive(260)
-    seen = len(node.told)
+    seen = len(node.reports)
     for force, source in ((500.0, REACHED), (1e5, LIMITED), (float("nan"), SAFE_OLD)):
-        node.wish(force)
-        (told,) = [m for m in node.told[seen:] if m.source[0] == source][-1:]
-        assert told.header.stamp.sec * 10**9 + told.header.stamp.nanosec == rig.stamp
-        assert told.valid[0] == (source in (REACHED, LIMITED)) and (
-            source != REACHED or told.achievable_force[0] == pytest.approx(500.0, rel=0.01)
+        node.request(force)
+        (report,) = [m for m in node.reports[seen:] if m.source[0] == source][-1:]
+        assert report.header.stamp.sec * 10**9 + report.header.stamp.nanosec == rig.stamp
+        assert report.valid[0] == (source in (REACHED, LIMITED)) and (
+            source != REACHED or report.achievable_force[0] == pytest.approx(500.0, rel=0.01)
         )
-    numbers = [m.sequence for m in node.told]
+    numbers = [m.sequence for m in node.reports]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     assert rig.set(stale_after=0.05) == (True, "")
-    rig.wait(lambda: node.told[-1].source[0] in (SAFE_OLD, SAFE_STOPPED), "the safe current")
-    # The driver hears from the node all the time.
-    before = len(node.told)
+    rig.wait(lambda: node.reports[-1].source[0] in (SAFE_OLD, SAFE_STOPPED), "the safe current")
+    # The driver receives commands all the time.
+    before = len(node.reports)
     rig.listen(1.0)
-    assert len(node.told) - before >= 8
+    assert len(node.reports) - before >= 8
 
 
-def test_a_command_in_another_unit_comes_back_in_that_unit():
+def test_a_command_in_another_unit_is_sent_in_that_unit():
     """Milliamperes, and a table of the coil's effect."""
     from damper_estimator.node.commands import Follower
     from damper_estimator.node.settings import DECLARATIONS

@@ -86,7 +86,7 @@ class Estimates:
         return self.wishes[-1].effort[0]
 
 
-def test_the_wish_is_the_laws_with_what_others_add_and_none_without_the_body(start_controller, rig):
+def test_the_desired_force_is_that_of_the_law_plus_added_forces_and_none_without_acceleration(start_controller, rig):
     start_controller(law="groundhook", damping=1000.0, rest_force=REST, timeout=5.0)
     estimator = Estimates(rig)
     assert np.isnan(estimator.answer(0.2))  # the body was not felt yet
@@ -102,7 +102,7 @@ def test_the_wish_is_the_laws_with_what_others_add_and_none_without_the_body(sta
     assert np.isnan(estimator.answer(0.1))  # what was felt is old
 
 
-def test_only_good_estimates_are_acted_on_and_extrapolating_ones_with_a_limit(start_controller, rig):
+def test_only_good_estimates_are_answered_and_extrapolating_ones_with_a_limit(start_controller, rig):
     start_controller(law="groundhook", damping=1000.0, rest_force=REST, timeout=10.0, extrapolating_limit=150.0)
     estimator = Estimates(rig)
     estimator.feel(0.0)
@@ -117,7 +117,7 @@ def test_only_good_estimates_are_acted_on_and_extrapolating_ones_with_a_limit(st
     assert estimator.answer(0.4) == pytest.approx(REST + 400.0)
 
 
-def test_what_is_not_a_number_is_rejected_counted_and_forgotten(start_controller, rig):
+def test_values_that_are_not_numbers_are_rejected_and_counted_without_further_effect(start_controller, rig):
     start_controller(law="skyhook", damping=1000.0, timeout=10.0)
     estimator = Estimates(rig)
     estimator.feel(2.0)
@@ -134,7 +134,7 @@ def test_what_is_not_a_number_is_rejected_counted_and_forgotten(start_controller
     assert (values["accelerations rejected"], values["added forces ignored"]) == ("3", "2")
 
 
-def test_an_acceleration_that_is_never_a_number_is_too_old_as_usual(start_controller, rig):
+def test_an_acceleration_that_is_never_a_number_counts_as_too_old(start_controller, rig):
     start_controller(law="skyhook", timeout=0.5)
     estimator = Estimates(rig)
     estimator.feel(1.0)
@@ -147,7 +147,7 @@ def test_an_acceleration_that_is_never_a_number_is_too_old_as_usual(start_contro
     assert np.isnan(estimator.answer(0.0))
 
 
-def test_by_table_the_safe_current_is_commanded_where_there_is_nothing_to_act_on(start_controller, rig, tmp_path):
+def test_with_a_table_the_safe_current_is_commanded_without_a_usable_estimate(start_controller, rig, tmp_path):
     start_controller(law="groundhook", damping=20000.0, table=by_table(tmp_path), safe_current=SAFE, timeout=1.0)
     estimator = Estimates(rig, "/damper_controller/desired_force")
     commands = estimator.commands
@@ -168,7 +168,7 @@ def test_by_table_the_safe_current_is_commanded_where_there_is_nothing_to_act_on
     rig.wait(lambda: commands[-1] == SAFE, "the safe current when the estimates stop")
 
 
-def test_its_health_says_whether_it_controls_and_why_not(start_controller, rig):
+def test_its_health_reports_whether_it_controls_and_why_not(start_controller, rig):
     start_controller(law="groundhook", timeout=5.0)
     rig.wait(lambda: rig.message("damper_controller: node").startswith("no estimates"), "a report before any estimate")
     estimator = Estimates(rig)
@@ -181,15 +181,17 @@ def test_its_health_says_whether_it_controls_and_why_not(start_controller, rig):
                 return
         raise AssertionError(f"no report of {what}: {rig.status('damper_controller: left')}")
 
-    tell_until(lambda own: own and own.level == WARN and "acceleration" in own.message, "the body that is not felt")
+    tell_until(
+        lambda status: status and status.level == WARN and "acceleration" in status.message, "the missing acceleration"
+    )
     estimator.feel(0.0)
     rig.listen(0.1)
-    tell_until(lambda own: own.level == OK and own.message == "controlling", "control")
-    tell_until(lambda own: own.level == WARN and "not usable" in own.message, "estimates of no use", DEGRADED)
+    tell_until(lambda status: status.level == OK and status.message == "controlling", "control")
+    tell_until(lambda status: status.level == WARN and "not usable" in status.message, "unusable estimates", DEGRADED)
     rig.wait(lambda: "is the estimator running" in rig.message("damper_controller: left"), "the silence")
 
 
-def test_the_body_is_damped_against_the_sky(start_controller, rig):
+def test_the_motion_of_the_body_is_damped(start_controller, rig):
     start_controller(law="skyhook", damping=1000.0, timeout=10.0)
     estimator = Estimates(rig)
     estimator.feel(2.0)
@@ -206,14 +208,14 @@ def test_the_body_is_damped_against_the_sky(start_controller, rig):
         ({"table": "missing.csv"}, "missing.csv: cannot be read as a table"),
     ],
 )
-def test_what_it_cannot_run_with_is_refused_in_one_line(parameters, reason, start_controller):
+def test_unusable_parameters_are_refused_in_one_line(parameters, reason, start_controller):
     process = start_controller(**parameters)
     said = process.communicate(timeout=120.0)[1]
     (line,) = [line for line in said.splitlines() if not line.startswith("[")]
     assert process.returncode == 1 and line.startswith("controller_node: ") and reason in line
 
 
-def test_without_ros_it_says_so_in_one_line():
+def test_without_ros_it_reports_that_in_one_line():
     code = (
         "import sys; sys.modules['rclpy'] = None; from damper_estimator.node.main import controller as c; sys.exit(c())"
     )

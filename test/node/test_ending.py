@@ -79,7 +79,7 @@ def test_a_transition_out_of_active_leaves_the_dampers_at_the_safe_current(trans
     assert (car.last(), car.sources) == (ALL_SAFE, ALL_STOPPED)
 
 
-def test_a_context_that_is_shut_down_by_others_leaves_the_dampers_at_the_safe_current(running, rig, car, parameters):
+def test_a_context_that_is_shut_down_from_outside_leaves_the_dampers_at_the_safe_current(running, rig, car, parameters):
     code = BEFORE + (
         "from damper_estimator.node import current_topics\n"
         "current_topics.DISCOVERED = 60.0\n"  # a busy machine may take long to find the drivers again
@@ -125,7 +125,7 @@ def test_a_second_signal_ends_a_process_that_hangs(running, car, parameters):
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_the_controller_leaves_the_dampers_at_the_safe_current_by_table(number, running, rig, tmp_path):
+def test_the_controller_with_a_table_leaves_the_dampers_at_the_safe_current(number, running, rig, tmp_path):
     from damper_msgs.msg import DamperForces
     from std_msgs.msg import Float64
 
@@ -170,7 +170,7 @@ def test_a_driver_with_a_deadline_falls_back_when_commands_fail_to_come(number, 
         car.drive_until(lambda: flowing[-1] != OWN_SAFE, "commands that count again")
 
 
-def test_what_is_offered_to_drivers_matches_subscriptions_that_ask_for_nothing(start, rig, car, parameters):
+def test_the_offer_to_drivers_matches_subscriptions_without_requests(start, rig, car, parameters):
     from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
     from std_msgs.msg import Float64
 

@@ -28,7 +28,7 @@ def checked(rig) -> None:
 
 
 @pytest.mark.parametrize("executor", ["events", "single"])
-def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(executor, start, identified, rig):
+def test_an_input_that_stops_is_stale_in_time_and_good_again_afterwards(executor, start, identified, rig):
     start(model=identified("linear_viscous"), dampers="[left, right]", stale_after=0.2, executor=executor)
     rig.ready()
     settle(rig, ["left", "right"])
@@ -50,7 +50,7 @@ def test_an_input_that_stops_is_stale_within_the_time_and_good_again_after_it(ex
     checked(rig)
 
 
-def test_values_that_cannot_be_are_dropped_counted_and_degrade(shared, identified, rig):
+def test_implausible_values_are_dropped_counted_and_degrade(shared, identified, rig):
     shared(rig, model=identified("carrera_akutain"))
     rig.ready()
     settle(rig)
@@ -69,7 +69,7 @@ def test_values_that_cannot_be_are_dropped_counted_and_degrade(shared, identifie
     checked(rig)
 
 
-def test_clock_steps_and_disorder_are_dropped_or_begin_anew(shared, identified, rig):
+def test_clock_steps_and_disorder_are_dropped_or_reset_the_filter(shared, identified, rig):
     shared(rig, model=identified("carrera_akutain"))
     rig.ready()
     settle(rig)
@@ -97,7 +97,7 @@ def test_clock_steps_and_disorder_are_dropped_or_begin_anew(shared, identified, 
     checked(rig)
 
 
-def test_names_that_vanish_change_places_or_come_twice_are_looked_up(shared, identified, rig):
+def test_names_that_vanish_change_their_order_or_come_twice_are_looked_up(shared, identified, rig):
     shared(rig, model=identified("linear_viscous"), dampers=["left", "right"])
     rig.ready()
     settle(rig, ["left", "right"])
@@ -153,7 +153,7 @@ def test_a_rate_that_changes_and_a_publisher_that_restarts(shared, identified, r
 
 
 @pytest.mark.parametrize("seconds", [0.5, 2.5])
-def test_a_burst_after_a_stall_is_worked_off_and_nothing_is_lost(seconds, start, identified, rig):
+def test_a_burst_after_a_stall_is_processed_without_loss(seconds, start, identified, rig):
     """After a second the middleware's shared memory gives a process up; what is sent reliably comes all the same."""
     process = start(model=identified("carrera_akutain"), dampers="[left]", stale_after=0.2, qos_depth=400)
     rig.ready()
@@ -202,7 +202,7 @@ def test_a_full_disk_stops_recording_and_never_the_estimates(start, identified, 
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_in_the_middle_of_the_input_ends_it_without_complaint(number, start, identified, rig):
+def test_a_signal_in_the_middle_of_the_input_ends_it_without_an_error(number, start, identified, rig):
     process = start(model=identified("carrera_akutain"), dampers="[left, right]")
     rig.ready()
     rig.drive(50, ["left", "right"])
@@ -222,7 +222,7 @@ def without_the_right_to_priorities() -> None:
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 
 
-def test_a_priority_that_is_not_allowed_is_told_and_the_node_goes_on(start, identified, rig):
+def test_a_priority_that_is_not_permitted_is_reported_and_the_node_continues(start, identified, rig):
     process = start(
         model=identified("coulomb"), dampers="[left]", realtime_priority=50, before=without_the_right_to_priorities
     )

@@ -1,4 +1,4 @@
-"""The launch file of the estimator under the real ``launch``, a process of its own per launch, with real nodes."""
+"""The launch file of the estimator under the real ``launch``, in a process per launch, with real nodes."""
 
 import pytest
 import yaml
@@ -12,7 +12,7 @@ def test_the_estimator_is_launched_with_its_arguments(launch, car):
     assert (car.get("model"), car.get("max_gap"), car.get("safe_current")) == ("linear_viscous", 0.1, 1.0)
 
 
-def test_what_is_not_given_is_as_in_the_users_file_and_what_is_given_counts_more(launch, car, tmp_path):
+def test_arguments_take_precedence_over_the_users_file(launch, car, tmp_path):
     values = {"model": "coulomb", "autostart": False, "use_sim_time": True, "max_gap": 0.25, "stale_after": 0.5}
     (tmp_path / "mine.yaml").write_text(yaml.safe_dump({"/**": {"ros__parameters": values}}))
     launch("estimator.launch.py", params_file=tmp_path / "mine.yaml", namespace="car_7", use_sim_time="No")
@@ -21,7 +21,7 @@ def test_what_is_not_given_is_as_in_the_users_file_and_what_is_given_counts_more
 
 
 @pytest.mark.parametrize("word, state", [("TRUE", "active"), ("yes", "active"), ("off", "unconfigured")])
-def test_autostart_is_read_as_ros_reads_truth(word, state, launch, car):
+def test_autostart_is_read_like_a_boolean_of_ros(word, state, launch, car):
     launch("estimator.launch.py", model="coulomb", namespace="car_7", autostart=word)
     car.wait(lambda: car.health and car.state() == state, f"the state {state}")
 
@@ -45,16 +45,16 @@ def test_autostart_is_read_as_ros_reads_truth(word, state, launch, car):
         ("semi_active.launch.py", {"law": "skyhook"}, "no model is given"),
     ],
 )
-def test_what_cannot_be_used_is_refused_in_one_line_before_anything_starts(file, arguments, reason, launch):
+def test_unusable_arguments_are_refused_in_one_line_before_anything_starts(file, arguments, reason, launch):
     assert reason in refused(launch(file, **arguments))
 
 
-def test_the_shipped_parameter_files_give_no_model(launch):
+def test_the_shipped_parameter_files_set_no_model(launch):
     for name in ("node.yaml", "controller.yaml"):
         assert "no model is given" in refused(launch("estimator.launch.py", params_file=ROOT / "config" / name))
 
 
-def test_no_argument_is_a_slip_of_another():
+def test_no_argument_is_a_misspelling_of_another():
     pytest.importorskip("launch_ros.actions")
     from damper_estimator.node.launch_arguments import CONTROLLER, ESTIMATOR, is_misspelt
 
@@ -63,7 +63,7 @@ def test_no_argument_is_a_slip_of_another():
     assert not is_misspelt("ros_namespace", "namespace") and not is_misspelt("car", "law")
 
 
-def test_a_launch_file_that_includes_ours_may_have_arguments_of_its_own(launch, car):
+def test_a_launch_file_that_includes_ours_can_have_further_arguments(launch, car):
     text = """
 def generate_launch_description():
     return LaunchDescription([
@@ -78,7 +78,7 @@ def generate_launch_description():
     assert (car.get("model"), car.get("max_gap")) == ("linear_viscous", 0.25)
 
 
-def test_a_slip_in_a_launch_file_that_includes_ours_is_refused(launch):
+def test_a_misspelling_in_a_launch_file_that_includes_ours_is_refused(launch):
     text = """
 def generate_launch_description():
     return LaunchDescription([ours("estimator.launch.py", modle="coulomb")])
@@ -106,7 +106,7 @@ def generate_launch_description():
     car.wait(lambda: car.health and car.state() == "active", "the active state")
 
 
-def test_a_dead_estimator_does_not_end_the_launch_file_that_includes_it_and_is_started_again_where_asked(launch, car):
+def test_a_dead_estimator_does_not_end_the_including_launch_file_and_is_restarted_on_request(launch, car):
     text = """
 def generate_launch_description():
     return LaunchDescription([

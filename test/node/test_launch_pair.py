@@ -16,18 +16,18 @@ from damper_estimator.recordings import accelerations
 
 @pytest.mark.parametrize("with_table", [False, True])
 def test_estimator_and_controller_are_launched_together_and_command_currents(with_table, launch, car, tmp_path):
-    own = semi_active_parameters(tmp_path)
+    parameters = semi_active_parameters(tmp_path)
     if with_table:
-        own["table"] = by_table(tmp_path)
-    shared = {name: own.pop(name) for name in ("stale_after", "safe_current", "command_lag")}
+        parameters["table"] = by_table(tmp_path)
+    shared = {name: parameters.pop(name) for name in ("stale_after", "safe_current", "command_lag")}
     content = {"/**": {"ros__parameters": shared},
                "/**/damper_controller": {"ros__parameters": {"timeout": 5.0}}}  # fmt: skip
     (tmp_path / "mine.yaml").write_text(yaml.safe_dump(content))
-    own = {name: own[name] for name in ("model", "signals", "table") if name in own} | {
+    parameters = {name: parameters[name] for name in ("model", "signals", "table") if name in parameters} | {
         "law": "skyhook",
         "damping": 2000,
     }
-    process = launch("semi_active.launch.py", params_file=tmp_path / "mine.yaml", namespace="car_7", **own)
+    process = launch("semi_active.launch.py", params_file=tmp_path / "mine.yaml", namespace="car_7", **parameters)
     both = Car(car, DAMPERS, "/car_7")
     felt = [car.publisher_unmatched(both.topic(name, "body_acceleration"), "geometry_msgs/msg/AccelStamped")
             for name in DAMPERS]  # fmt: skip
@@ -61,7 +61,7 @@ def test_the_end_of_either_node_ends_the_launch_of_both(executable, launch, car)
     assert group_of(process) == []
 
 
-def test_both_nodes_are_started_again_where_asked(launch, car):
+def test_both_nodes_are_restarted_on_request(launch, car):
     process = launch("semi_active.launch.py", model="coulomb", namespace="car_7", respawn="true")
     for executable in ("estimator_node", "controller_node"):
         drive(car, "/car_7/suspension/displacement")

@@ -76,7 +76,7 @@ def disturbed() -> list[tuple[np.ndarray, list[bytes]]]:
     return [(log[i : i + 1], [message]) for i, message in enumerate(messages)]
 
 
-def test_disturbed_input_is_answered_as_replay_does_and_counted(start, player, tmp_path):
+def test_disturbed_input_is_answered_like_replay_and_counted(start, player, tmp_path):
     with BagWriter(tmp_path / "bag.mcap") as writer:
         for log, messages in disturbed():
             writer.write_messages(TOPIC, JOINT_STATE, log, messages)
@@ -94,9 +94,9 @@ def test_disturbed_input_is_answered_as_replay_does_and_counted(start, player, t
         "rear": {"samples": 895, "dropped: not finite": 2, "not in the message": 5},
     }
     common = {"dropped: equal stamp": 1, "dropped: older stamp": 1, "resets: gap": 2, "resets: clock stepped back": 1}
-    told = values_by_damper(player)
-    for name, own in expected.items():
-        assert {key: int(told[name][key]) for key in own | common} == own | common, name
+    reported = values_by_damper(player)
+    for name, counts in expected.items():
+        assert {key: int(reported[name][key]) for key in counts | common} == counts | common, name
 
 
 def values_by_damper(player) -> dict[str, dict[str, str]]:
@@ -106,7 +106,7 @@ def values_by_damper(player) -> dict[str, dict[str, str]]:
     return {s.name.split(": ")[1]: {pair.key: pair.value for pair in s.values} for s in player.health[-1].status}
 
 
-def test_signal_map_and_slow_channels_act_live_as_they_do_off_line(start, player, tmp_path):
+def test_signal_map_and_slow_channels_act_live_as_offline(start, player, tmp_path):
     """Two displacement topics, scale, offset, table, and a temperature and a command that change on the way."""
     stamps, position = motion(600)
     signals = {
@@ -148,7 +148,7 @@ def test_signal_map_and_slow_channels_act_live_as_they_do_off_line(start, player
     assert outcome.is_equal, outcome
 
 
-def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line(start, identified, player, tmp_path):
+def test_a_fused_accelerometer_and_reachable_forces_are_live_as_offline(start, identified, player, tmp_path):
     """The accelerometer falls silent on the way."""
     stamps, position = motion(500)
     current = "/suspension/left/current"
@@ -183,7 +183,7 @@ def test_a_fused_accelerometer_and_what_a_command_can_reach_are_live_as_off_line
     assert np.isfinite(reach).all() and np.all(reach[:, 0] <= reach[:, 1]) and np.ptp(reach[:, 1]) > 100.0
 
 
-def test_a_difference_is_seen():
+def test_a_difference_is_detected():
     from damper_msgs.msg import DamperForces
 
     from damper_estimator.node.playback.rehearsal import compared

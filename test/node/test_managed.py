@@ -31,7 +31,7 @@ def slope(message) -> float:
     return message.force[0] / message.velocity[0]
 
 
-def test_each_transition_does_its_part_and_impossible_ones_are_refused(start, rig, models):
+def test_each_transition_takes_effect_and_impossible_ones_are_refused(start, rig, models):
     process = start(model=models["broken"], autostart=False)
     assert rig.state() == "unconfigured"
     rig.wait(lambda: rig.status(": node") is not None, "diagnostics")
@@ -63,7 +63,7 @@ def test_each_transition_does_its_part_and_impossible_ones_are_refused(start, ri
     assert rig.state() == "finalized" and process.poll() is None
 
 
-def test_a_model_is_exchanged_while_it_runs_or_refused_and_the_old_one_goes_on(start, rig, models, tmp_path):
+def test_a_model_is_exchanged_while_the_node_runs_or_refused_and_the_old_one_stays(start, rig, models, tmp_path):
     start(model=models["soft"], dampers="[left]")
     rig.ready()
     assert slope(rig.drive(50)[-1]) == pytest.approx(FORCE_OF["soft"])
@@ -142,8 +142,8 @@ def test_parameters_have_meanings_and_ranges_and_what_is_out_of_range_is_refused
         ("dampers", ["right", "left"], ""),
         ("model", "", "model is not set"),
     ):
-        taken, told = rig.set(**{name: value})
-        assert taken == (reason == "") and reason in told, (name, told)
+        taken, answer = rig.set(**{name: value})
+        assert taken == (reason == "") and reason in answer, (name, answer)
     assert len(rig.drive(5, ["left", "right"])) == 5
 
 
@@ -170,7 +170,7 @@ def test_all_parameters_can_be_dumped_and_a_dump_starts_the_node_again(start, ri
     assert rig.dump().items() <= dumped.items() and DECLARATIONS.keys() <= rig.dump().keys()
 
 
-def test_names_that_cannot_be_part_of_a_topic_are_estimated_all_the_same(start, rig, tmp_path):
+def test_dampers_whose_names_cannot_be_part_of_a_topic_are_estimated(start, rig, tmp_path):
     names = ["front left", "é", "3", "a/b", "~"]
     start(model="coulomb")  # dampers arrive by name
     rig.ready()
@@ -204,7 +204,7 @@ def test_two_nodes_of_two_vehicles_share_nothing(start, rig, models):
         car.close()
 
 
-def test_with_simulated_time_the_input_is_stale_when_that_time_passes(start, rig):
+def test_with_simulated_time_the_input_becomes_stale_in_that_time(start, rig):
     from builtin_interfaces.msg import Time
     from rosgraph_msgs.msg import Clock
 

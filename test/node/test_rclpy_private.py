@@ -47,7 +47,7 @@ def test_private_names_are_in_one_file():
     )
 
 
-def test_the_release_is_one_that_the_private_names_were_written_against():
+def test_the_release_is_one_that_the_private_names_were_written_for():
     try:
         release = version("ros-jazzy-rclpy")
     except ModuleNotFoundError:
@@ -66,7 +66,7 @@ def test_rcl_errors_are_what_rclpy_raises_for_a_topic_that_cannot_be_one(context
     node.destroy_node()
 
 
-def test_loggers_are_of_the_type_that_we_name(context):
+def test_loggers_have_the_named_type(context):
     import rclpy
 
     from damper_estimator.node.rclpy_private import RcutilsLogger
@@ -76,7 +76,7 @@ def test_loggers_are_of_the_type_that_we_name(context):
     node.destroy_node()
 
 
-def test_the_events_executor_is_there_and_spins_once(context):
+def test_the_events_executor_exists_and_spins_once(context):
     from damper_estimator.node.rclpy_private import events_executor
 
     executor = events_executor()

@@ -71,14 +71,14 @@ def driven(temperatures, scales, window=1.0):
     return drift
 
 
-def test_an_error_that_stays_raises_no_alarm():
+def test_a_constant_error_raises_no_alarm():
     random = np.random.default_rng(1)
     drift = driven(20.0 + np.zeros(40), 0.05 + 0.02 * random.random(40))
     assert not drift.is_alarm and drift.error == pytest.approx(0.06, abs=0.02)
     assert drift.sentence().startswith("error ")
 
 
-def test_an_error_that_grows_with_temperature_is_said_in_words():
+def test_an_error_that_grows_with_temperature_is_reported_in_words():
     celsius = np.linspace(20.0, 110.0, 40)
     drift = driven(celsius, 0.04 + 0.0008 * (celsius - 20.0) * (1.0 + 0.1 * np.sin(np.arange(40))))
     assert drift.is_alarm

@@ -12,7 +12,7 @@ KINDS = (
     "current silent", "current wild", "current NaN", "temperature NaN", "temperature silent", "clock forward",
     "wish NaN", "parameters: refused",
 )  # fmt: skip
-SECONDS, RATE = 40, 250  # a slow rate, for a machine that runs other tests beside
+SECONDS, RATE = 40, 250  # a slow rate, for a machine that runs other tests as well
 
 
 def soak(*words: str) -> subprocess.CompletedProcess:
@@ -22,9 +22,9 @@ def soak(*words: str) -> subprocess.CompletedProcess:
     return subprocess.run(command, capture_output=True, text=True, timeout=1200)
 
 
-def test_no_fault_makes_a_wrong_force_good_or_leaves_the_loop_passive(domain):
+def test_no_fault_makes_a_wrong_force_good_or_keeps_the_loop_passive(domain):
     """The seed is drawn. What is found must come again with the seed, in the same sort under the same faults: a machine
-    that runs other tests beside may halt for a second anywhere, which is no fault of the node's; the half hour of
+    that runs other tests as well can halt for a second anywhere, which is no fault of the node; the half hour of
     `make soak` is there for what is rare.
     """
     first = soak()

@@ -13,14 +13,14 @@ def judged(stamps, arrivals, max_age=0.5):
     return np.array([age.is_late(int(s), int(a), max_age) for s, a in zip(stamps, arrivals, strict=True)]), age
 
 
-def test_samples_that_waited_are_late_from_the_first_one_on():
+def test_delayed_samples_are_late_from_the_first_one_on():
     stamps = NOW + np.arange(100) * SECOND // 100
     late, age = judged(stamps, stamps + 3 * SECOND)
     assert late.all() and age.late == 100 and age.is_related
     assert not judged(stamps, stamps + SECOND // 10)[0].any()
 
 
-def test_a_queue_that_waited_while_the_node_stood_still_is_late_until_it_has_caught_up():
+def test_a_queue_that_waited_during_a_stall_is_late_until_it_is_processed():
     stamps = NOW + np.arange(2000) * SECOND // 100
     arrivals = stamps + SECOND // 1000
     arrivals[500:800] = arrivals[800]
@@ -44,7 +44,7 @@ def test_a_clock_that_was_ahead_for_a_while_makes_no_later_sample_late():
     assert not late.any()
 
 
-def test_one_of_two_senders_that_lags_is_late_all_along():
+def test_one_lagging_sender_of_two_is_always_late():
     times = NOW + np.arange(2000) * SECOND // 100
     stamps = times.copy()
     stamps[1::2] -= 3 * SECOND
@@ -52,14 +52,14 @@ def test_one_of_two_senders_that_lags_is_late_all_along():
     assert late[1::2].all() and not late[::2].any()
 
 
-def test_stamps_of_another_time_cannot_be_judged_whatever_their_pace():
+def test_stamps_of_another_time_are_not_judged_at_any_pace():
     stamps = np.arange(1000) * SECOND // 1000
     late, age = judged(stamps, NOW + np.arange(1000) * SECOND)
     assert not late.any() and not age.is_related
     assert abs(age.age) > RELATED
 
 
-def test_a_recording_that_starts_again_and_a_clock_that_drifts_are_no_delay():
+def test_a_restarted_recording_and_a_drifting_clock_are_no_delay():
     once = np.arange(3000) * SECOND // 10
     stamps = np.concatenate([NOW + once, NOW + once])
     late, _ = judged(stamps, NOW + np.arange(6000) * SECOND // 10)
@@ -69,7 +69,7 @@ def test_a_recording_that_starts_again_and_a_clock_that_drifts_are_no_delay():
     assert not judged(drifting, hours)[0].any()
 
 
-def test_nothing_is_judged_where_no_age_is_set():
+def test_without_a_maximum_age_nothing_is_judged():
     assert not judged([NOW], [NOW + 100 * SECOND], 0.0)[0].any()
 
 
@@ -87,7 +87,7 @@ def test_the_fastest_sample_follows_a_small_step_of_the_clock_within_a_second_bu
     assert age.fastest < 0.07
 
 
-def test_a_sample_that_overtakes_the_message_of_a_simulated_clock_says_nothing_about_later_ones():
+def test_a_sample_that_overtakes_the_simulated_clock_does_not_affect_later_ones():
     stamps = 1000 * SECOND + np.arange(1000) * SECOND // 100
     stamps[300:] += SECOND
     clock = stamps.copy()

@@ -50,8 +50,8 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("parameters, content, reason", REFUSED)
-def test_what_it_cannot_run_with_is_refused_with_the_reason(parameters, content, reason, domain, tmp_path, monkeypatch):
-    """In this process; the next test holds that a refusal is one line and ends the node's own."""
+def test_unusable_parameters_are_refused_with_the_reason(parameters, content, reason, domain, tmp_path, monkeypatch):
+    """In this process; the next test checks that a refusal is one line and ends the node's process."""
     import rclpy
 
     from damper_estimator.node.estimator_node import EstimatorNode
@@ -74,7 +74,7 @@ def test_what_it_cannot_run_with_is_refused_with_the_reason(parameters, content,
 
 
 @pytest.mark.parametrize("parameters, content, reason", [REFUSED[i] for i in (0, 3, 8, 12)])
-def test_what_it_cannot_run_with_ends_it_in_one_line(parameters, content, reason, start, tmp_path, monkeypatch):
+def test_unusable_parameters_end_it_in_one_line(parameters, content, reason, start, tmp_path, monkeypatch):
     """Refused before, while and after the parameters are declared."""
     (tmp_path / "broken.yaml").write_text(content)
     monkeypatch.chdir(tmp_path)
@@ -103,11 +103,11 @@ def level(player, ending: str) -> bytes | None:
 
 def test_health_follows_the_input(start, identified, player):
     start(model=identified("coulomb"), dampers="[left, right]", stale_after=20.0)
-    told = "input /suspension/displacement"
-    player.wait(lambda: level(player, told) == WARN, "a warning that nothing has come yet")
+    name = "input /suspension/displacement"
+    player.wait(lambda: level(player, name) == WARN, "a warning that nothing has come yet")
     assert level(player, ": left") == WARN
     player.connect({"/suspension/displacement": JOINT_STATE})
-    status = next(s for s in player.health[-1].status if s.name.endswith(told))
+    status = next(s for s in player.health[-1].status if s.name.endswith(name))
     assert {pair.key: pair.value for pair in status.values}["publishers"] == "1"
     assert (bytes(status.level), status.message) == (WARN, "there is a publisher, but it has not sent a message yet")
     stamps = np.arange(10**18, 10**18 + 10**8, 10**6)
@@ -117,16 +117,16 @@ def test_health_follows_the_input(start, identified, player):
         player.play(part, {"/suspension/displacement"})
         seen = len(player.health)
         player.wait(lambda seen=seen: len(player.health) > seen, "diagnostics")
-        if level(player, told) == OK:
+        if level(player, name) == OK:
             break
     assert level(player, ": left") == OK
     assert level(player, ": right") == ERROR
-    status = next(s for s in player.health[-1].status if s.name.endswith(told))
+    status = next(s for s in player.health[-1].status if s.name.endswith(name))
     assert {pair.key: pair.value for pair in status.values}["names not estimated"] == "stranger"
-    player.wait(lambda: level(player, told) == ERROR, "an error that the input has stopped")
+    player.wait(lambda: level(player, name) == ERROR, "an error that the input has stopped")
 
 
-def test_a_publisher_that_cannot_be_heard_is_reported(start, player):
+def test_a_publisher_that_does_not_match_is_reported(start, player):
     import rclpy
     from rclpy.qos import qos_profile_sensor_data
     from sensor_msgs.msg import JointState
@@ -158,7 +158,7 @@ def test_namespace_and_remapping_move_the_relative_topics(start, tmp_path):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_it_without_complaint(number, start, player):
+def test_a_signal_ends_it_without_an_error(number, start, player):
     process = start(model="coulomb", dampers="[left]")
     player.wait(lambda: player.health, "diagnostics")
     process.send_signal(number)
@@ -168,7 +168,7 @@ def test_a_signal_ends_it_without_complaint(number, start, player):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_while_it_starts_ends_it_without_complaint(number):
+def test_a_signal_while_it_starts_ends_it_without_an_error(number):
     code = (
         "import os, sys, rclpy\nfrom damper_estimator.node import estimator_node, main\nmake = "
         "estimator_node.make_roster\n"
@@ -184,7 +184,7 @@ def test_a_signal_while_it_starts_ends_it_without_complaint(number):
     assert [line for line in done.stderr.splitlines() if not line.startswith("[INFO]")] == []
 
 
-def test_the_shipped_parameter_file_starts_it_once_a_model_is_named(start, player):
+def test_the_shipped_parameter_file_with_a_model_starts_it(start, player):
     from damper_estimator.share import share_path
 
     words = "--params-file", str(share_path("config/node.yaml"))

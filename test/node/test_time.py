@@ -28,7 +28,7 @@ def good_again(rig) -> None:
         assert time.monotonic() < end, "the estimate was not GOOD again"
 
 
-def test_samples_that_waited_longer_than_the_allowed_age_are_not_good(start, identified, rig):
+def test_samples_above_the_maximum_age_are_not_good(start, identified, rig):
     process = start(model=identified("coulomb"), dampers="[left]", max_age=0.4, stale_after=30.0, qos_depth=400)
     rig.ready()
     good_again(rig)
@@ -45,7 +45,7 @@ def test_samples_that_waited_longer_than_the_allowed_age_are_not_good(start, ide
     assert int(rig.fresh_values(": left")["samples in doubt (age, sender, current)"]) >= 40
 
 
-def test_a_damper_that_is_stale_keeps_its_last_stamp_though_others_go_on(start, identified, rig):
+def test_a_stale_damper_keeps_its_last_stamp_while_others_continue(start, identified, rig):
     start(model=identified("coulomb"), dampers="[left, right]", stale_after=0.2)
     rig.ready()
     rig.drive(20, ["left", "right"])
@@ -62,7 +62,7 @@ def _go_on(rig) -> bool:
     return any(list(m.name) == ["right"] and STALE in m.status for m in rig.forces[-50:])
 
 
-def test_a_simulated_clock_that_is_set_back_leaves_nothing_fresh_and_nothing_desired(start, identified, rig):
+def test_after_a_simulated_clock_was_set_back_no_sample_is_fresh_and_no_force_desired(start, identified, rig):
     from rosgraph_msgs.msg import Clock
 
     start(model=identified("coulomb"), dampers="[left]", stale_after=0.5, use_sim_time=True)

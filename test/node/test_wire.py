@@ -14,7 +14,7 @@ def message(*names: str) -> bytes:
     return joint_states(names, np.array([7]), position=values)[0]
 
 
-def test_a_structure_is_known_whatever_padding_follows():
+def test_a_structure_is_known_with_any_padding_after_it():
     reader, plain = NumbersReader(JOINT_STATE, ["position[left]", "position[right]"]), message("left", "right")
     assert not reader.knows(plain)
     for tail in (b"", b"\xab" * 8, b"\xcd" * 15, bytes(3), bytes(1000)):
@@ -26,7 +26,7 @@ def test_a_structure_is_known_whatever_padding_follows():
         reader.read(plain + bytes(30) + b"\1")
 
 
-def test_a_structure_is_known_whatever_lies_between_its_fields():
+def test_a_structure_is_known_with_any_padding_between_its_fields():
     """Fast CDR skips what alignment leaves out and does not clear it."""
     reader, plain = NumbersReader(JOINT_STATE, ["position[l]"]), message("l")
     reader.read(plain)

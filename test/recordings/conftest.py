@@ -15,7 +15,7 @@ def store() -> Typestore:
 
 @pytest.fixture(scope="session")
 def jazzy() -> Typestore:
-    """What another program would use: without this project's own types."""
+    """The type store of another program, without this project's types."""
     return get_typestore(Stores.ROS2_JAZZY)
 
 

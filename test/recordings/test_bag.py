@@ -133,7 +133,7 @@ def test_folders_of_every_storage_and_compression_read_alike(tmp_path, store, st
     assert read(folder) == in_order(messages)
 
 
-def test_ranks_count_the_topics_that_were_not_asked_for(tmp_path):
+def test_ranks_count_the_topics_that_were_not_requested(tmp_path):
     path = write_mcap(tmp_path / "a.mcap", [("/a", 1), ("/b", 2), ("/b", 2), ("/a", 3)])
     with open_bag(path) as bag:
         assert bag.columns("a", ["data"]).rank.tolist() == [0, 3]
@@ -182,7 +182,7 @@ def test_a_topic_without_definition_is_listed_and_falls_back_or_is_refused(tmp_p
             bag.columns("/other", ["data"])
 
 
-def test_an_unknown_topic_is_answered_with_those_there_are(tmp_path):
+def test_an_unknown_topic_is_answered_with_the_existing_ones(tmp_path):
     with open_bag(write_mcap(tmp_path / "a.mcap", [("/a", 1)])) as bag:
         with pytest.raises(InputError, match="a.mcap: has no topic '/d'; there are: /a, /b, /c"):
             bag.columns("/d", ["data"])
@@ -192,7 +192,7 @@ def test_an_unknown_topic_is_answered_with_those_there_are(tmp_path):
             bag.columns("/a", ["speed"])
 
 
-def test_a_wrong_field_is_refused_even_where_the_topic_is_empty(tmp_path):
+def test_a_wrong_field_is_refused_even_if_the_topic_is_empty(tmp_path):
     with open_bag(write_mcap(tmp_path / "a.mcap", [("/a", 1)])) as bag:
         with pytest.raises(InputError, match="no field 'speed'"):
             bag.columns("/b", ["speed"])

@@ -43,7 +43,7 @@ def test_rounded_and_cut_off_even_times_become_even(rate, count, start, cut):
         assert np.ptp(np.diff(even)) < 1e-9
 
 
-def test_uneven_times_are_left_as_they_are():
+def test_uneven_times_stay_unchanged():
     jittered = np.arange(1000) * 1e-3 + np.random.default_rng(0).uniform(-2e-4, 2e-4, 1000)
     assert (even_steps(jittered, 1e-6) == jittered).all()
 
@@ -90,6 +90,6 @@ def test_units_of_time_convert():
         (["13.05.2022", "05/14/2022"], {"format": "%d.%m.%Y"}, "row 2: '05/14/2022' is no date of the form '%d.%m.%Y'"),
     ],
 )
-def test_times_that_are_none_are_refused(cells, clock, complaint):
+def test_invalid_times_are_refused(cells, clock, complaint):
     with pytest.raises(InputError, match=complaint):
         times_of(cells, **clock)

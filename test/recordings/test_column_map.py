@@ -49,7 +49,7 @@ EXAMPLE = yaml.safe_load((share_path("config/columns") / "example.yaml").read_te
 
 
 @pytest.mark.parametrize("odd", [{}, {"a": {}}, [], [{}], None, True, 3, -1.5, float("nan"), "", "odd"], ids=repr)
-def test_any_value_at_any_place_is_taken_or_refused(load, odd):
+def test_any_value_at_any_place_is_accepted_or_refused(load, odd):
     refused = 0
     for *way, last in places(EXAMPLE):
         content = copy.deepcopy(EXAMPLE)
@@ -93,7 +93,7 @@ def test_all_complaints_come_at_once(load):
         "the map has unknown keys damper (allowed: dampers,",
         "damper 'front left' cannot be part of a topic",
         "dampers.front left.displacement has unknown keys colunm",
-        "dampers.front left.displacement.unit is 'V'; it can be m, cm, mm, um, in (scale turns volts",
+        "dampers.front left.displacement.unit is 'V'; it can be m, cm, mm, um, in (scale converts volts",
         "dampers.front left has unknown keys velocity (allowed: displacement, force, command,",
         "dampers.b.force cannot be constant",
         "dampers.b.command needs one of column, value and values, not column and values",
@@ -125,7 +125,7 @@ def test_all_complaints_come_at_once(load):
         ({"time": None}, "time is missing: give a column, a rate or an interval"),
     ],
 )
-def test_what_a_file_still_lacks_is_told_with_its_name(load, change, complaint):
+def test_missing_entries_for_a_file_are_reported_with_its_name(load, change, complaint):
     with pytest.raises(InputError, match=f"map.yaml: for x.csv: .*{complaint}"):
         load({**GOOD, **change})
 
@@ -136,7 +136,7 @@ def test_text_that_is_no_map_is_refused(load, text):
         load(text)
 
 
-def test_differences_by_file_name_win_in_order_and_replace_the_source(load):
+def test_differences_by_file_name_apply_in_order_and_replace_the_source(load):
     command = {"dampers": {"fl": {"command": {"value": 2}}}}
     content = {
         **GOOD,
@@ -162,5 +162,5 @@ def test_numbers_with_exponents_are_numbers(load):
 def test_a_map_is_a_file_or_a_shipped_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert load_column_maps("utfsm_mr_damper").path == share_path("config/columns/utfsm_mr_damper.yaml")
-    Path("own").write_text(yaml.safe_dump(GOOD))
-    assert load_column_maps("own").for_file("a").clock.rate == 100
+    Path("local").write_text(yaml.safe_dump(GOOD))
+    assert load_column_maps("local").for_file("a").clock.rate == 100

@@ -70,7 +70,7 @@ def test_a_nan_that_was_sent_is_present(joint_state):
     assert np.isnan(read.values).all()
 
 
-def test_names_of_equal_length_that_change_places_are_followed(joint_state):
+def test_names_of_equal_length_in_changed_order_are_followed(joint_state):
     messages = [joint_state(names=order, position=[1.0, 2.0]) for order in (["ab", "cd"], ["cd", "ab"]) * 50]
     read = decode(messages, ["position[ab]", "position[cd]"])
     assert read.values.tolist() == [[1.0, 2.0], [2.0, 1.0]] * 50
@@ -98,12 +98,12 @@ def test_the_same_path_twice_and_two_ways_to_one_element(joint_state):
 
 
 def test_nested_fields_integers_and_booleans_become_numbers():
-    own = (
+    definition = (
         "bool on\nint16[3] steps\nInner[] inner\nuint64 last\n"
         + "=" * 80
         + "\nMSG: x_msgs/Inner\nstring label\nint8 depth\nfloat32 z\n"
     )
-    schema = Schema("x_msgs/msg/Outer", "ros2msg", own)
+    schema = Schema("x_msgs/msg/Outer", "ros2msg", definition)
     types = store_of(schema).types
     inner = [types["x_msgs/msg/Inner"]("label", -5, 0.5), types["x_msgs/msg/Inner"]("", 7, -1.5)]
     message = types["x_msgs/msg/Outer"](True, np.array([1, -2, 3], np.int16), inner, 2**53)
@@ -117,13 +117,13 @@ def test_nested_fields_integers_and_booleans_become_numbers():
         assert read.stamp is None
 
 
-def test_names_of_an_inner_message_win_over_those_around_it():
-    own = (
+def test_names_of_an_inner_message_take_precedence_over_outer_ones():
+    definition = (
         "string[] name\nInner inner\nfloat64[] outer\n"
         + "=" * 80
         + "\nMSG: x_msgs/Inner\nfloat64[] value\nstring[2] name\n"
     )
-    schema = Schema("x_msgs/msg/Named", "ros2msg", own)
+    schema = Schema("x_msgs/msg/Named", "ros2msg", definition)
     types = store_of(schema).types
     inner = types["x_msgs/msg/Inner"](np.array([1.0, 2.0]), ["b", "a"])
     raw = bytes(
@@ -143,7 +143,7 @@ def test_names_of_an_inner_message_win_over_those_around_it():
         ("header.frame_id", "is a string, not a number"),
         ("name[0]", "is a string, not a number"),
         ("header[0].stamp", "gives an index to 'header', which is no array"),
-        ("position[0].x", "has 'x' below a field that has no fields"),
+        ("position[0].x", "has 'x' below a field without fields"),
         ("position[", "is no field path"),
         ("", "is no field path"),
         ("position[a] ", "is no field path"),
@@ -151,7 +151,7 @@ def test_names_of_an_inner_message_win_over_those_around_it():
         ("position[a].", "is no field path"),
     ],
 )
-def test_a_wrong_path_is_told_what_there_is(path, complaint):
+def test_a_wrong_path_is_answered_with_the_existing_fields(path, complaint):
     with pytest.raises(InputError, match=complaint):
         Decoder(JOINT_STATE, [path])
 
@@ -170,7 +170,7 @@ def test_an_index_beyond_a_fixed_array_is_refused_at_once():
         ("x/msg/A", "y/B b\n" + "=" * 80 + "\nMSG: y/B;import os\nfloat64 a"),
     ],
 )
-def test_a_schema_cannot_bring_code(type_name, text):
+def test_a_schema_cannot_inject_code(type_name, text):
     """Names become Python code where messages are decoded whole."""
     with pytest.raises(InputError):
         store_of(Schema(type_name, "ros2msg", text))
@@ -182,7 +182,7 @@ def test_a_schema_cannot_bring_code(type_name, text):
     cut=st.integers(0, 400),
     flips=st.lists(st.tuples(st.integers(0, 400), st.integers(0, 255)), max_size=4),
 )
-def test_damaged_messages_are_read_or_called_malformed(joint_state, message, cut, flips):
+def test_damaged_messages_are_read_or_malformed(joint_state, message, cut, flips):
     raw = bytearray(joint_state(**message)[: cut or None])
     for place, value in flips:
         if place < len(raw):

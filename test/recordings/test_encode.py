@@ -69,7 +69,7 @@ def test_damper_forces_equal_rosbags(names, stamps, seed):
     assert len(encoded) == len(stamps)
 
 
-def test_what_is_left_out_of_damper_forces_is_not_available():
+def test_omitted_fields_of_damper_forces_are_not_available():
     raw = damper_forces(["a", "b"], np.array([5]), {"force": np.array([[1.0, 2.0]])})[0]
     message = STORE.deserialize_cdr(raw, DAMPER_FORCES)
     assert message.force.tolist() == [1.0, 2.0]
@@ -103,11 +103,11 @@ def test_every_known_type_has_a_blank_message(type_name):
 
 
 def test_an_array_of_the_wrong_length_is_refused():
-    with pytest.raises(ValueError, match=r"data: shape \(3,\) does not hold 2 messages"):
+    with pytest.raises(ValueError, match=r"data: shape \(3,\) does not fit 2 messages"):
         encode("std_msgs/msg/Float64", 2, {"data": np.zeros(3)})
 
 
-def test_the_message_definition_says_what_the_interface_fixes():
+def test_the_message_definition_has_the_fields_of_the_interface():
     text = share_path("msg_defs/msg/DamperForces.msg").read_text()
     constants, fields = get_types_from_msg(text, DAMPER_FORCES)[DAMPER_FORCES]
     assert {name: value for name, _, value in constants} == {

@@ -58,7 +58,7 @@ def recording(tmp_path_factory) -> bytes:
     return path.read_bytes()
 
 
-def test_an_mcap_cut_anywhere_gives_its_whole_chunks_and_tells_what_is_lost(tmp_path, caplog):
+def test_an_mcap_cut_anywhere_yields_its_whole_chunks_and_reports_the_loss(tmp_path, caplog):
     """As a recorder leaves it that is killed: in the middle of a chunk, an index, or the summary."""
     writer, ends = LiveBagWriter(tmp_path / "whole.mcap"), []
     messages = joint_states(["a"], STAMPS, position=np.arange(300.0)[:, None])
@@ -86,7 +86,7 @@ def test_an_mcap_cut_anywhere_gives_its_whole_chunks_and_tells_what_is_lost(tmp_
         assert f"{values.size} messages are whole" in caplog.text and "bytes are lost" in caplog.text
 
 
-def test_the_file_of_a_live_recorder_is_an_ordinary_one_once_it_is_closed(tmp_path):
+def test_the_closed_file_of_a_live_recorder_is_an_ordinary_one(tmp_path):
     path = tmp_path / "x.mcap"
     writer = LiveBagWriter(path)
     messages = joint_states(["a"], STAMPS, position=np.zeros((300, 1)))
@@ -111,7 +111,7 @@ def test_flipped_bytes_in_an_mcap_never_end_in_a_traceback(tmp_path, recording):
     assert verdicts.count(False) > CASES // 2
 
 
-def test_a_flipped_byte_inside_a_chunk_is_noticed(tmp_path, recording):
+def test_a_flipped_byte_inside_a_chunk_is_detected(tmp_path, recording):
     damaged = bytearray(recording)
     damaged[len(recording) // 3] ^= 0x10
     (tmp_path / "x.mcap").write_bytes(damaged)
@@ -159,7 +159,7 @@ def test_real_bags_damaged_at_random_never_end_in_a_traceback(tmp_path, shared_d
         (b"\x28\xb5\x2f\xfdxxxxxxxx", "damaged"),
     ],
 )
-def test_a_file_that_is_no_recording_says_so(tmp_path, content, complaint):
+def test_a_file_that_is_no_recording_is_reported(tmp_path, content, complaint):
     path = tmp_path / "x.mcap"
     path.write_bytes(content)
     if complaint is None:
@@ -174,7 +174,7 @@ def test_a_missing_path_is_named(tmp_path):
         open_bag(tmp_path / "nowhere")
 
 
-def test_a_folder_without_metadata_is_told_from_a_bag_without_it(tmp_path):
+def test_a_folder_without_recording_is_distinguished_from_a_bag_without_metadata(tmp_path):
     with pytest.raises(InputError, match="no rosbag2 folder \\(metadata.yaml is missing\\)"):
         open_bag(tmp_path)
     (tmp_path / "x_0.mcap").touch()

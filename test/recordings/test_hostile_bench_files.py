@@ -83,7 +83,7 @@ def test_damaged_text(tmp_path, rules, pack):
         survives(tmp_path / "x.csv", rules)
 
 
-def test_bytes_of_chance(tmp_path, rules):
+def test_random_bytes(tmp_path, rules):
     chance = random.Random(2)
     for _ in range(CASES):
         (tmp_path / "x.csv").write_bytes(chance.randbytes(chance.randrange(400)))

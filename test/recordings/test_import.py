@@ -76,7 +76,7 @@ def test_a_constant_comes_with_the_first_sample_before_it_and_once_a_second(benc
     assert np.diff(temperature.stamp).tolist() == [10**9] and temperature.stamp[0] == position.stamp[0]
 
 
-def test_slow_columns_pass_over_empty_cells(bench):
+def test_slow_columns_skip_empty_cells(bench):
     text = "Position;Load;Oil\n" + "".join(
         f"{x};1;{20 + row if row % 10 == 0 else ''}\n" for row, x in enumerate(POSITION)
     )
@@ -103,7 +103,7 @@ def test_several_dampers_share_the_messages(bench):
     assert force.present.all(axis=0).tolist() == [False, True]
 
 
-def test_parts_split_at_events_and_take_their_own_constants_and_names(bench):
+def test_parts_split_at_events_have_their_constants_and_names(bench):
     events = ["Start", *[""] * 199, "Resume", *[""] * 199]
     rules = {
         **channels(command={"values": [0.0, 1.5], "unit": "A"}),
@@ -130,7 +130,7 @@ def test_parts_split_at_pauses(bench):
     assert counts == [200, 200]
 
 
-def test_rest_is_cut_off_but_for_its_margin_and_the_position_held_becomes_zero(bench):
+def test_rest_is_trimmed_to_its_margin_and_its_position_becomes_zero(bench):
     text = csv(TIME, POSITION - 29.9, FORCE)
     rules = {**channels(), "time": {"rate": RATE}, "trim_rest": {"margin": 0.1}, "center": "rest"}
     _, folder = bench(rules, text)
@@ -218,7 +218,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("rules", "text", "complaint"), BAD.values(), ids=BAD.keys())
-def test_what_cannot_be_used_is_one_line_and_leaves_nothing(bench, capsys, rules, text, complaint):
+def test_unusable_input_is_one_line_and_leaves_no_file(bench, capsys, rules, text, complaint):
     status, folder = bench(rules, text)
     error = capsys.readouterr().err.splitlines()
     assert status == 1 and complaint in error[-1]
@@ -231,14 +231,14 @@ def test_several_parts_do_not_fit_one_file(bench, capsys):
     assert not path.exists()
 
 
-def test_a_bad_file_among_good_ones_leaves_nothing(bench, tmp_path, capsys):
+def test_a_bad_file_among_good_ones_leaves_no_file(bench, tmp_path, capsys):
     (tmp_path / "bad.csv").write_text("")
     status, folder = bench(rules_with(), further=[str(tmp_path / "bad.csv")])
     assert status == 1 and not folder.exists()
     assert "bad.csv: empty" in capsys.readouterr().err
 
 
-def test_an_output_that_cannot_be_made_is_named(bench, tmp_path, capsys):
+def test_an_output_that_cannot_be_created_is_named(bench, tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert bench(rules_with(), output="file/out")[0] == 1
     assert "file/out: cannot be made (Not a directory)" in capsys.readouterr().err

@@ -60,7 +60,7 @@ def share_of_same_sign(seconds, position, force):
     return (velocity[moving] * force[moving] > 0).mean()
 
 
-def test_every_file_of_the_press_gives_five_currents(press):
+def test_every_file_of_the_press_contains_five_currents(press):
     folder, _ = press
     assert {path.stem for path in folder.glob("*.mcap")} == {
         f"{stem}_{current}A" for stem in PRESS for current in CURRENTS
@@ -89,7 +89,7 @@ def test_the_force_of_the_press_grows_with_the_current(press):
         assert (np.diff(peaks) > 0).all()
 
 
-def test_every_recording_of_the_shaking_table_comes_in_with_its_voltage_and_sign(table):
+def test_every_recording_of_the_shaking_table_is_imported_with_voltage_and_sign(table):
     folder, parts = table
     assert len(parts) == len(list(folder.glob("*.mcap"))) == 28
     for part in parts:
@@ -103,7 +103,7 @@ def test_every_recording_of_the_shaking_table_comes_in_with_its_voltage_and_sign
         assert share_of_same_sign(seconds, position, force) > SAME_SIGN
 
 
-def test_the_rest_at_the_start_of_the_shaking_table_is_cut_off(table):
+def test_the_rest_at_the_start_of_the_shaking_table_is_trimmed(table):
     for part in table[1]:
         seconds, position, _, _ = channels(part["file"])
         first = np.flatnonzero(np.abs(position - position[0]) > 0.02 * np.ptp(position))[0]

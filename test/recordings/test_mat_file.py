@@ -44,7 +44,7 @@ def test_texts_cells_and_structs():
     assert read["s"]["x"].tolist() == [0.0, 1.0, 2.0] and read["s"]["in"]["y"] == 5
 
 
-def test_what_holds_no_plain_numbers_is_left_out():
+def test_variables_without_plain_numbers_are_dropped():
     read = read_mat(saved({"c": np.array([1 + 2j]), "sparse": scipy.sparse.eye(3).tocsc(), "x": 1.0}))
     assert list(read) == ["x"]
 
@@ -62,7 +62,7 @@ def test_real_files_agree_with_scipy(shared_data):
         (b"MATLAB 5.0", "too short"),
         (b"x" * 200, "no MAT file of version 5"),
         (b"MATLAB 7.3".ljust(124) + b"\x00\x02IM", "a MAT file of version 7.3"),
-        (saved({"x": np.arange(50.0)})[:-40], "an element reaches beyond its place"),
+        (saved({"x": np.arange(50.0)})[:-40], "an element reaches beyond its end"),
     ],
 )
 def test_other_content_is_refused(content, complaint):

@@ -47,7 +47,7 @@ def decode(messages: list[bytes], paths: list[str], type_name: str = JOINT_STATE
     names=st.lists(st.sampled_from(["left", "l", "rear_left", ""]), max_size=3),
     tails=st.lists(st.binary(max_size=15) | st.integers(0, 500).map(bytes), min_size=1, max_size=30),
 )
-def test_numbers_are_the_same_whatever_padding_follows(joint_state, arrays, names, tails):
+def test_numbers_are_the_same_with_any_padding(joint_state, arrays, names, tails):
     position, velocity, effort = ([k + 0.5] * count for k, count in enumerate(arrays))
     plain = joint_state(stamp=5, names=names, position=position, velocity=velocity, effort=effort)
     paths = ["position[0]", "velocity[1]", "effort[left]"]
@@ -75,7 +75,7 @@ def test_more_than_padding_is_content_of_another_type(type_name, content, most):
             decode([plain + tail], [], type_name)
 
 
-def test_content_behind_a_known_structure_is_found_out_as_well(joint_state):
+def test_content_after_a_known_structure_is_detected_as_well(joint_state):
     plain = joint_state(names=["a"], position=[1.0])
     with pytest.raises(MalformedMessage):
         decode([plain, plain + bytes(50), plain + bytes(49) + b"\1"], ["position[a]"])
@@ -187,7 +187,7 @@ def test_bags_of_messages_that_rclpy_serialised_are_read(storage, tmp_path):
     np.testing.assert_array_equal(lefts, columns.values[:, 0])
 
 
-def test_a_bag_whose_messages_hold_more_than_their_type_says_so(joint_state, tmp_path):
+def test_a_bag_whose_messages_contain_more_than_their_type_is_reported(joint_state, tmp_path):
     plain = joint_state(names=["left"], position=[1.0])
     path = write_mcap(tmp_path / "x.mcap", [plain, plain + b"\1" * 40])
     with Bag(path) as bag:

@@ -58,7 +58,7 @@ def test_numbers_survive_any_layout(values, layout, comments):
     assert np.column_stack([read.numbers(title) for title in TITLES]).tolist() == values
 
 
-def test_header_lines_titles_and_a_row_of_units_are_passed_over():
+def test_header_lines_titles_and_a_row_of_units_are_skipped():
     text = "Rig 7\nSampling Rate:  1000\nOperator, somebody, else\n\n" + rows().replace("Load\n", "Load\ns,mm,kN\n\n")
     read = table(text)
     assert read.rows == 3
@@ -81,7 +81,7 @@ def test_titles_are_found_without_unit_quotes_and_case(title):
     assert table(text, needed=(title, "load")).numbers(title).tolist() == VALUES[:, 0].tolist()
 
 
-def test_quoted_cells_may_hold_the_separator():
+def test_quoted_cells_can_contain_the_separator():
     text = 'Time,"Load, upper",Note\n0,1.5,"a, b"\n1,2.5,""\n'
     read = table(text, needed=("Load, upper",), named=("Note",))
     assert read.numbers("Load, upper").tolist() == [1.5, 2.5]
@@ -111,7 +111,7 @@ def test_gzip_is_unpacked_by_content(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"\n \r\n", gzip.compress(b"", mtime=0)])
-def test_an_empty_file_says_so(tmp_path, content):
+def test_an_empty_file_is_reported(tmp_path, content):
     (tmp_path / "bench.csv").write_bytes(content)
     with pytest.raises(InputError, match="bench.csv: empty; export or copy it again"):
         file_content(tmp_path / "bench.csv")
@@ -149,6 +149,6 @@ def test_a_header_without_the_rate_is_refused():
 @pytest.mark.parametrize(
     ("cells", "resolution"), [(["0.0000", "0.0003"], 1e-4), (["1", "2"], 1.0), (["1e-3", "2e-3"], 0.0)]
 )
-def test_the_notation_tells_the_resolution(cells, resolution):
+def test_the_notation_determines_the_resolution(cells, resolution):
     read = table("Position;Load\n" + "\n".join(f"{cell};0" for cell in cells))
     assert read.resolution("Position") == pytest.approx(resolution)

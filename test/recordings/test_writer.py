@@ -34,7 +34,7 @@ def written(tmp_path):
     return path
 
 
-def test_what_was_written_reads_back(written):
+def test_written_messages_are_read_back(written):
     with open_bag(written) as bag:
         read = bag.read({
             "suspension/displacement": ["position[front_right]", "position[front_left]"],
@@ -114,7 +114,7 @@ def test_an_error_leaves_neither_the_file_nor_a_part_of_it(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_an_error_keeps_the_recording_that_was_there(tmp_path, written):
+def test_an_error_keeps_the_existing_recording(tmp_path, written):
     before = written.read_bytes()
     with pytest.raises(ZeroDivisionError), BagWriter(written):
         raise ZeroDivisionError
@@ -122,7 +122,7 @@ def test_an_error_keeps_the_recording_that_was_there(tmp_path, written):
 
 
 @pytest.mark.parametrize("place", ["missing/out.mcap", "file/out.mcap", "folder.mcap"])
-def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
+def test_a_path_that_cannot_be_written_is_named(tmp_path, place):
     (tmp_path / "file").write_text("")
     (tmp_path / "folder.mcap").mkdir()
     with pytest.raises(InputError, match=f"{place}: cannot be written"), BagWriter(tmp_path / place):
@@ -130,7 +130,7 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
 
 
 def test_only_mcap_is_written(tmp_path):
-    with pytest.raises(InputError, match="out.db3: recordings are written as mcap; give a name that ends in .mcap"):
+    with pytest.raises(InputError, match="out.db3: recordings are written as mcap; give a name ending in .mcap"):
         BagWriter(tmp_path / "out.db3")
 
 

@@ -86,8 +86,8 @@ def lost_when_hot(parameters, settings, kinematics, state, force):
 
 
 @pytest.mark.parametrize("heat", [(0, 150), (500, 600)])
-def test_what_is_published_is_finite_where_the_model_gives_no_force_and_degraded(heat):
-    """The last force is held, none before the first; the model and its state start anew afterwards."""
+def test_published_forces_are_finite_and_degraded_if_the_model_has_no_finite_force(heat):
+    """The last force is held, none before the first; the model and its state restart afterwards."""
     effect = Effect(kernel=lost_when_hot, kind="source", name="lost_when_hot")
     model = DamperModel("m", "", (Element(effect, {}, {}), entry("linear_viscous")), fit=FIT)
     stamp = np.arange(500) * 2 * MS
@@ -111,7 +111,7 @@ def test_without_the_command_that_it_was_fitted_with_it_extrapolates():
     assert (status[100:200] == EXTRAPOLATING).all() and (status[200:] == GOOD).all()
 
 
-def test_absurd_displacement_is_dropped_and_leaves_only_a_mark():
+def test_absurd_displacement_is_dropped_and_only_counted():
     stamp = np.arange(300) * 2 * MS
     clean = DamperEstimator(deployed(MODEL, 60.0, 0.1)).block(np.delete(stamp, 200), np.zeros(299))
     hit = DamperEstimator(deployed(MODEL, 60.0, 0.1)).block(stamp, np.where(stamp == 400 * MS, 1e306, 0.0))
@@ -123,7 +123,7 @@ def test_absurd_displacement_is_dropped_and_leaves_only_a_mark():
 @pytest.mark.parametrize(
     "fit", [{"residual_stddev": "much"}, {"region": [1]}, {"region": {"velocity": [1.0]}}, {"region": {"velocity": 3}}]
 )
-def test_what_a_model_knows_of_its_fit_must_be_numbers(fit):
+def test_the_fit_of_a_model_must_consist_of_numbers(fit):
     with pytest.raises(InputError, match=next(iter(fit))):
         DamperEstimator(deployed(DamperModel("m", "", (entry("linear_viscous"),), fit=fit), 60.0, 0.1))
 

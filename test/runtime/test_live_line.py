@@ -68,7 +68,7 @@ def test_live_equals_blocks_bit_for_bit_under_every_fault(seed, cutoff, lead, fu
         assert np.isfinite(numbers[good, FIELDS.index("force"), d]).all()
 
 
-def test_a_damper_that_is_added_leaves_the_others_as_they_were():
+def test_an_added_damper_leaves_the_others_unchanged():
     stamp, displacement, _, _ = faulty(200, 1)
     everyone, alone, grown = (Line() for _ in range(3))
     for name, model in zip(NAMES[:2], MODELS, strict=False):
@@ -102,7 +102,7 @@ def test_two_lines_share_a_model_but_no_state():
 
 
 def kernels_of(model):
-    """The kernels of a model compiled anew."""
+    """The kernels of a model compiled again."""
     from damper_estimator.model.program import compile_program
 
     return compile_program(model.effects).functions

@@ -26,7 +26,7 @@ def test_a_model_without_memory_settles_with_the_filter():
     assert deployed(load_model("linear_viscous"), 2.0, 0.1).settling > 2.0 * WARM_UP
 
 
-def test_a_slow_model_takes_longer_and_the_slowest_no_longer_than_is_waited_for():
+def test_a_slow_model_takes_longer_up_to_the_longest_settling_time():
     found = [deployed(lagging(t), 60.0, 0.1).settling for t in (0.001, 0.06, 0.1)]
     assert found == sorted(found) and found[0] == WARM_UP < found[2]
     # It remembers over travel, and where it hardly moves it hardly forgets.
@@ -37,11 +37,11 @@ def test_a_slow_model_takes_longer_and_the_slowest_no_longer_than_is_waited_for(
 
 
 @pytest.mark.parametrize("model", [lagging(0.06), lagging(0.1)])
-def test_after_the_settling_time_the_force_is_that_of_a_line_that_ran_before(model):
-    own = deployed(model, 60.0, 0.1)
+def test_after_the_settling_time_the_force_is_that_of_a_settled_line(model):
+    damper = deployed(model, 60.0, 0.1)
     whole, late = Line(), Line()
     for line in (whole, late):
-        line.add("one", own)
+        line.add("one", damper)
     forces, states = [], []
     for i in range(4000):
         x = np.array([0.02 * np.sin(0.012 * i)])
@@ -50,7 +50,7 @@ def test_after_the_settling_time_the_force_is_that_of_a_line_that_ran_before(mod
         if i >= 2000:
             forces.append([line.output.modelled[0, 0] for line in (whole, late)])
             states.append(late.output.status[0, 0])
-    settled = round(own.settling * 1000)
+    settled = round(damper.settling * 1000)
     assert set(states[:settled]) == {WARMING_UP} and set(states[settled:]) == {GOOD}
     difference = np.abs(np.diff(forces, axis=1)[:, 0])
     assert difference[settled:].max() < 0.05 * np.max(np.abs(forces))

@@ -61,7 +61,7 @@ def every(size, samples):
 
 
 @pytest.mark.parametrize("wild", [65535.0, 1e300, -1e300, np.nan, np.inf, -20.0])
-def test_one_wild_value_is_not_used_and_its_sample_is_not_good(wild):
+def test_one_implausible_value_is_not_used_and_its_sample_is_not_good(wild):
     value = np.where(np.arange(1000) == 500, wild, 1.0)
     status, held, counts = driven(semi_active(), value, every(1000, 1))
     assert (held == 1.0).all() and counts[IMPLAUSIBLE] == 1
@@ -79,15 +79,15 @@ def test_a_channel_that_falls_silent_is_noticed_after_a_few_of_its_usual_interva
     assert (status[last + first :] == DEGRADED).all() and counts[SILENT] == 4000 - last - first
 
 
-def test_the_map_says_how_old_a_value_may_be_and_what_it_can_be():
+def test_the_map_sets_the_maximum_age_and_the_limits_of_a_value():
     content = {
         "dampers": {"one": {"command": {"limits": [0.0, 2.0], "max_age": 3.0}, "temperature": {"limits": [0, 90]}}}
     }
     signals = parse_signal_map(content, "test").dampers["one"]
     status, _, _ = driven(semi_active(), np.ones(4000), np.minimum(every(4000, 1), 500), signals=signals)
     assert (status[500:3400] == GOOD).all() and (status[3600:] == DEGRADED).all()
-    own = deployed(semi_active(), 60.0, 0.1, signals=signals)
-    assert own.possible("command") == pytest.approx((-0.2, 2.2)) and own.possible("temperature") == (0.0, 90.0)
+    damper = deployed(semi_active(), 60.0, 0.1, signals=signals)
+    assert damper.possible("command") == pytest.approx((-0.2, 2.2)) and damper.possible("temperature") == (0.0, 90.0)
     assert deployed(semi_active(), 60.0, 0.1).possible("command") == pytest.approx((-1.8, 3.84))
 
 
@@ -116,7 +116,7 @@ def test_the_memory_of_a_lag_is_the_time_in_which_it_forgets():
     assert deployed(VISCOUS, 60.0, 0.1).memories["command"] is None
 
 
-def test_outside_the_region_a_command_is_extrapolated_and_does_not_decide_whether_one_may_be_sent():
+def test_outside_the_region_a_command_is_extrapolated_without_affecting_trust():
     estimator = DamperEstimator(deployed(semi_active(), 60.0, 0.1, signals=default_signals("one")))
     stamp = (1 + np.arange(2000)) * MS
     command = np.where((stamp > 600 * MS) & (stamp < 700 * MS), 0.0, 1.0)

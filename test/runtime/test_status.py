@@ -1,4 +1,4 @@
-"""Status of an estimate: each fault degrades for 0.2 s and is counted once; noise is told from motion."""
+"""Status of an estimate: each fault degrades for 0.2 s and is counted once; noise is separated from motion."""
 
 import numpy as np
 import pytest
@@ -76,7 +76,7 @@ def test_a_long_first_step_does_not_hide_a_gap_after_the_warm_up():
 
 
 @pytest.mark.parametrize("cutoff, step", [(60.0, 1.0), (20.0, 1.0), (60.0, 0.25)])
-def test_the_noise_of_the_velocity_is_foretold(cutoff, step):
+def test_the_noise_of_the_velocity_is_predicted(cutoff, step):
     """Against the filter itself, driven with white noise."""
     sigma, count = 1e-4, 200_000
     noise = sigma * np.random.default_rng(2).standard_normal(count)
@@ -88,7 +88,7 @@ def test_the_noise_of_the_velocity_is_foretold(cutoff, step):
     assert line.velocity_noise(0) == pytest.approx(v[5000:].std(), rel=0.12)
 
 
-def test_noise_is_told_from_motion():
+def test_noise_is_distinguished_from_motion():
     stamp = np.arange(4000) * MS
     noise = np.random.default_rng(3).standard_normal(stamp.size)
     quiet, line = driven(stamp, motion(stamp) + 1e-4 * noise)
@@ -100,7 +100,7 @@ def test_noise_is_told_from_motion():
 
 @pytest.mark.parametrize("step", [1.0, 2.0])
 @pytest.mark.parametrize("size", [0.0025, 0.004, 0.009])
-def test_an_outlier_that_is_no_faster_than_a_damper_degrades_at_once(size, step):
+def test_an_outlier_no_faster_than_a_damper_degrades_immediately(size, step):
     """It moves the filtered velocity by up to ``size * step * cutoff^2``; 4 m/s are too slow for a jump."""
     stamp = np.round(np.arange(0, 1000, step) * MS).astype(np.int64)
     displacement = motion(stamp)

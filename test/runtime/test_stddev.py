@@ -16,7 +16,7 @@ def given(fit):
     return DamperEstimator(deployed(model, 60.0, 0.1)).block(np.arange(3) * 1_000_000, np.zeros(3)).stddev[0]
 
 
-def test_the_forces_own_counts_and_an_older_file_has_the_residuals():
+def test_the_stddev_of_the_force_takes_precedence_over_that_of_the_residual():
     assert given(BOTH) == 23.0 and given({"residual_stddev": 10.0}) == 10.0 and np.isnan(given({}))
 
 

@@ -38,7 +38,7 @@ def quantised(x, random, noise, resolution):
 
 @pytest.mark.parametrize("noise", [1.2e-5, 3e-5])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_noisy_sensor_that_stands_still_is_found_within_a_tenth_of_a_second(noise, seed):
+def test_a_stuck_noisy_sensor_is_found_within_a_tenth_of_a_second(noise, seed):
     x = road(4000, seed, noise, RESOLUTION)
     x[2500:3000] = x[2500]
     status, count = driven(x)
@@ -46,7 +46,7 @@ def test_a_noisy_sensor_that_stands_still_is_found_within_a_tenth_of_a_second(no
     assert driven(road(4000, seed, noise, RESOLUTION))[1] == 0
 
 
-def test_it_is_found_also_soon_after_noise_jumps_and_a_standstill_before():
+def test_it_is_also_found_soon_after_noise_jumps_and_a_standstill():
     x = road(6000, 4, 1.2e-5, RESOLUTION)
     x[1500:1800] += 2e-3 * np.random.default_rng(1).standard_normal(300)
     x[2000:2200] += 0.01

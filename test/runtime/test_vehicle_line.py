@@ -21,7 +21,7 @@ def arrivals(rank, value):
     st.lists(st.tuples(st.booleans(), st.floats(-9, 9)), min_size=1, max_size=40),
     st.lists(st.integers(0, 40), max_size=4)
 )  # fmt: skip
-def test_a_held_channel_is_the_last_value_that_arrived_however_the_blocks_are_cut(messages, cuts):
+def test_a_held_channel_is_the_last_received_value_for_any_division_into_blocks(messages, cuts):
     """Each message is either a value of the channel or a question for it."""
     expected, counts, last, count = [], [], np.nan, 0
     for is_value, value in messages:
@@ -33,9 +33,9 @@ def test_a_held_channel_is_the_last_value_that_arrived_however_the_blocks_are_cu
     channel, got, heard = SampleAndHold(), [], []
     edges = sorted({0, len(messages), *(cut for cut in cuts if cut < len(messages))})
     for first, end in zip(edges, edges[1:], strict=False):
-        own = [i for i in range(first, end) if messages[i][0]]
+        slow = [i for i in range(first, end) if messages[i][0]]
         asked = np.array([i for i in range(first, end) if not messages[i][0]], np.int64)
-        held = channel.at(asked, arrivals(own, [messages[i][1] for i in own]) if own else None)
+        held = channel.at(asked, arrivals(slow, [messages[i][1] for i in slow]) if slow else None)
         got += np.broadcast_to(held.value, asked.shape).tolist()
         heard += np.broadcast_to(held.received, asked.shape).tolist()
     assert np.array_equal(got, expected, equal_nan=True) and heard == counts
@@ -51,13 +51,13 @@ def test_slow_channels_reach_the_estimates():
     assert estimates["one"].kinematics.temperature.tolist() == [30.0]
 
 
-def test_dampers_of_one_message_stand_together_in_the_order_of_the_line():
+def test_dampers_of_one_message_are_answered_together_in_the_order_of_the_line():
     line = VehicleLine({name: DamperEstimator(deployed(MODEL, 60.0, 0.1)) for name in ("b", "a")})
     messages, _ = line.block(
         {"a": arrivals([0, 1, 2], [0.0, np.nan, 0.1]), "b": arrivals([0, 1, 3], [0.0, 0.1, 0.2])}, {}
     )
-    told = {(m.names, rank) for m in messages for rank in m.rank.tolist()}
-    assert told == {(("b", "a"), 0), (("b",), 1), (("a",), 2), (("b",), 3)}
+    found = {(m.names, rank) for m in messages for rank in m.rank.tolist()}
+    assert found == {(("b", "a"), 0), (("b",), 1), (("a",), 2), (("b",), 3)}
     assert all(values.shape == (m.rank.size, len(m.names)) for m in messages for values in m.fields.values())
 
 
@@ -68,11 +68,13 @@ def test_a_block_without_displacement_gives_no_message():
 
 
 @given(st.lists(st.sets(st.integers(0, 20)), min_size=1, max_size=4))
-def test_together_loses_and_invents_nothing(sets):
-    keys = {str(i): np.array(sorted(own), np.int64) for i, own in enumerate(sets)}
+def test_grouping_keys_loses_and_invents_nothing(sets):
+    keys = {str(i): np.array(sorted(keys_of_one), np.int64) for i, keys_of_one in enumerate(sets)}
     seen = {name: [] for name in keys}
     for shared, rows in group_equal_keys(keys):
-        for name, own in rows.items():
-            assert np.array_equal(keys[name][own], shared)
+        for name, row in rows.items():
+            assert np.array_equal(keys[name][row], shared)
             seen[name] += shared.tolist()
-    assert {name: sorted(own) for name, own in seen.items()} == {name: own.tolist() for name, own in keys.items()}
+    assert {name: sorted(shared) for name, shared in seen.items()} == {
+        name: all_keys.tolist() for name, all_keys in keys.items()
+    }

@@ -22,8 +22,8 @@ def bag(tmp_path, with_acceleration=True, hole=None):
     ]
     if with_acceleration:
         keep = np.ones(time.size, bool) if hole is None else (time < hole[0]) | (time > hole[1])
-        own = accelerations(stamps[keep], a[keep])
-        streams.append(Stream("/suspension/d/acceleration", "geometry_msgs/msg/AccelStamped", stamps[keep], own))
+        messages = accelerations(stamps[keep], a[keep])
+        streams.append(Stream("/suspension/d/acceleration", "geometry_msgs/msg/AccelStamped", stamps[keep], messages))
     with BagWriter(tmp_path / "a.mcap") as writer:
         writer.write_streams(streams)
     with open_bag(tmp_path / "a.mcap") as opened:
@@ -40,7 +40,7 @@ def test_it_passes_the_same_filter_as_the_displacement(tmp_path):
     assert measured.acceleration[late] == pytest.approx(measured.kinematics.acceleration[late], abs=0.02)
 
 
-def test_a_hole_is_not_a_number_and_takes_no_force_away(tmp_path):
+def test_a_gap_is_nan_and_removes_no_force(tmp_path):
     measured = bag(tmp_path, hole=(3.0, 3.5))
     time = measured.kinematics.time
     assert np.isnan(measured.acceleration[(time > 3.05) & (time < 3.45)]).all()

@@ -37,7 +37,7 @@ def test_a_step_counts_from_the_last_accepted_sample():
     assert dt[[1, 3]].tolist() == [0.01, 0.02]
 
 
-def test_gaps_and_steps_back_beyond_the_limit_start_anew():
+def test_gaps_and_steps_back_beyond_the_limit_are_new_starts():
     verdict, dt = verdicts([0, 100, 201, 301, 200, 210])
     assert verdict.tolist() == [START, ACCEPTED, GAP, ACCEPTED, STEP_BACK, ACCEPTED]
     assert dt[[0, 2, 4]].tolist() == [0.0, 0.0, 0.0]

@@ -49,8 +49,10 @@ def test_equals_lsim_on_even_steps(cutoff, rate):
     time = np.arange(400) / rate
     raw = 0.02 + np.cumsum(random.normal(size=time.size)) * 1e-3
     w = 2 * np.pi * cutoff
-    for order, (own, theirs) in enumerate(zip(filtered(cutoff, time, raw), reference(cutoff, time, raw), strict=True)):
-        assert np.abs(own - theirs).max() < 1e-7 * w**order * np.ptp(raw)
+    for order, (actual, theirs) in enumerate(
+        zip(filtered(cutoff, time, raw), reference(cutoff, time, raw), strict=True)
+    ):
+        assert np.abs(actual - theirs).max() < 1e-7 * w**order * np.ptp(raw)
 
 
 @given(seed=st.integers(0, 10_000), cutoff=st.floats(2.0, 200.0))
@@ -64,13 +66,13 @@ def test_equals_lsim_on_jittered_steps(seed, cutoff):
     theirs = reference(cutoff, fine, np.interp(fine, fine[kept], raw))
     inside = fine[kept] <= fine[kept][-1]
     w = 2 * np.pi * cutoff
-    for order, (own, other) in enumerate(zip(filtered(cutoff, fine[kept], raw), theirs, strict=True)):
-        assert np.abs(own - other[kept])[inside].max() < 1e-6 * w**order * (np.ptp(raw) + 1e-6)
+    for order, (actual, other) in enumerate(zip(filtered(cutoff, fine[kept], raw), theirs, strict=True)):
+        assert np.abs(actual - other[kept])[inside].max() < 1e-6 * w**order * (np.ptp(raw) + 1e-6)
 
 
 @pytest.mark.parametrize("frequency", [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0])
 @pytest.mark.parametrize("jitter", [0.0, 0.4])
-def test_sines_from_half_to_thirty_hertz_come_out_as_the_transfer_function_says(frequency, jitter):
+def test_sines_from_half_to_thirty_hertz_follow_the_transfer_function(frequency, jitter):
     """Steady state at 2 kHz; the tolerance is the error of a sine drawn as straight lines, (w dt)^2 / 8, thrice."""
     random = np.random.default_rng(3)
     step = 0.5e-3
@@ -84,9 +86,9 @@ def test_sines_from_half_to_thirty_hertz_come_out_as_the_transfer_function_says(
     settled = time > 0.3
     # Corners of the straight lines pass the derivatives with the weight of their higher frequencies.
     chord = (omega * step * (1 + jitter)) ** 2 / 8
-    for order, own in enumerate(outputs):
+    for order, actual in enumerate(outputs):
         expected = np.imag(gain * s**order * np.exp(s * time))
-        error = np.abs(own - expected)[settled].max() / omega**order
+        error = np.abs(actual - expected)[settled].max() / omega**order
         assert error < 3 * chord * max(1.0, w / omega) ** order + 1e-9
 
 
@@ -128,11 +130,13 @@ def test_compiled_equals_plain_python():
     random = np.random.default_rng(0)
     time = np.cumsum(random.uniform(1e-4, 5e-3, 300))
     raw = random.normal(size=300)
-    for own, other in zip(filtered(CUTOFF, time, raw), filtered(CUTOFF, time, raw, plain(differentiate)), strict=True):
-        assert own == pytest.approx(other, rel=1e-12, abs=1e-12 * np.abs(other).max())
+    for actual, other in zip(
+        filtered(CUTOFF, time, raw), filtered(CUTOFF, time, raw, plain(differentiate)), strict=True
+    ):
+        assert actual == pytest.approx(other, rel=1e-12, abs=1e-12 * np.abs(other).max())
 
 
-def test_unfiltered_mode_gives_the_backward_difference_and_no_acceleration():
+def test_unfiltered_mode_yields_the_backward_difference_and_no_acceleration():
     time = np.array([0.0, 0.01, 0.03, 0.04])
     raw = np.array([1.0, 1.5, 1.1, 1.1])
     x, v, a = filtered(0.0, time, raw)

@@ -35,11 +35,11 @@ def test_a_gauge_whose_values_are_repeated_is_not_clipped(held):
     assert np.array_equal(clipped(cut), cut == 600.0)
 
 
-def test_friction_that_stays_level_by_itself_is_not_clipped():
+def test_constant_friction_is_not_clipped():
     assert not clipped(200.0 * np.clip(20.0 * np.sin(2 * np.pi * TIME), -1.0, 1.0)).any()
 
 
-def test_what_a_clipped_sample_changes_beyond_its_reach_is_little():
+def test_a_clipped_sample_changes_little_beyond_its_reach():
     """The error that clipping makes, through both filters, outside and inside what is marked."""
     force = wave(3)
     cut = np.minimum(force, 700.0)
@@ -65,13 +65,15 @@ def test_clipped_stretches_are_not_judged(tmp_path):
     assert np.array_equal(m.part(5000, 10000).judged, m.judged[5000:] & (TIME[5000:] >= TIME[5000] + 0.2 - 1e-9))
 
 
-def test_values_at_the_gauges_stamps_pass_as_the_gauge_does(tmp_path):
+def test_values_at_the_gauges_stamps_are_filtered_like_the_gauge(tmp_path):
     stamp = np.round(TIME * 1e9).astype(np.int64)
     with BagWriter(tmp_path / "in.mcap") as bag:
         x = joint_states(["fl"], stamp, position=1e-5 * wave(2)[:, None])
         bag.write_messages("/suspension/displacement", JOINT_STATE, stamp, x)
-        own = stamp[::3] + 500_000
-        bag.write_messages("/suspension/force", JOINT_STATE, own, joint_states(["fl"], own, effort=wave(1)[::3, None]))
+        gauge_stamp = stamp[::3] + 500_000
+        bag.write_messages(
+            "/suspension/force", JOINT_STATE, gauge_stamp, joint_states(["fl"], gauge_stamp, effort=wave(1)[::3, None])
+        )
     with open_bag(tmp_path / "in.mcap") as bag:
         m = measure(bag, SignalMap(), "fl")
     assert np.array_equal(m.as_gauge(m.gauge), m.force)

@@ -28,15 +28,15 @@ def cycle(peak_velocity, frequency):
     return Cycle(0, 10, 0.0, 1.0 / frequency, 0.01, 0.0, peak_velocity, 0.0)
 
 
-def test_a_sine_gives_its_frequency_amplitude_and_peak_velocity():
+def test_a_sine_has_its_frequency_amplitude_and_peak_velocity():
     time, x = sine_series((2.0, 0.02, 12))
     found = find_cycles(kinematics_of(time, x))[1:]
     assert len(found) >= 9
-    for own in found:
-        assert own.frequency == pytest.approx(2.0, rel=1e-3)
-        assert own.amplitude == pytest.approx(0.02, rel=2e-3)
-        assert own.peak_velocity == pytest.approx(0.02 * 4.0 * np.pi, rel=2e-3)
-        assert own.departure < 0.01
+    for cycle in found:
+        assert cycle.frequency == pytest.approx(2.0, rel=1e-3)
+        assert cycle.amplitude == pytest.approx(0.02, rel=2e-3)
+        assert cycle.peak_velocity == pytest.approx(0.02 * 4.0 * np.pi, rel=2e-3)
+        assert cycle.departure < 0.01
 
 
 def test_noise_at_the_reversals_makes_no_cycles():
@@ -56,13 +56,13 @@ def test_a_cycle_never_spans_a_gap():
     late = np.where(time > 2.3, time + 1.0, time)
     kinematics = kinematics_of(late, x)
     gap = kinematics.stretches()[1].start
-    assert not any(own.first < gap < own.last for own in find_cycles(kinematics))
+    assert not any(cycle.first < gap < cycle.last for cycle in find_cycles(kinematics))
 
 
 def test_a_triangle_is_no_sine():
     time = np.arange(5000) / 500.0
     x = 0.02 * (4.0 * np.abs(np.mod(time, 1.0) - 0.5) - 1.0)
-    assert all(own.departure > 0.08 for own in find_cycles(kinematics_of(time, x))[1:])
+    assert all(cycle.departure > 0.08 for cycle in find_cycles(kinematics_of(time, x))[1:])
 
 
 def test_rest_has_no_cycles():
@@ -92,7 +92,7 @@ def test_groups_are_those_of_the_papers_table():
     assert [limits.group(c) for c in high] == ["LVHF"] * 3 + ["HVHF"] * 4
 
 
-def test_what_hardly_varies_is_not_split():
+def test_a_quantity_that_hardly_varies_is_not_divided():
     assert group_limits([cycle(v, 1.5) for v in (0.3, 0.35, 0.4)]) == GroupLimits(np.inf, np.inf)
     limits = group_limits([cycle(v, 1.5) for v in (0.1, 0.5, 1.0)])
     assert {limits.group(cycle(v, 1.5)) for v in (0.1, 1.0)} == {"LV", "HV"}

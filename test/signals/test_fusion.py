@@ -29,7 +29,7 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def test_the_velocity_is_at_once_what_the_low_pass_gives_late():
+def test_the_velocity_has_no_delay_of_the_low_pass():
     stamp, truth, displacement, felt = sensed(4000, 1, offset=0.4)
     fused = Differentiator(60.0, 0.1, FUSION).block(stamp, displacement, acceleration=felt)[0].block
     late = Differentiator(60.0, 0.1).block(stamp, displacement)[0].block
@@ -46,8 +46,8 @@ def test_it_is_the_kalman_filter_of_the_textbook():
     state, out, alone = np.zeros(FUSION_SIZE), np.zeros((3, 1)), np.zeros(1, np.uint8)
     mean, spread, before = np.zeros(3), np.zeros((3, 3)), 0.0
     for i, dt in enumerate(np.diff(stamp, prepend=stamp[0]) / 1e9):
-        own = np.array([dt]), displacement[i : i + 1], felt[i : i + 1]
-        fuse(FUSION.noises(), *own, state, out[0], out[1], out[2], alone)
+        sample = np.array([dt]), displacement[i : i + 1], felt[i : i + 1]
+        fuse(FUSION.noises(), *sample, state, out[0], out[1], out[2], alone)
         if i == 0:
             mean, spread = np.array([displacement[0], 0.0, 0.0]), np.diag([2e-5**2, 0.1**2, 1.0])
         else:
@@ -72,8 +72,8 @@ def test_blocks_of_any_size_give_the_same_bits(seed, cuts):
     whole = Differentiator(60.0, 0.1, FUSION).block(stamp, displacement, acceleration=felt)[0].block
     parts, differentiator = [], Differentiator(60.0, 0.1, FUSION)
     for first, end in zip([0, *sorted(cuts)], [*sorted(cuts), 300], strict=True):
-        own = slice(first, end)
-        parts.append(differentiator.block(stamp[own], displacement[own], acceleration=felt[own])[0].block)
+        part = slice(first, end)
+        parts.append(differentiator.block(stamp[part], displacement[part], acceleration=felt[part])[0].block)
     assert np.array_equal(np.concatenate(parts, axis=1), whole, equal_nan=True)
 
 
@@ -89,18 +89,18 @@ def test_without_an_acceleration_the_motion_is_that_of_the_low_pass():
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 1e300, 3000.0, -800.0])
-def test_an_outlier_of_the_accelerometer_is_told_and_forgotten(value):
+def test_an_outlier_of_the_accelerometer_is_reported_and_forgotten(value):
     stamp, truth, displacement, felt = sensed(1200, 5)
     felt[600] = value
     differentiator = Differentiator(60.0, 0.1, FUSION)
     block = differentiator.block(stamp, displacement, acceleration=felt)[0].block
     assert np.isfinite(block[[X, V, A]]).all()
-    told = np.flatnonzero(differentiator.alone)
-    assert 600 <= told[0] <= 605 and told[-1] < 620
+    alone_at = np.flatnonzero(differentiator.alone)
+    assert 600 <= alone_at[0] <= 605 and alone_at[-1] < 620
     assert rms((block[V] - truth[1])[900:]) < 0.1 * rms(truth[1])
 
 
-def test_a_jump_of_the_displacement_is_told_and_forgotten():
+def test_a_jump_of_the_displacement_is_reported_and_forgotten():
     stamp, truth, displacement, felt = sensed(1200, 6)
     displacement[600] += 0.1
     differentiator = Differentiator(60.0, 0.1, FUSION)

@@ -91,23 +91,23 @@ def test_spring_and_preload_are_subtracted_from_the_gauge(bag_of, plain):
 
 
 @pytest.mark.parametrize("late", [-0.0123, 0.0, 0.004, 0.0051])
-def test_a_late_force_is_put_back_by_its_skew(late, bag_of, plain):
+def test_a_late_force_is_corrected_by_its_skew(late, bag_of, plain):
     stamp = stamps()
     measured = push(stamp - round(late * 1e9))  # F_measured(t) = F(t - skew)
     bag = bag_of(moved(stamp, wave(stamp, 0.01)), gauged(stamp, measured))
     m = measure(bag, mapped(fl={"force": {"skew": late}}), "fl")
-    own = m.judged & plain.judged
-    assert error_share(m.force[own], plain.force[own]) < BETWEEN_SAMPLES and own.sum() > 2850
+    both = m.judged & plain.judged
+    assert error_share(m.force[both], plain.force[both]) < BETWEEN_SAMPLES and both.sum() > 2850
 
 
-def test_a_late_displacement_is_put_back_by_its_skew(bag_of, plain):
+def test_a_late_displacement_is_corrected_by_its_skew(bag_of, plain):
     stamp = stamps()
     bag = bag_of(moved(stamp + 7_000_000, wave(stamp, 0.01)), gauged(stamp, push(stamp)))
     m = measure(bag, mapped(fl={"displacement": {"skew": 0.007}}), "fl")
     assert np.array_equal(m.kinematics.stamp, stamp) and m.force == pytest.approx(plain.force, abs=EXACT)
 
 
-def test_a_table_and_scale_turn_raw_numbers_into_si(bag_of):
+def test_table_and_scale_convert_raw_numbers_to_si(bag_of):
     stamp = stamps()
     raw = wave(stamp, 40.0)
     table = {"raw": [-100.0, 0.0, 100.0], "value": [0.08, 0.0, -0.05]}
@@ -119,15 +119,15 @@ def test_a_table_and_scale_turn_raw_numbers_into_si(bag_of):
 
 
 @pytest.mark.parametrize("rate", [173, 1000, 2500])
-def test_the_force_may_have_a_rate_of_its_own(rate, bag_of, plain):
-    stamp, own = stamps(), stamps(rate=rate, first=-0.0007)
-    m = measure(bag_of(moved(stamp, wave(stamp, 0.01)), gauged(own, push(own))), SignalMap(), "fl")
+def test_the_force_can_have_another_rate(rate, bag_of, plain):
+    stamp, gauge_stamp = stamps(), stamps(rate=rate, first=-0.0007)
+    m = measure(bag_of(moved(stamp, wave(stamp, 0.01)), gauged(gauge_stamp, push(gauge_stamp))), SignalMap(), "fl")
     tolerance = BETWEEN_SAMPLES * max(1.0, (RATE / rate) ** 2)
     inside = m.judged & plain.judged
     assert error_share(m.force[inside], plain.force[inside]) < tolerance and inside.sum() > 2850
 
 
-def test_a_hole_in_the_force_is_not_judged_nor_the_warm_up_behind_it(bag_of):
+def test_a_gap_in_the_force_and_the_warm_up_after_it_are_not_judged(bag_of):
     stamp = stamps()
     time = (stamp - START) * 1e-9
     there = (time < 2.0) | (time >= 2.5)
@@ -136,7 +136,7 @@ def test_a_hole_in_the_force_is_not_judged_nor_the_warm_up_behind_it(bag_of):
     assert m.counts.gaps == 0 and len(m.kinematics) == stamp.size
 
 
-def test_a_hole_shorter_than_the_largest_gap_is_bridged(bag_of, plain):
+def test_a_gap_in_the_force_below_the_limit_is_bridged(bag_of, plain):
     stamp = stamps()
     there = np.ones(stamp.size, bool)
     there[1000:1005] = False
@@ -168,7 +168,7 @@ def test_samples_are_ordered_by_stamp_and_what_a_node_would_drop_is_counted(bag_
     assert np.array_equal(m.kinematics.block, plain.kinematics.block, equal_nan=True)
 
 
-def test_equal_stamps_and_numbers_that_are_none_are_dropped_and_counted(bag_of):
+def test_equal_stamps_and_nan_are_dropped_and_counted(bag_of):
     stamp = stamps()
     x = wave(stamp, 0.01)
     log = stamp.copy()
@@ -182,7 +182,7 @@ def test_equal_stamps_and_numbers_that_are_none_are_dropped_and_counted(bag_of):
     assert np.isfinite(m.force).all() and m.raw_displacement[9] == x[9]
 
 
-def test_windows_of_the_map_and_of_the_call_cut_together(bag_of, plain):
+def test_windows_of_the_map_and_of_the_call_are_intersected(bag_of, plain):
     stamp = stamps()
     bag = bag_of(moved(stamp, wave(stamp, 0.01)), gauged(stamp, push(stamp)))
     windowed = parse_signal_map({"use": [{"from": 0.5, "to": 2.0}, {"from": 3.0}]}, "map.yaml")
@@ -220,11 +220,11 @@ def test_default_topics_are_found_inside_a_namespace(bag_of, plain):
 
 def test_slow_channels_hold_their_last_value_by_stamp(bag_of):
     stamp = stamps()
-    told = START + np.array([1, 3]) * 10**9
+    command_stamp = START + np.array([1, 3]) * 10**9
     bag = bag_of(
         moved(stamp, wave(stamp, 0.01)),
         gauged(stamp, push(stamp)),
-        ("/suspension/fl/current", "std_msgs/msg/Float64", told, floats(np.array([0.5, 1.5]))),
+        ("/suspension/fl/current", "std_msgs/msg/Float64", command_stamp, floats(np.array([0.5, 1.5]))),
     )
     m = measure(bag, SignalMap(), "fl")
     time = m.kinematics.time
@@ -236,14 +236,14 @@ def test_a_name_is_looked_up_in_every_message(bag_of, plain):
     stamp = stamps()
     x = wave(stamp, 0.01)
     entries = []
-    for i, own in enumerate(stamp):
+    for i, time in enumerate(stamp):
         names, values = (["fl", "fr"], [x[i], 9.0]) if i % 2 else (["fr", "fl"], [9.0, x[i]])
         entries.append(
             (
                 "/suspension/displacement",
                 JOINT_STATE,
-                [own],
-                joint_states(names, np.array([own]), position=np.array([values])),
+                [time],
+                joint_states(names, np.array([time]), position=np.array([values])),
             )
         )
     lacking = np.array([stamp[-1] + 1_000_000])
@@ -254,13 +254,13 @@ def test_a_name_is_looked_up_in_every_message(bag_of, plain):
     assert np.array_equal(m.kinematics.block, plain.kinematics.block, equal_nan=True)
 
 
-def test_a_part_keeps_its_forces_and_warms_up_anew(plain):
+def test_a_part_keeps_its_forces_and_warms_up_again(plain):
     part = plain.part(1000, 2000)
     assert np.array_equal(part.force, plain.force[1000:2000]) and part.kinematics.dt[0] == 0.0
     assert not part.judged[:100].any() and part.judged[100:].all()
 
 
-def test_a_missing_force_is_an_error_only_where_it_is_wanted(bag_of):
+def test_a_missing_force_is_an_error_only_if_it_is_needed(bag_of):
     stamp = stamps(1.0)
     bag = bag_of(moved(stamp, wave(stamp)))
     assert measure(bag, SignalMap(), "fl", force_wanted=False).force is None
@@ -276,7 +276,7 @@ def test_a_force_of_another_time_is_refused(bag_of):
 
 
 @pytest.mark.parametrize(
-    ("channel", "told"),
+    ("channel", "reason"),
     [
         ({"displacement": {"topic": "/nowhere"}}, "/nowhere"),
         ({"force": {"topic": "/nowhere"}}, "/nowhere"),
@@ -285,15 +285,15 @@ def test_a_force_of_another_time_is_refused(bag_of):
         ({"temperature": {}}, "temperature"),
     ],
 )  # fmt: skip
-def test_what_a_map_names_and_a_bag_lacks_is_an_error(channel, told, bag_of):
+def test_a_channel_of_the_map_that_the_bag_lacks_is_an_error(channel, reason, bag_of):
     stamp = stamps(1.0)
     bag = bag_of(moved(stamp, wave(stamp)), gauged(stamp, push(stamp)))
     with pytest.raises(InputError, match=r"in.mcap") as refusal:
         measure(bag, mapped(fl=channel), "fl")
-    assert told in str(refusal.value) and "\n" not in str(refusal.value)
+    assert reason in str(refusal.value) and "\n" not in str(refusal.value)
 
 
-def test_an_unknown_damper_is_told_with_those_that_are_there(bag_of):
+def test_an_unknown_damper_is_answered_with_the_existing_ones(bag_of):
     stamp = stamps(1.0)
     bag = bag_of(moved(stamp, wave(stamp)), gauged(stamp, push(stamp)))
     with pytest.raises(InputError, match=r"has no damper 'rear'; it has fl"):

@@ -1,4 +1,4 @@
-"""Rest is found by the data's own noise."""
+"""Rest is found relative to the data's noise."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_a_moving_damper_never_rests(frequency):
     assert find_rests((time * 1e9).astype(np.int64), x) == ()
 
 
-def test_a_force_that_moves_is_no_rest():
+def test_a_varying_force_is_no_rest():
     stamp, still = recording([(10.0, 0.0)])
     _, force = recording([(3.0, 0.0), (7.0, 500.0)], noise=2.0)
     (rest,) = find_rests(stamp, still, stamp, force)
@@ -47,17 +47,17 @@ def test_less_than_half_a_second_is_no_rest():
     assert find_rests(*recording([(0.4, 0.0), (5.0, 0.02)])) == ()
 
 
-def test_a_hole_in_the_recording_is_no_rest():
+def test_a_gap_in_the_recording_is_no_rest():
     stamp, x = recording([(4.0, 0.02)])
     stamp = np.where(np.arange(stamp.size) > 400, stamp + 3 * 10**9, stamp)
     assert find_rests(stamp, x) == ()
 
 
-def test_nothing_gives_no_rest():
+def test_empty_recordings_have_no_rest():
     assert find_rests(np.zeros(0, np.int64), np.zeros(0)) == ()
 
 
-def test_noise_and_quantum_are_seen():
+def test_noise_and_quantum_are_measured():
     values = np.random.default_rng(0).normal(size=20000)
     assert noise_level(values) == pytest.approx(1.0, rel=0.05) and quantum(values) == 0.0
     assert quantum(np.round(values / 0.2) * 0.2) == pytest.approx(0.2)

@@ -29,7 +29,7 @@ use: [{from: 1.0, to: 5.0}, {from: 10.0}]
 """
 
 
-def test_the_documented_example_is_understood_whole():
+def test_the_documented_example_is_completely_understood():
     signal_map = parse_signal_map(yaml.safe_load(FULL), "map.yaml")
     front_left = signal_map.dampers["front_left"]
     assert (signal_map.cutoff, signal_map.band) == (60.0, 30.0)
@@ -39,7 +39,7 @@ def test_the_documented_example_is_understood_whole():
     assert front_left.pressure == default_signals("front_left").pressure
 
 
-def test_what_is_left_out_takes_the_defaults():
+def test_omitted_entries_have_the_defaults():
     signal_map = parse_signal_map({"dampers": {"rear": {"displacement": {"scale": 0.001}}}}, "m")
     displacement = signal_map.dampers["rear"].displacement
     assert displacement.topic == "suspension/displacement" and displacement.field == "position[rear]"
@@ -72,13 +72,13 @@ def test_tables_are_straight_between_their_points():
 
 
 @given(st.floats(-3, 3))
-def test_the_raw_number_of_a_value_is_the_one_that_has_it(raw):
+def test_raw_inverts_value(raw):
     rising, falling = ((-4.0, 0.0, 4.0), (0.0, 1.0, 5.0)), ((-4.0, 0.0, 4.0), (5.0, 1.0, 0.0))
     for channel in (Channel("t", "f", 1e-3, 0.5), Channel("t", "f", table=rising), Channel("t", "f", table=falling)):
         assert channel.raw(float(channel.value(raw))) == pytest.approx(raw, abs=1e-9)
 
 
-def test_limits_of_a_command_are_raw_and_come_as_values_in_order():
+def test_limits_of_a_command_are_raw_and_value_limits_are_in_order():
     assert Channel("t", "f", scale=-1e-3, limits=(0.0, 2000.0)).value_limits == (-2.0, 0.0)
     assert Channel("t", "f").value_limits is None
 
@@ -131,6 +131,6 @@ def test_mistakes_are_all_named_in_one_line_with_the_file(tmp_path, text, faults
     assert all(fault in message for fault in faults), message
 
 
-def test_a_map_that_is_not_there_is_named():
+def test_a_missing_map_is_named():
     with pytest.raises(InputError, match="nowhere.yaml"):
         load_signal_map("nowhere.yaml")

@@ -15,7 +15,7 @@ def rms(values: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("by_table", [False, True])
-def test_the_ride_over_dds_is_the_ride_off_line(by_table, identified, domain, tmp_path):
+def test_the_ride_over_dds_equals_the_ride_offline(by_table, identified, domain, tmp_path):
     from damper_estimator.node.playback.live_ride import Scenario, live, offline
 
     name, table = identified(MODEL, command=list(LIMITS)), None
