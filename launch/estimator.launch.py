@@ -2,7 +2,7 @@
 
 ros2 launch damper_estimator estimator.launch.py model:=/path/to/front_left.yaml namespace:=car_7
 
-What is not given is as params_file has it, or else as the node has it by itself (config/node.yaml).
+Missing arguments are as in params_file, or else the defaults of the node (config/node.yaml).
 """
 
 from launch.actions import OpaqueFunction
@@ -52,5 +52,5 @@ def estimator(context) -> list[LifecycleNode]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What ``ros2 launch`` calls."""
+    """For ``ros2 launch``."""
     return LaunchDescription([*ARGUMENTS.declare(), OpaqueFunction(function=estimator)])

@@ -3,10 +3,10 @@
 ros2 launch damper_estimator semi_active.launch.py model:=/path/to/models signals:=/path/to/map.yaml law:=skyhook
 ros2 launch damper_estimator semi_active.launch.py model:=/path/to/models table:=/path/to/force_velocity.csv
 
-Without a table the controller asks for forces and the estimator commands currents by the inverse of its model; with one
-the controller commands currents by the table, from the same estimates and the same law. What is not given is as
-params_file has it, or else as the nodes have it by themselves (config/node.yaml, config/controller.yaml). params_file,
-safe_current and what estimator.launch.py has as well are for both nodes.
+Without a table the controller requests forces and the estimator commands currents by the inverse of its model; with a
+table the controller commands the currents, from the same estimates and the same law. Missing arguments are as in
+params_file, or else the defaults of the nodes (config/node.yaml, config/controller.yaml). params_file, safe_current and
+the arguments that estimator.launch.py shares are for both nodes.
 """
 
 from pathlib import Path
@@ -53,5 +53,5 @@ def both(context) -> list:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What ``ros2 launch`` calls."""
+    """For ``ros2 launch``."""
     return LaunchDescription([*ARGUMENTS.declare(), OpaqueFunction(function=both)])

@@ -76,7 +76,7 @@ def identified(tmp_path_factory) -> Callable[..., str]:
 def start() -> Iterator[Callable[..., subprocess.Popen]]:
     """Starts estimator processes with ROS parameters (and further ROS arguments); they end with the test.
 
-    ``before`` runs in the new process first. The quality of service is ``NOTHING_LOST`` unless the test says otherwise.
+    ``before`` runs in the new process first. The quality of service is ``NOTHING_LOST`` unless the test changes it.
     """
     running = []
 

@@ -1,6 +1,6 @@
 """Launches a file as ``ros2 launch`` does, with its arguments: python launch_runner.py FILE [name:=value ...]
 
-The same calls as in ``ros2launch.api``, of which there is no wheel; without a terminal, so that SIGINT is passed on.
+The same calls as in ``ros2launch.api``, which has no wheel; without a terminal, so that SIGINT is passed on.
 """
 
 import sys

@@ -68,7 +68,7 @@ def launch(package, tmp_path) -> Iterator[Callable[..., subprocess.Popen]]:
 
 
 def _interrupt(process: subprocess.Popen) -> None:
-    """Ends a launch by SIGINT. Launch itself may hang (seen once, on a busy machine); its nodes must have ended."""
+    """Ends a launch by SIGINT. Launch itself can hang (seen once, on a busy machine); its nodes must have ended."""
     process.send_signal(signal.SIGINT)
     try:
         process.communicate(timeout=ENDED_WITHIN)
@@ -80,7 +80,7 @@ def _interrupt(process: subprocess.Popen) -> None:
         warnings.warn(f"launch did not end although its nodes had; it said {said[-3000:]}", stacklevel=1)
 
 
-# The beginning of launch files that include ours.
+# First lines of launch files that include ours.
 PARENT = """
 from pathlib import Path
 import launch.actions, launch.events
@@ -117,7 +117,7 @@ def process_of(executable: str, process: subprocess.Popen) -> int | None:
 
 
 def killed_and_started_again(executable: str, process: subprocess.Popen, car: Rig) -> None:
-    """Kills a node of a launch and waits until it is there again."""
+    """Kills a node of a launch and waits until it runs again."""
     car.wait(lambda: process_of(executable, process) is not None, executable)
     first = process_of(executable, process)
     os.kill(first, signal.SIGKILL)

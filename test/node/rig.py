@@ -1,4 +1,4 @@
-"""What the tests of the running node share: a publisher of JointState, a client of its services, what it answered."""
+"""Shared by the tests of the running node: a publisher of JointState, a client of its services, and its answers."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -11,7 +11,7 @@ MS = 1_000_000
 
 
 class Rig:
-    """Publishes to the node and keeps what it says; final. rclpy must be initialised."""
+    """Publishes to the node and keeps its messages; final. rclpy must be initialised."""
 
     def __init__(self, name: str = "/damper_estimator", reliable: bool = True) -> None:
         import rclpy
@@ -34,13 +34,13 @@ class Rig:
         self.stamp = START
 
     def publisher(self, topic: str = "/suspension/displacement", kind: str = "sensor_msgs/msg/JointState"):
-        """A publisher that the node has heard of."""
+        """A publisher that the node has discovered."""
         publisher = self.publisher_unmatched(topic, kind)
         self.wait(lambda: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
         return publisher
 
     def publisher_unmatched(self, topic: str, kind: str):
-        """A publisher of which perhaps nobody has heard yet."""
+        """A publisher that is possibly not yet discovered."""
         from damper_estimator.node.inputs import message_type
 
         if topic not in self._publishers:
@@ -48,25 +48,25 @@ class Rig:
         return self._publishers[topic]
 
     def ready(self) -> None:
-        """Waits until the node's forces reach us and our displacement reaches it."""
+        """Waits until the node's forces and our displacement are connected."""
         self.publisher()
         self.wait(lambda: self.values("output").get("subscribers", "0") != "0", "the node's forces")
 
     def forget(self) -> None:
-        """Leaves the topics, as a publisher does that ends."""
+        """Destroys the publishers, as when a publisher ends."""
         for publisher in self._publishers.values():
             self.node.destroy_publisher(publisher)
         self._publishers.clear()
 
     def wait(self, condition: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
-        """Listens until a condition holds."""
+        """Waits until a condition holds."""
         end = time.monotonic() + patience
         while not condition():
             assert time.monotonic() < end, f"waited {patience:g} s for {what}; the node said {self.health[-1:]}"
             self._executor.spin_once(timeout_sec=0.02)
 
     def listen(self, seconds: float) -> None:
-        """Listens for a while."""
+        """Receives messages for a while."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
@@ -84,11 +84,11 @@ class Rig:
         return stamp
 
     def send_raw(self, data: bytes, topic: str = "/suspension/displacement") -> None:
-        """Serialised bytes, whatever they are."""
+        """Publishes arbitrary serialised bytes."""
         self.publisher(topic).publish(data)
 
     def drive(self, count: int, names: Sequence[str] = ("left",), step: int = MS, window: int = 20) -> list:
-        """Sends ``count`` good messages, waiting for answers; the answers."""
+        """Sends ``count`` good messages, waiting for answers; returns the answers."""
         before = len(self.forces)
         for i in range(count):
             self.send([0.02 * np.sin(0.02 * i)] * len(names), names, step=step)
@@ -97,11 +97,11 @@ class Rig:
         return [m for m in self.forces[before:] if 4 not in m.status]
 
     def answered(self, before: int) -> int:
-        """How many of the forces since the first ``before`` are answers, not repeated because the input stopped."""
+        """Number of forces after the first ``before`` that are answers, not repetitions because the input stopped."""
         return sum(4 not in m.status for m in self.forces[before:])
 
     def status(self, ending: str):
-        """The newest status whose name ends so; None before the first."""
+        """The newest status with this ending of its name; None before the first."""
         for array in reversed(self.health[-3:]):
             for status in array.status:
                 if status.name.endswith(ending):
@@ -119,7 +119,7 @@ class Rig:
         return {pair.key: pair.value for pair in status.values} if status else {}
 
     def fresh_values(self, ending: str) -> dict[str, str]:
-        """The values of a report that was made after now."""
+        """The values of a report from after now."""
         seen = len(self.health)
         self.wait(lambda: len(self.health) > seen + 1, "two more reports")
         return self.values(ending)
@@ -134,7 +134,7 @@ class Rig:
         return future.result()
 
     def transition(self, number: int) -> bool:
-        """Asks for a transition of the managed node; whether it took place."""
+        """Requests a transition of the managed node; returns whether it took place."""
         from lifecycle_msgs.srv import ChangeState
 
         request = ChangeState.Request()
@@ -148,7 +148,7 @@ class Rig:
         return self.call(GetState, "get_state", GetState.Request()).current_state.label
 
     def set(self, **parameters: object) -> tuple[bool, str]:
-        """Sets parameters together; whether they were taken, and else why not."""
+        """Sets parameters together; returns whether they were accepted, and else the reason."""
         from rcl_interfaces.srv import SetParametersAtomically
         from rclpy.parameter import Parameter
 
@@ -177,7 +177,7 @@ class Rig:
         return {name: list(value) if type(value).__name__ == "array" else value for name, value in found.items()}
 
     def close(self) -> None:
-        """Leaves the ROS graph."""
+        """Destroys the ROS node."""
         self._executor.shutdown()
         self.node.destroy_node()
 

@@ -13,7 +13,7 @@ from damper_estimator.recordings import floats, joint_states
 
 DAMPERS = ("left", "right")
 SAFE = 0.25
-DESIRED = 700.0  # N, which asks for a current well above the safe one
+DESIRED = 700.0  # N, which needs a current well above the safe one
 FIT = {
     "bags": ["test.mcap"], "date": "2026-01-01", "cutoff": 60.0, "residual_stddev": 20.0,
     "region": {
@@ -83,7 +83,7 @@ class Car:
         return self._rig.publisher_unmatched(topic, kind)
 
     def move(self, desired: float | None = DESIRED) -> None:
-        """One sample of all dampers 2 ms after the last, a current that flows, and a desired force."""
+        """One sample of all dampers 2 ms after the last, the flowing current, and a desired force."""
         number = next(self._number)
         stamp = np.array([START + 2 * number * MS])
         for publisher in self._flowing:

@@ -66,7 +66,7 @@ def test_a_flood_is_answered_correctly_and_every_loss_is_counted(executor, start
     rig.wait(lambda: rig.values("output").get("subscribers", "0") != "0", "the node's forces")
     flood = subprocess.Popen([sys.executable, "-c", FLOOD, str(count), str(slow), str(START)], env=os.environ)
     last = START + (count + slow - 1) * MS
-    # Looking at all answers each time would take so long that some would be lost on their way to this test.
+    # Checking all answers each time would take so long that this test would lose some.
     rig.wait(lambda: any(stamp_of(m) == last for m in rig.forces[-100:]), "the last answer")
     assert flood.wait(60.0) == 0
     values = rig.fresh_values(f"input {TOPIC}")
@@ -106,7 +106,7 @@ def independent_velocity(stamps: np.ndarray, cutoff: float) -> np.ndarray:
 
 
 def test_padding_after_messages_changes_nothing(shared, identified, rig):
-    """Published raw, as rmw_serialize leaves them, and as buffers of a fixed size."""
+    """Published raw, as from rmw_serialize, and as buffers of a fixed size."""
     shared(rig, model=identified("linear_viscous"))
     rig.ready()
     before = int(rig.fresh_values(f"input {TOPIC}")["malformed"])

@@ -1,4 +1,4 @@
-"""Wishes in, currents out: the inverse behind the running node, its safe current, and what it says of itself."""
+"""Desired forces in, currents out: the inverse of the running node, its safe current, and its reports."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ REACHED, LIMITED, SAFE_OLD, SAFE_STATUS, SAFE_NO_ANSWER, SAFE_STOPPED, IDLE = ra
 
 @pytest.fixture
 def semi_active(tmp_path) -> dict[str, object]:
-    """Parameters of a node with a magneto-rheological damper and one whose force knows no current."""
+    """Parameters of a node with a magneto-rheological damper and one whose force depends on no current."""
     effects = [{"command_lag": {}}, {"viscous": {"rate": 800.0}}, {"semi_active_squash": {"gain": 600.0}}]
     for name, of_damper in (("left", effects), ("right", effects[1:2])):
         region = {"velocity": [-9.0, 9.0], "command": [0.0, 2.0]} if name == "left" else {"velocity": [-9.0, 9.0]}
@@ -35,17 +35,17 @@ def semi_active(tmp_path) -> dict[str, object]:
     return {
         "model": str(tmp_path), "signals": str(tmp_path / "signals" / "map.yaml"), "dampers": ["left", "right"],
         "safe_current": SAFE, "desired_force_timeout": 10.0, "command_extrapolating": False,
-        "command_lag": 0.0,  # the driver of these tests reports what it likes
+        "command_lag": 0.0,  # the driver of these tests reports any current
     }  # fmt: skip
 
 
 class Commanded:
-    """A rig that desires forces, and hears the currents; final.
+    """A rig that requests forces and receives the currents; final.
 
     Attributes:
         currents: A, of the left damper; ``reports``: the messages with their sources.
-        motion: what it has sent, m.
-        flows: what the driver reports with every 20th sample, A; None for nothing.
+        motion: sent displacements, m.
+        flows: A, current that the driver reports with every 20th sample; None for no report.
     """
 
     def __init__(self, rig) -> None:
@@ -68,11 +68,11 @@ class Commanded:
         rig.listen(0.5)
 
     def flow(self, current: float) -> None:
-        """What the driver says that flows."""
+        """The reported current."""
         self.rig.send_raw(floats(np.array([current]))[0], CURRENT)
 
     def drive(self, count: int) -> None:
-        """Good samples of both dampers, and all that answers them."""
+        """Sends good samples of both dampers, and waits for all answers."""
         before = len(self.rig.forces)
         for i in range(count):
             if i % 20 == 0 and self.flows is not None:
@@ -86,22 +86,22 @@ class Commanded:
         self._is_fresh = False
 
     def request(self, force: float) -> float:
-        """Desires a force of the left damper; the current that answers it."""
-        self._requested = len(self.reports)  # what repeats an older answer does not count
+        """Requests a force of the left damper; returns the current that answers it."""
+        self._requested = len(self.reports)  # repetitions of an older answer do not count
         self.send_wish(force, "left")
         self._is_wished = self._is_fresh = True
         return self.await_command(lambda m: m.desired_force[0] == force or np.isnan([force, m.desired_force[0]]).all())
 
     def send_wish(self, force: float, name: str) -> None:
-        """Desires a force."""
+        """Requests a force."""
         self.rig.send_raw(joint_states([name], np.array([START]), effort=np.array([[force]]))[0], WISH)
 
     def replaced(self) -> None:
-        """Filters and models were replaced: there is no desired force any more."""
+        """Filters and models were replaced: there is no desired force now."""
         self._is_wished = self._is_fresh = False
 
     def await_command(self, condition) -> float:
-        """Waits for the next message that meets a condition, and its current; older ones are not asked again."""
+        """Waits for the next message that meets a condition; returns its current. Older ones are not checked again."""
 
         def found() -> int | None:
             new = enumerate(self.reports[self._requested :], self._requested)
@@ -156,7 +156,7 @@ def test_the_safe_current_is_commanded_whenever_a_desired_force_cannot_be_truste
     assert node.request(500.0) == SAFE  # warming up
     node.drive(250)
     assert node.request(500.0) != SAFE
-    assert node.request(float("nan")) == SAFE  # taken back
+    assert node.request(float("nan")) == SAFE  # withdrawn
     assert node.request(500.0) != SAFE
     assert rig.set(desired_force_timeout=0.002) == (True, "")
     before = len(node.currents)
@@ -219,7 +219,7 @@ def test_currents_stay_within_the_region_of_the_fit_unless_that_is_set(semi_acti
 
 @pytest.mark.parametrize("safe", [0.0, SAFE])
 def test_a_safe_current_outside_the_region_of_the_fit_does_not_keep_the_damper_passive(safe, semi_active, shared, rig):
-    """The command that was sent flows, as in a car: cold start, then a gap of the input, and it recovers both times."""
+    """The sent command flows, as in a car: after a cold start and after a gap of the input the node recovers."""
     with_region(semi_active, command=[0.5, 1.9])
     shared(rig, **semi_active | {"safe_current": safe})
     node = Commanded(rig)

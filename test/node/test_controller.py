@@ -1,4 +1,4 @@
-"""The example controller: what it desires, what other controllers add, and when it is passive."""
+"""The example controller: its desired forces, forces that others add, and when it is passive."""
 
 import subprocess
 import sys
@@ -38,7 +38,7 @@ def start_controller(domain):
 
 
 class Estimates:
-    """Stands in for the estimator; final."""
+    """A fake estimator; final."""
 
     def __init__(self, rig, topic: str = "/damper_estimator/desired_force") -> None:
         """``topic`` of the desired forces."""
@@ -56,7 +56,7 @@ class Estimates:
         self._force = rig.publisher(FORCE, "damper_msgs/msg/DamperForces")
         rig.wait(lambda: rig.node.count_publishers(topic) > 0, "the controller")
         self._felt = rig.publisher_unmatched(FELT, "geometry_msgs/msg/AccelStamped")
-        while not self._felt.get_subscription_count():  # its topics are made with the first estimate that it hears
+        while not self._felt.get_subscription_count():  # it creates its topics with the first estimate
             self.tell(0.0)
             rig.listen(0.1)
         self._added = rig.publisher(ADDED, "sensor_msgs/msg/JointState")
@@ -89,7 +89,7 @@ class Estimates:
 def test_the_desired_force_is_that_of_the_law_plus_added_forces_and_none_without_acceleration(start_controller, rig):
     start_controller(law="groundhook", damping=1000.0, rest_force=REST, timeout=5.0)
     estimator = Estimates(rig)
-    assert np.isnan(estimator.answer(0.2))  # the body was not felt yet
+    assert np.isnan(estimator.answer(0.2))  # no acceleration yet
     estimator.feel(0.0)
     rig.listen(0.2)
     assert estimator.answer(0.2) == pytest.approx(REST + 200.0)  # the wheel goes down at 0.2 m/s
@@ -99,7 +99,7 @@ def test_the_desired_force_is_that_of_the_law_plus_added_forces_and_none_without
     assert estimator.answer(0.1) == pytest.approx(REST + 50.0 + 100.0)
     assert np.isnan(estimator.answer(0.1, STALE))
     rig.listen(5.5)
-    assert np.isnan(estimator.answer(0.1))  # what was felt is old
+    assert np.isnan(estimator.answer(0.1))  # the acceleration is old
 
 
 def test_only_good_estimates_are_answered_and_extrapolating_ones_with_a_limit(start_controller, rig):
@@ -129,7 +129,7 @@ def test_values_that_are_not_numbers_are_rejected_and_counted_without_further_ef
         estimator.add(value)
     rig.listen(0.3)
     answers = [estimator.answer(0.0) for _ in range(10)]
-    assert np.diff(answers) == pytest.approx(np.full(9, 1000.0 * 2.0 * 0.01), rel=0.2)  # the last good one holds
+    assert np.diff(answers) == pytest.approx(np.full(9, 1000.0 * 2.0 * 0.01), rel=0.2)  # the last good one is held
     values = rig.fresh_values("damper_controller: left")
     assert (values["accelerations rejected"], values["added forces ignored"]) == ("3", "2")
 

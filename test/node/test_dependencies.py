@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def not_needed() -> set[str]:
-    """What setup.py declares besides the node's packages and those of the tests; all are imported by their names."""
+    """The packages in setup.py besides those of the node and of the tests; all are imported by their names."""
     lists = {
         node.targets[0].id: ast.literal_eval(node.value)
         for node in ast.parse((ROOT / "setup.py").read_text(encoding="utf-8")).body
@@ -26,7 +26,7 @@ def not_needed() -> set[str]:
 
 @pytest.fixture
 def slim(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Processes that start from here do not find what the node does not need."""
+    """Child processes do not find packages that the node does not need."""
     folder = tmp_path / "missing"
     folder.mkdir()
     for name in not_needed():

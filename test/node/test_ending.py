@@ -1,4 +1,4 @@
-"""However the process ends, the dampers are left at the safe current; where it cannot, the driver falls back."""
+"""Every end of the process leaves the dampers at the safe current; if it cannot, the driver falls back."""
 
 import signal
 import subprocess
@@ -47,7 +47,7 @@ def running():
 
 
 def ended(process: subprocess.Popen, rig, is_here: Callable[[], bool]) -> str:
-    """What the process said, once it has ended and its last messages are here; nothing may follow them."""
+    """The output of the ended process, after its last messages have arrived; no message must follow."""
     said = process.communicate(timeout=STOPPED_WITHIN)[1]
     rig.wait(is_here, f"the safe current after the process had ended with {process.returncode} and said {said!r}")
     rig.listen(0.3)
@@ -82,7 +82,7 @@ def test_a_transition_out_of_active_leaves_the_dampers_at_the_safe_current(trans
 def test_a_context_that_is_shut_down_from_outside_leaves_the_dampers_at_the_safe_current(running, rig, car, parameters):
     code = BEFORE + (
         "from damper_estimator.node import current_topics\n"
-        "current_topics.DISCOVERED = 60.0\n"  # a busy machine may take long to find the drivers again
+        "current_topics.DISCOVERED = 60.0\n"  # a busy machine can take long to discover the drivers again
         "signal.signal(signal.SIGUSR1, lambda *_: rclpy.shutdown())\n"
     ) + AFTER  # fmt: skip
     process = running(sys.executable, "-c", code, **NOTHING_LOST | parameters)

@@ -1,4 +1,4 @@
-"""Whether the error against the gauge grows, and with what."""
+"""Whether the error against the gauge grows, and with which quantity."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Every fault that an input may have, against the running node: survived, answered with numbers, counted, reported."""
+"""Every fault of an input of the running node: survived, answered with numbers, counted, reported."""
 
 import ctypes
 import os
@@ -21,7 +21,7 @@ def settle(rig, names=("left",)) -> None:
 
 
 def checked(rig) -> None:
-    """No force of all that came is anything but a number, and none without a number is good."""
+    """Every received force is a number."""
     for message in rig.forces:
         assert np.isfinite(message.force).all()
         assert len(message.force) == len(message.status) == len(message.name)
@@ -38,7 +38,7 @@ def test_an_input_that_stops_is_stale_in_time_and_good_again_afterwards(executor
     assert list(stale.status) == [STALE, STALE] and list(stale.name) == ["left", "right"]
     assert stale.header.stamp == last.header.stamp and list(stale.force) == list(last.force)
     rig.wait(lambda: "stopped" in rig.message(": left"), "the report")
-    # One of two goes missing: it alone is stale.
+    # One of two is missing: only that one is stale.
     rig.stamp += SECOND
     for _ in range(600):
         rig.send([0.001], ["left"])
@@ -90,7 +90,7 @@ def test_clock_steps_and_disorder_are_dropped_or_reset_the_filter(shared, identi
         "resets: gap": 1, "resets: clock stepped back": 1,
     }  # fmt: skip
     assert {key: int(values[key]) for key in expected} == expected
-    for stamp in (0, -(2**31) * 10**9, (2**31 - 1) * 10**9):  # the ends of what a stamp can hold
+    for stamp in (0, -(2**31) * 10**9, (2**31 - 1) * 10**9):  # the limits of a stamp
         rig.send([0.0], stamp=stamp)
     rig.stamp = START
     settle(rig)
@@ -144,7 +144,7 @@ def test_a_rate_that_changes_and_a_publisher_that_restarts(shared, identified, r
     rig.stamp += SECOND
     rig.ready()
     before = len(rig.forces)
-    while len(rig.forces) == before:  # the node has to hear of the new publisher first
+    while len(rig.forces) == before:  # the node has to discover the new publisher first
         rig.send([0.0])
         rig.listen(0.1)
     assert rig.forces[before].status[0] == WARMING_UP
@@ -154,7 +154,7 @@ def test_a_rate_that_changes_and_a_publisher_that_restarts(shared, identified, r
 
 @pytest.mark.parametrize("seconds", [0.5, 2.5])
 def test_a_burst_after_a_stall_is_processed_without_loss(seconds, start, identified, rig):
-    """After a second the middleware's shared memory gives a process up; what is sent reliably comes all the same."""
+    """After a second the middleware gives up the shared memory of a process; reliable messages still arrive."""
     process = start(model=identified("carrera_akutain"), dampers="[left]", stale_after=0.2, qos_depth=400)
     rig.ready()
     settle(rig)
@@ -169,7 +169,7 @@ def test_a_burst_after_a_stall_is_processed_without_loss(seconds, start, identif
     answers = [message for message in rig.forces[before:] if STALE not in message.status]
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in answers]
     assert stamps == list(range(first, first + 300 * MS, MS))
-    # What waited is there at once; what was given up is sent again, which takes longer than an input may be silent.
+    # Waiting messages arrive immediately; those given up are sent again, which takes longer than ``stale_after``.
     assert seconds > 1.0 or not [m for m in rig.forces[before : before + 300] if STALE in m.status]
 
 
@@ -216,7 +216,7 @@ def test_a_signal_in_the_middle_of_the_input_ends_it_without_an_error(number, st
 
 
 def without_the_right_to_priorities() -> None:
-    """Drops CAP_SYS_NICE, which only the administrator has, and the limit that may stand for it."""
+    """Drops CAP_SYS_NICE, which only the administrator has, and the limit that can replace it."""
     drop_from_bounding_set, sys_nice = 24, 23
     ctypes.CDLL(None).prctl(drop_from_bounding_set, sys_nice)
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))

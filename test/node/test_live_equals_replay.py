@@ -1,4 +1,4 @@
-"""The estimator as a process on real DDS gives the forces of `replay`, bit for bit, also of disturbed input."""
+"""The estimator as a process on real DDS publishes the forces of `replay`, bit for bit, also for disturbed input."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ TOPIC, JOINT_STATE = "/suspension/displacement", "sensor_msgs/msg/JointState"
 
 
 def motion(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Jittered stamps (n,) and displacements (n, 3): what a road might do."""
+    """Jittered stamps (n,) and displacements (n, 3) as from a road."""
     random = np.random.default_rng(5)
     stamps = START + np.cumsum(random.integers(STEP // 2, STEP * 2, count))
     time = (stamps - START)[:, None] / 1e9
@@ -52,7 +52,7 @@ def test_every_force_of_a_clean_recording_is_equal(executor, start, player, tmp_
 
 
 def disturbed() -> list[tuple[np.ndarray, list[bytes]]]:
-    """Messages with every fault that the input may have: (log times, serialised messages), in order of arrival."""
+    """Messages with every fault of an input: (log times, serialised messages), in order of arrival."""
     stamps, position = motion(900)
     position[100, 0] = np.nan
     position[101, 1] = np.inf
@@ -100,7 +100,7 @@ def test_disturbed_input_is_answered_like_replay_and_counted(start, player, tmp_
 
 
 def values_by_damper(player) -> dict[str, dict[str, str]]:
-    """The counts of the next report that is whole."""
+    """The counts of the next complete report."""
     seen = len(player.health)
     player.wait(lambda: len(player.health) > seen + 1, "diagnostics")
     return {s.name.split(": ")[1]: {pair.key: pair.value for pair in s.values} for s in player.health[-1].status}
@@ -149,7 +149,7 @@ def test_signal_map_and_slow_channels_act_live_as_offline(start, player, tmp_pat
 
 
 def test_a_fused_accelerometer_and_reachable_forces_are_live_as_offline(start, identified, player, tmp_path):
-    """The accelerometer falls silent on the way."""
+    """The accelerometer becomes silent on the way."""
     stamps, position = motion(500)
     current = "/suspension/left/current"
     signals = {
@@ -173,7 +173,7 @@ def test_a_fused_accelerometer_and_reachable_forces_are_live_as_offline(start, i
     outcome = rehearsed(player, output, tmp_path / "map.yaml")
     assert outcome.replayed == 500
     assert outcome.is_equal, outcome
-    # It is fused: at once where the motion is, and degraded after the accelerometer has fallen silent.
+    # It is fused: without delay, and degraded after the accelerometer has become silent.
     time = (stamps - START) / 1e9
     velocity = np.array([message.velocity[0] for message in player.forces])
     assert np.sqrt(np.mean((velocity - 0.18 * np.cos(9.0 * time))[200:390] ** 2)) < 0.01

@@ -90,7 +90,7 @@ def test_a_model_is_exchanged_while_the_node_runs_or_refused_and_the_old_one_sta
 
 
 def test_the_input_is_answered_while_a_model_is_loaded(start, identified, rig):
-    """Forty dampers take their time; nothing of it is seen in the answers to the one that is there."""
+    """Loading forty dampers takes time, without effect on the answers to the present one."""
     from rcl_interfaces.srv import SetParametersAtomically
     from rclpy.parameter import Parameter
 
@@ -113,7 +113,7 @@ def test_the_input_is_answered_while_a_model_is_loaded(start, identified, rig):
     assert future.result().result.successful
     assert sent[-1] - sent[0] > stale_after, "the change was too quick to say anything"
     assert len(answers) > 0.8 * len(sent)
-    # The old model goes on; a machine that halts this test itself for so long says nothing about the node.
+    # The old model continues; if the machine halts this test itself for so long, the node is not to blame.
     assert set(answers[: len(answers) // 2]) == {GOOD} or max(np.diff(sent)) > 0.5 * stale_after
     assert STALE not in answers or max(np.diff(sent)) > 0.5 * stale_after
 
@@ -166,7 +166,7 @@ def test_all_parameters_can_be_dumped_and_a_dump_starts_the_node_again(start, ri
     rig.health.clear()
     start("--params-file", str(path))
     rig.wait(lambda: rig.health, "the second node")
-    # Overrides of the quality of service stand for the topics that a node has.
+    # Overrides of the quality of service belong to the topics of a node.
     assert rig.dump().items() <= dumped.items() and DECLARATIONS.keys() <= rig.dump().keys()
 
 
@@ -215,7 +215,7 @@ def test_with_simulated_time_the_input_becomes_stale_in_that_time(start, rig):
         clock.publish(Clock(clock=Time(sec=int(second), nanosec=round(second % 1 * 1e9))))
         rig.listen(0.05)
     rig.drive(3)
-    rig.listen(1.0)  # the clock stands, so nothing is missing
+    rig.listen(1.0)  # the clock is stopped, so nothing is missing
     assert not [m for m in rig.forces if 4 in m.status]
     for second in (6.0, 6.1, 6.5):
         clock.publish(Clock(clock=Time(sec=int(second), nanosec=round(second % 1 * 1e9))))

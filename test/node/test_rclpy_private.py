@@ -1,4 +1,4 @@
-"""What we use of rclpy outside its public interface is still there, still does the same, and is still needed."""
+"""The names of rclpy outside its public interface still exist, still do the same, and are still needed."""
 
 import ast
 import inspect
@@ -81,7 +81,7 @@ def test_the_events_executor_exists_and_spins_once(context):
 
     executor = events_executor()
     assert executor is not None, f"rclpy.experimental has no EventsExecutor any more{LOOK}"
-    # It is no subclass of Executor in this release; these are the methods that we call.
+    # It is no subclass of Executor in this release; these are the methods in use.
     assert all(callable(getattr(executor, name)) for name in ("add_node", "remove_node", "spin_once", "shutdown"))
     executor.spin_once(timeout_sec=0.0)
     executor.shutdown()
@@ -108,7 +108,7 @@ def test_a_waiting_message_is_taken_as_bytes_once(context):
 
 
 def test_an_impossible_transition_is_refused_and_plain_rclpy_still_raises(context):
-    """Where the second part fails, rclpy refuses by itself: `RefusingLifecycleNode` can go."""
+    """If the second part fails, rclpy refuses by itself: remove `RefusingLifecycleNode`."""
     from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
     from rclpy.lifecycle.node import LifecycleNodeMixin
 

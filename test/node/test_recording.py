@@ -1,4 +1,4 @@
-"""What the node records can be replayed to the same forces, survives a kill, and is rotated by size."""
+"""Recordings of the node can be replayed to the same forces, survive a kill, and are rotated by size."""
 
 import time
 

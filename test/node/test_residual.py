@@ -12,7 +12,7 @@ NAMES = ["left", "right"]
 
 
 def test_the_live_residual_is_that_of_replay(start, rig, tmp_path):
-    """Gauge at another rate and phase, with a gap; bit for bit where both tell one."""
+    """Gauge at another rate and phase, with a gap; bit for bit where both have one."""
     model = tmp_path / "model.yaml"
     model.write_text("effects: [{linear_viscous: {rebound: 1500.0, compression: 1000.0}}]")
     stamps = START + 2 * MS * np.arange(1000)
@@ -48,13 +48,13 @@ def test_the_live_residual_is_that_of_replay(start, rig, tmp_path):
     rig.wait(lambda: len(rig.residuals) >= expected.stamp.size - 1, "residuals")
     live = {m.header.stamp.sec * 10**9 + m.header.stamp.nanosec: list(m.effort) for m in rig.residuals}
     same = [live.get(s) == list(v) for s, v in zip(expected.stamp.tolist(), expected.values, strict=True)]
-    assert sum(same) >= len(same) - 2  # topics may overtake each other at the very beginning
+    assert sum(same) >= len(same) - 2  # topics can overtake each other at the very beginning
     values = rig.fresh_values(": left")
     assert "error against the gauge [N rms]" in values
 
 
 def driven(temperatures, scales, window=1.0):
-    """A drift that has seen one window per entry."""
+    """A drift after one window per entry."""
     from damper_estimator.node.error_drift import Drift
 
     drift = Drift("front_left", window, 2.0)

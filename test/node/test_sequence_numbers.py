@@ -1,4 +1,4 @@
-"""Sequence numbers: every loss counts once, two publishers of one damper are found, others are not."""
+"""Sequence numbers: every loss counts once, two publishers of one damper are detected, others are not."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def test_every_message_missing_between_two_of_one_publisher_is_counted(start, ke
 @settings(deadline=None)
 @given(seed=st.integers(0, 10**6), starts=st.lists(st.integers(1, 3000), min_size=2, max_size=4))
 def test_every_missing_message_of_several_publishers_is_counted(seed, starts):
-    """Any order and any loss between first messages that no other publisher's numbers explain and two rounds of all."""
+    """Any order and any loss between the first messages, which no other publisher explains, and two rounds of all."""
     random = np.random.default_rng(seed)
     kept = [start + np.append(0, np.flatnonzero(random.random(200) < 0.7) + 1) for start in starts]
     first, order = sorted((numbers[0] for numbers in kept), reverse=True), []
@@ -98,6 +98,6 @@ def test_a_restarted_publisher_is_never_reported():
     assert not any(suspects(after_silence)[0])
     at_once = [*((i, FRONT, i / 1000) for i in range(1, 500)), *((i, FRONT, 0.5 + i / 1000) for i in range(1, 900))]
     found, confirmed = suspects(at_once)
-    assert sum(found) == 1 and not confirmed  # in doubt, since another one goes on without a silence
+    assert sum(found) == 1 and not confirmed  # doubtful, since another one continues without a silence
     often = [(i, FRONT, k * (CONFIRMING + 1.0) + i / 1000) for k in range(5) for i in range(1, 500)]
     assert not suspects(often)[1]

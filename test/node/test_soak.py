@@ -1,4 +1,4 @@
-"""A short soak: the closed loop under faults of every channel, held against the truth; `make soak` is the long one."""
+"""A short soak: the closed loop under faults of every channel, compared with the truth; `make soak` is the long one."""
 
 import re
 import subprocess
@@ -23,7 +23,7 @@ def soak(*words: str) -> subprocess.CompletedProcess:
 
 
 def test_no_fault_makes_a_wrong_force_good_or_keeps_the_loop_passive(domain):
-    """The seed is drawn. What is found must come again with the seed, in the same sort under the same faults: a machine
+    """The seed is random. A finding must repeat with the seed, of the same kind under the same faults: a machine
     that runs other tests as well can halt for a second anywhere, which is no fault of the node; the half hour of
     `make soak` is there for what is rare.
     """
@@ -39,7 +39,7 @@ def test_no_fault_makes_a_wrong_force_good_or_keeps_the_loop_passive(domain):
 
 
 def sorts(done: subprocess.CompletedProcess) -> set[tuple[str, ...]]:
-    """What a campaign found, without its numbers, with the faults during which it came."""
+    """The findings of a campaign, without numbers, with the faults at that time."""
     assert "sorts of violations; again with" in done.stdout, done.stdout[-6000:] + done.stderr[-3000:]
     texts = re.findall(r"^VIOLATION round \d+, at [\d.]+ s: (.*); during or after (.*)$", done.stdout, re.MULTILINE)
     assert bool(texts) == bool(done.returncode), done.stdout[-6000:] + done.stderr[-3000:]

@@ -1,4 +1,4 @@
-"""Samples that waited are noticed; clocks that differ are no fault of the samples."""
+"""Delayed samples are detected; different clocks are no fault of the samples."""
 
 import numpy as np
 
@@ -82,7 +82,7 @@ def test_the_fastest_sample_follows_a_small_step_of_the_clock_within_a_second_bu
         age.is_late(now - 55_000_000, now, 0.5)
         now += 2_000_000
     assert 0.05 < age.fastest <= 0.055 + 1e-9
-    now += 2_000_000_000  # nothing came for two seconds, and now all at once
+    now += 2_000_000_000  # no message for two seconds, then all at once
     age.is_late(now - 2_000_000_000, now, 0.5)
     assert age.fastest < 0.07
 

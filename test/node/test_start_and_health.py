@@ -1,4 +1,4 @@
-"""What the node refuses to start with, how it stops, and what it says of its health."""
+"""Refusals at the start of the node, its end, and its health."""
 
 import re
 import signal
@@ -81,7 +81,7 @@ def test_unusable_parameters_end_it_in_one_line(parameters, content, reason, sta
     process = start(**parameters)
     said = process.communicate(timeout=ENDED_WITHIN)[1]
     assert process.returncode == 1
-    lines = [line for line in said.splitlines() if not line.startswith("[")]  # those are the log's
+    lines = [line for line in said.splitlines() if not line.startswith("[")]  # lines of the log
     assert len(lines) == 1, said
     assert lines[0].startswith("estimator_node: ")
     assert re.search(reason, lines[0]), lines[0]

@@ -1,4 +1,4 @@
-"""Time against the running node: the age of stamps, a clock that is set back, and the stamp of what is stale."""
+"""Time against the running node: the age of stamps, a clock that is set back, and the stamp of stale estimates."""
 
 import signal
 import time
@@ -22,7 +22,7 @@ def drive_now(rig, seconds: float) -> list:
 
 
 def good_again(rig) -> None:
-    """Drives until an answer is GOOD: on a busy machine samples of this moment are old as well now and then."""
+    """Drives until an answer is GOOD: on a busy machine present samples are sometimes old as well."""
     end = time.monotonic() + PATIENCE
     while drive_now(rig, 0.5)[-1].status[0] != GOOD:
         assert time.monotonic() < end, "the estimate was not GOOD again"
@@ -81,7 +81,7 @@ def test_after_a_simulated_clock_was_set_back_no_sample_is_fresh_and_no_force_de
         rig.send_raw(joint_state([0.001 * i], ["left"], now + i * 10 * MS))
         rig.listen(0.002)
     rig.wait(lambda: rig.answered(0) >= 150, "answers")
-    for i in range(600):  # back by a quarter of an hour, and nothing comes any more
+    for i in range(600):  # back by a quarter of an hour, and no message follows
         at(100 * SECOND + i * 10 * MS)
         rig.listen(0.005)
         if any(STALE in m.status for m in rig.forces):

@@ -1,4 +1,4 @@
-"""Serialised messages to numbers: the structure is looked up once, whatever lies between and behind the fields."""
+"""Serialised messages to numbers: the structure is looked up once, with any bytes between and after the fields."""
 
 import numpy as np
 import pytest
@@ -27,10 +27,10 @@ def test_a_structure_is_known_with_any_padding_after_it():
 
 
 def test_a_structure_is_known_with_any_padding_between_its_fields():
-    """Fast CDR skips what alignment leaves out and does not clear it."""
+    """Fast CDR skips the bytes of the alignment without clearing them."""
     reader, plain = NumbersReader(JOINT_STATE, ["position[l]"]), message("l")
     reader.read(plain)
-    gaps = [17, 18, 19, 30, 31]  # behind the empty frame (16) and behind the name (28, 29)
+    gaps = [17, 18, 19, 30, 31]  # after the empty frame (16) and after the name (28, 29)
     for place in gaps:
         assert plain[place] == 0
     changed = bytearray(plain)

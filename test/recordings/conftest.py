@@ -1,4 +1,4 @@
-"""Messages and recordings that several tests of this room build."""
+"""Messages and recordings for several tests of this folder."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def jazzy() -> Typestore:
 
 @pytest.fixture(scope="session")
 def joint_state(store):
-    """Makes one JointState and serialises it with rosbags."""
+    """Serialises one JointState with rosbags."""
 
     def make(stamp=0, names=(), position=(), velocity=(), effort=(), frame="", little_endian=True) -> bytes:
         types = store.types

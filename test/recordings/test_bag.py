@@ -23,7 +23,7 @@ messages_of = st.lists(st.tuples(st.sampled_from(["/a", "/b", "/c"]), st.integer
 
 
 def write_mcap(path: Path, messages, schema: bool = True, **options) -> Path:
-    """Messages (topic, log time); each holds its place in the list as its value."""
+    """Messages (topic, log time); the value of each is its position in the list."""
     with open(path, "wb") as file:
         writer = Writer(file, **options)
         writer.start("ros2")

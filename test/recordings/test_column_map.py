@@ -38,7 +38,7 @@ def test_the_example_explains_every_key():
 
 
 def places(content, path=()):
-    """Paths to every value in a map, those that hold others included."""
+    """Paths to every value in a map, including those of mappings and lists."""
     for key, value in content.items():
         yield (*path, key)
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Fields out of serialised messages: one array per structure, the same numbers as decoding each message."""
+"""Fields of serialised messages: one array per structure, the same numbers as decoding each message."""
 
 import math
 
@@ -171,7 +171,7 @@ def test_an_index_beyond_a_fixed_array_is_refused_at_once():
     ],
 )
 def test_a_schema_cannot_inject_code(type_name, text):
-    """Names become Python code where messages are decoded whole."""
+    """Names become Python code when whole messages are decoded."""
     with pytest.raises(InputError):
         store_of(Schema(type_name, "ros2msg", text))
 

@@ -1,4 +1,4 @@
-"""Encoders equal rosbags' serialisation byte for byte, and what they write can be read back."""
+"""Encoders equal rosbags' serialisation byte for byte, and their messages can be read back."""
 
 import numpy as np
 import pytest

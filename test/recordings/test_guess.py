@@ -17,7 +17,7 @@ RATE = 500.0
 
 @dataclass(frozen=True)
 class Truth:
-    """A damper on a bench: seconds, m (positive in extension), N (positive where it resists extension), deg C, A."""
+    """A damper on a bench: seconds, m (positive in extension), N (positive if it resists extension), deg C, A."""
 
     t: np.ndarray
     x: np.ndarray
@@ -163,7 +163,7 @@ TOLD_RIGHT = 17
 
 
 def guessed(path: Path, signals: Truth):
-    """The guess, and whether what is imported by it is the truth."""
+    """The guess, and whether its import equals the truth."""
     guess = guess_columns(path)
     map_path = path.with_suffix(".yaml")
     map_path.write_text(yaml.safe_dump(guess.content(), sort_keys=False))
@@ -188,7 +188,7 @@ def is_right(part, signals: Truth) -> bool:
 
 @pytest.fixture(scope="module")
 def guesses(tmp_path_factory):
-    """Every kind's guess, and whether it is right."""
+    """The guess of every kind of file, and whether it is right."""
     signals, place = truth(), tmp_path_factory.mktemp("bench")
     found = {}
     for name, write in KINDS.items():
@@ -223,7 +223,7 @@ def test_signs_are_right_or_doubted_or_reported_as_assumed(tmp_path, gas, turned
     assert right or guess.doubts or any("nothing in the file confirms it" in text for text in guess.assumed) or gas < 0
     if gas > 0 and turned != (-1, -1):
         assert right and not guess.doubts
-    if not right and gas < 0:  # a gauge whose zero is off looks like gas: what was concluded from it is said
+    if not right and gas < 0:  # a wrong zero of the gauge looks like gas: the conclusion is reported
         assert guess.doubts or any("gas" in text for text in guess.assumed)
 
 

@@ -18,7 +18,7 @@ CASES = 150
 
 
 def use_everything(path: Path) -> int:
-    """Reads all that is in a recording; returns the number of messages."""
+    """Reads a whole recording; returns the number of messages."""
     count = 0
     with open_bag(path) as bag:
         for batch in bag.batches(size=64):
@@ -59,7 +59,7 @@ def recording(tmp_path_factory) -> bytes:
 
 
 def test_an_mcap_cut_anywhere_yields_its_whole_chunks_and_reports_the_loss(tmp_path, caplog):
-    """As a recorder leaves it that is killed: in the middle of a chunk, an index, or the summary."""
+    """As left by a killed recorder: in the middle of a chunk, an index, or the summary."""
     writer, ends = LiveBagWriter(tmp_path / "whole.mcap"), []
     messages = joint_states(["a"], STAMPS, position=np.arange(300.0)[:, None])
     for i, message in enumerate(messages):
@@ -225,7 +225,7 @@ def test_an_unreadable_file_is_named(tmp_path, recording, monkeypatch):
             raise PermissionError(13, "Permission denied", str(name))
         return real(name, *more, **options)
 
-    monkeypatch.setattr("builtins.open", denied)  # the rights themselves do not bind a test that runs as root
+    monkeypatch.setattr("builtins.open", denied)  # permissions do not restrict a test that runs as root
     with pytest.raises(InputError, match="x.mcap: cannot be read \\(Permission denied\\)"):
         open_bag(path)
 

@@ -12,7 +12,7 @@ from damper_estimator.recordings import open_bag
 
 RATE = 200.0
 TIME = np.arange(400) / RATE
-REST = 100  # samples at rest before and behind the motion
+REST = 100  # samples at rest before and after the motion
 POSITION = np.concatenate([np.zeros(REST), 10 * np.sin(2 * np.pi * 2 * TIME[: 400 - 2 * REST]), np.zeros(REST)])
 FORCE = np.gradient(POSITION, 1 / RATE) * 2.0
 

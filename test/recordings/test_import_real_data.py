@@ -1,4 +1,4 @@
-"""Two published sets of bench data come in whole, with the shipped column maps."""
+"""Two published sets of bench data are imported completely, with the shipped column maps."""
 
 import json
 
@@ -75,7 +75,7 @@ def test_a_block_of_the_press_has_its_amplitude_frequency_rate_and_sign(press, s
     assert (command == float(current)).all()
     assert 1 / np.diff(seconds).mean() == pytest.approx(rate, rel=1e-6)
     assert np.ptp(position) / 2 == pytest.approx(amplitude * 1e-3, rel=0.03)
-    assert abs(position.max() + position.min()) < 0.1e-3  # m; centred where it was held
+    assert abs(position.max() + position.min()) < 0.1e-3  # m; centred at rest
     crossings = np.flatnonzero(np.diff(np.sign(position[np.abs(position) > 0.2e-3])))
     cycles = len(crossings) / 2
     assert cycles / frequency == pytest.approx(seconds[-1] - 0.4, abs=1.5 / frequency)  # s; 0.2 s of rest at both ends

@@ -1,4 +1,4 @@
-"""What follows the last field of a message: serialisers leave bytes there, readers of ROS ignore them."""
+"""Bytes after the last field of a message: serialisers leave some, ROS readers ignore them."""
 
 import sqlite3
 from pathlib import Path
@@ -66,7 +66,7 @@ def test_numbers_are_the_same_with_any_padding(joint_state, arrays, names, tails
     ],
 )
 def test_more_than_padding_is_content_of_another_type(type_name, content, most):
-    """As many bytes of any content as serialisers leave, or zeros; a Temperature is not read as a Float64."""
+    """As many bytes as serialisers leave, or zeros; a Temperature is not read as a Float64."""
     plain = b"\0\1\0\0" + content
     for tail in (b"\xff" * most, bytes(most + 1), bytes(4000)):
         decode([plain + tail], [], type_name)
@@ -131,7 +131,7 @@ def test_everything_that_rclpy_serialises_is_read():
 
 
 def write_mcap(path: Path, messages: list[bytes]) -> Path:
-    """As rosbag2's mcap storage writes serialised messages: payload as it is."""
+    """As rosbag2's mcap storage writes serialised messages: payload unchanged."""
     from mcap.writer import Writer
 
     with path.open("wb") as stream:

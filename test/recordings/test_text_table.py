@@ -1,4 +1,4 @@
-"""Text files as people and loggers write them."""
+"""Text files of people and loggers."""
 
 import gzip
 from pathlib import Path

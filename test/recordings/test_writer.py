@@ -1,4 +1,4 @@
-"""What is written opens in rosbags and mcap, and reads back as it was."""
+"""Written recordings open in rosbags and mcap, and are read back unchanged."""
 
 import os
 

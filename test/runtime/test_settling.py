@@ -1,4 +1,4 @@
-"""How long a start is remembered: at least the filter's time, longer where the model remembers, never for ever."""
+"""How long a start is remembered: at least the filter's time, longer if the model remembers, never forever."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ def test_a_model_without_memory_settles_with_the_filter():
 def test_a_slow_model_takes_longer_up_to_the_longest_settling_time():
     found = [deployed(lagging(t), 60.0, 0.1).settling for t in (0.001, 0.06, 0.1)]
     assert found == sorted(found) and found[0] == WARM_UP < found[2]
-    # It remembers over travel, and where it hardly moves it hardly forgets.
+    # It remembers over travel, so it hardly forgets without motion.
     travels = load_model("bouc_wen")
     assert deployed(travels, 60.0, 0.1).settling > WARM_UP
     still = replace(travels, fit=FIT | {"region": {"velocity": [-1e-3, 1e-3], "displacement": [-1e-4, 1e-4]}})

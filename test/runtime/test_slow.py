@@ -1,4 +1,4 @@
-"""Slow channels: a wrong or silent value is never trusted, the last possible one goes on, and it is forgotten."""
+"""Slow channels: a wrong or silent value is never trusted, the last plausible one is held, and a fault is forgotten."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def driven(model, value, heard, step=1, signals=None, role="command"):
 
 
 def every(size, samples):
-    """Messages heard at each sample, one every so many samples."""
+    """Messages received at each sample, one every ``every`` samples."""
     return 1 + np.arange(size) // samples
 
 
@@ -143,7 +143,7 @@ def test_a_model_that_was_never_identified_is_at_best_degraded():
 @given(st.integers(0, 10_000))
 @settings(max_examples=40, deadline=None)
 def test_while_a_needed_channel_is_wrong_or_silent_nothing_is_good(seed):
-    """Random arrivals with random wild values, against the rule in plain words."""
+    """Random arrivals with random implausible values, against the rule in plain Python."""
     random = np.random.default_rng(seed)
     size = 1500
     heard = np.cumsum(random.random(size) < random.choice([0.005, 0.05, 0.5]))

@@ -15,7 +15,7 @@ MODEL = DamperModel("m", "", (make_element(find_effect("linear_viscous")),), fit
 
 
 def driven(stamp, displacement, cutoff=60.0):
-    """Status of every sample of one damper, and the line behind them."""
+    """Status of every sample of one damper, and its line."""
     line = Line()
     line.add("one", deployed(MODEL, cutoff, 0.1))
     status = []

@@ -1,4 +1,4 @@
-"""Which standard deviation the line gives: that of the force, or of the residual where an older fit knows no other."""
+"""The standard deviation on the line: of the force, or of the residual in an older fit."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A displacement that stands still: a fault where its sensor is noisy, a standing car where it is not."""
+"""A constant displacement: a fault if its sensor is noisy, else a standing car."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def driven(displacement):
 
 
 def road(size, seed, noise, resolution):
-    """A drive of a wheel and body in m, as a sensor says it."""
+    """A drive of a wheel and body in m, as measured by a sensor."""
     random, time = np.random.default_rng(seed), 0.002 * np.arange(size)
     x = 0.008 * np.sin(8.0 * time + seed) + 0.003 * np.sin(47.0 * time) * np.sin(0.7 * time)
     return quantised(x, random, noise, resolution)

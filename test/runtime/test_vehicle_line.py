@@ -1,4 +1,4 @@
-"""The live line of a vehicle: slow channels hold, and estimates of the same message stand together."""
+"""The live line of a vehicle: slow channels are held, and estimates of the same message are published together."""
 
 import numpy as np
 from hypothesis import given
@@ -22,7 +22,7 @@ def arrivals(rank, value):
     st.lists(st.integers(0, 40), max_size=4)
 )  # fmt: skip
 def test_a_held_channel_is_the_last_received_value_for_any_division_into_blocks(messages, cuts):
-    """Each message is either a value of the channel or a question for it."""
+    """Each message is either a value of the channel or a query of it."""
     expected, counts, last, count = [], [], np.nan, 0
     for is_value, value in messages:
         if is_value:

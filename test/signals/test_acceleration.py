@@ -1,4 +1,4 @@
-"""A measured acceleration comes with the measurement, on the same footing as the force."""
+"""A measured acceleration is part of the measurement, filtered like the force."""
 
 import numpy as np
 import pytest

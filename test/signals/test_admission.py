@@ -1,4 +1,4 @@
-"""Which samples a filter may use: equal, older, missing and broken ones."""
+"""The samples that a filter can use: equal, older, missing and broken ones."""
 
 import numpy as np
 from hypothesis import given, settings

@@ -58,7 +58,7 @@ def test_equals_lsim_on_even_steps(cutoff, rate):
 @given(seed=st.integers(0, 10_000), cutoff=st.floats(2.0, 200.0))
 @settings(max_examples=25, deadline=None)
 def test_equals_lsim_on_jittered_steps(seed, cutoff):
-    """Uneven stamps are a subset of a fine even grid on which the same linear input is given to lsim."""
+    """Uneven stamps are a subset of a fine even grid on which lsim has the same linear input."""
     random = np.random.default_rng(seed)
     fine = np.arange(3000) * 1e-4
     kept = np.unique(np.concatenate([[0], np.sort(random.choice(np.arange(1, 3000), 200, replace=False))]))
@@ -84,7 +84,7 @@ def test_sines_from_half_to_thirty_hertz_follow_the_transfer_function(frequency,
     gain = w**3 / (s**3 + 2 * w * s**2 + 2 * w**2 * s + w**3)
     outputs = filtered(CUTOFF, time, np.sin(omega * time))
     settled = time > 0.3
-    # Corners of the straight lines pass the derivatives with the weight of their higher frequencies.
+    # The corners of the straight lines enter the derivatives with their higher frequencies.
     chord = (omega * step * (1 + jitter)) ** 2 / 8
     for order, actual in enumerate(outputs):
         expected = np.imag(gain * s**order * np.exp(s * time))

@@ -1,4 +1,6 @@
-"""A gauge at its limit is seen, whatever its quantum and noise; what it touched through the filters does not count."""
+"""A gauge at its limit is detected for any quantum and noise; samples that it affects through the filters do not
+count.
+"""
 
 import numpy as np
 import pytest
@@ -24,7 +26,7 @@ def test_a_limit_is_found_and_an_unclipped_signal_has_none(seed, share, quantum)
     force = wave(seed)
     force = np.round(force / quantum) * quantum if quantum else force
     assert not clipped(force).any()
-    limit = force[np.argmin(np.abs(force - share * force.max()))]  # a value that the gauge can show
+    limit = force[np.argmin(np.abs(force - share * force.max()))]  # a possible value of the gauge
     assert np.array_equal(clipped(np.minimum(force, limit)), force >= limit)
 
 
@@ -40,7 +42,7 @@ def test_constant_friction_is_not_clipped():
 
 
 def test_a_clipped_sample_changes_little_beyond_its_reach():
-    """The error that clipping makes, through both filters, outside and inside what is marked."""
+    """The error that clipping makes, through both filters, outside and inside the marked samples."""
     force = wave(3)
     cut = np.minimum(force, 700.0)
     dt = np.diff(TIME, prepend=TIME[0])

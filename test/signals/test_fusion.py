@@ -1,4 +1,4 @@
-"""Displacement and accelerometer together: a Kalman filter, its motion, and what happens where one is missing."""
+"""Displacement and accelerometer together: a Kalman filter, its motion, and its reaction if one is missing."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ FUSION = Fusion(2e-5, 0.3, 0.01)
 
 
 def sensed(size: int, seed: int, offset: float = 0.0):
-    """Stamps (n,), true motion (3, n), and what the sensors say of it (n,) each."""
+    """Stamps (n,), true motion (3, n), and the sensors' values (n,) each."""
     random = np.random.default_rng(seed)
     time = STEP * np.arange(size)
     x = 0.01 * np.sin(9.0 * time) + 0.002 * np.sin(80.0 * time)

@@ -1,4 +1,4 @@
-"""A damper of a recording on the footing of the comparison: bags written in ``tmp_path``, read by ``measure``."""
+"""A damper of a recording, filtered for comparison: bags written in ``tmp_path``, read by ``measure``."""
 
 import numpy as np
 import pytest

@@ -64,7 +64,7 @@ def test_noise_and_quantum_are_measured():
 
 
 def test_real_tests_rest_between_their_blocks(shared_data):
-    """The press stands between the five currents: pauses of seconds, at the same displacement to 0.05 mm."""
+    """The press rests between the five currents: pauses of seconds, at the same displacement to 0.05 mm."""
     import gzip
 
     lines = (

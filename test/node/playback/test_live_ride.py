@@ -1,4 +1,4 @@
-"""The simulated quarter car in the loop of real processes over DDS rides as it does off line."""
+"""The simulated quarter car in the loop of real processes over DDS rides as it does offline."""
 
 import numpy as np
 import pytest
