@@ -1,4 +1,4 @@
-"""Long work in a thread of its own, while this thread continues to answer messages."""
+"""Long work in another thread, while this thread continues to answer messages."""
 
 import sys
 import time

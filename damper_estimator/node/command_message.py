@@ -1,4 +1,4 @@
-"""Serialised ``damper_msgs/DamperCommand``: the commands, and the sample that they answer. Knows no ROS."""
+"""Serialised ``damper_msgs/DamperCommand``: the commands, and the sample that they answer. Independent of ROS."""
 
 from collections.abc import Sequence
 from itertools import groupby

@@ -1,4 +1,4 @@
-"""Currents for desired forces, by the inverse of a damper's model after its estimate. Knows no ROS.
+"""Currents for desired forces, by the inverse of a damper's model after its estimate. Independent of ROS.
 
 A desired force is answered immediately, at the last sample. If no desired force came since the previous sample, a
 sample is answered with the last one. If the desired force is old or the estimate is not trusted, the safe current is

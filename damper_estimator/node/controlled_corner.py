@@ -1,4 +1,6 @@
-"""One damper under the example controller, which acts only on checked estimates with a usable status. Knows no ROS."""
+"""One damper under the example controller, which acts only on checked estimates with a usable status. Independent of
+ROS.
+"""
 
 from dataclasses import dataclass
 from math import isfinite

@@ -1,4 +1,4 @@
-"""Whether the current that a driver reports can be the one that flowed at a sample. Knows no ROS.
+"""Whether the current that a driver reports can be the one that flowed at a sample. Independent of ROS.
 
 A current has no stamp. Two facts show that it is not the current that the model needs:
 

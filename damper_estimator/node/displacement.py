@@ -1,4 +1,4 @@
-"""One displacement topic: serialised messages in, serialised forces out. Knows no ROS."""
+"""One displacement topic: serialised messages in, serialised forces out. Independent of ROS."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Whether the error against the gauge grows, and with which quantity. Knows no ROS.
+"""Whether the error against the gauge grows, and with which quantity. Independent of ROS.
 
 The error of a window is rms(model - measured) / rms(measured). The reference is the median of the first windows in
 which the damper worked. The alarm is raised when the median of the last windows is ``factor`` times as large, and at

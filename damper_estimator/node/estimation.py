@@ -1,4 +1,4 @@
-"""The processing of messages for one set of settings: built completely, then swapped in at once. Knows no ROS."""
+"""The processing of messages for one set of settings: built completely, then swapped in at once. Independent of ROS."""
 
 from collections.abc import Callable, Sequence
 from copy import copy

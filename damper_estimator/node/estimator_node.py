@@ -70,7 +70,7 @@ class EstimatorNode(RefusingLifecycleNode):
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", OUTPUT_DEPTH)
         self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._take_parameters)
-        # A simulated clock may stand still; health is published all the same.
+        # A simulated clock can be stopped; health is published all the same.
         self.create_timer(HEALTH_PERIOD, self._guarded(self._publish_health), clock=self._steady)
 
     def start(self) -> None:

@@ -205,7 +205,7 @@ class Inputs:
         return answer
 
     def _is_suspect(self, topic: str, senders: DoubleSenders, data: bytes, number: int, now: float) -> bool:
-        """Whether another publisher may have sent the same damper as this message of this sequence number."""
+        """Whether another publisher has possibly sent the same damper as this message of this sequence number."""
         tally, estimation = self.tallies[topic], self._state.estimation
         displacement = estimation.displacement.get(topic)
         if displacement is None:

@@ -1,5 +1,5 @@
-"""One declaration per parameter, from which the ROS descriptor, the settings and the parameter file are made. Knows no
-ROS.
+"""One declaration per parameter, from which the ROS descriptor, the settings and the parameter file are made.
+Independent of ROS.
 """
 
 from dataclasses import dataclass, field, fields

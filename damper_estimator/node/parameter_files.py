@@ -1,4 +1,5 @@
-"""Writes ``config/node.yaml`` and ``config/controller.yaml`` from the declarations of the parameters. Knows no ROS.
+"""Writes ``config/node.yaml`` and ``config/controller.yaml`` from the declarations of the parameters. Independent of
+ROS.
 
 python -m damper_estimator.node.parameter_files config
 """

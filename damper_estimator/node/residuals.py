@@ -1,4 +1,4 @@
-"""The estimates against the strain gauges, live: residual messages, running error and drift. Knows no ROS.
+"""The estimates against the strain gauges, live: residual messages, running error and drift. Independent of ROS.
 
 Samples are collected as they come and compared a few times a second: gauge and displacement of the same instant arrive
 one after the other anyway, and the estimates must not wait for the comparison.

@@ -1,4 +1,4 @@
-"""Lost messages and two publishers of one damper, found by the sequence numbers on one topic. Knows no ROS.
+"""Lost messages and two publishers of one damper, found by the sequence numbers on one topic. Independent of ROS.
 
 Every publisher numbers its messages 1, 2, 3, ...; the middleware delivers those of one publisher in order and does not
 name the publisher of a message.

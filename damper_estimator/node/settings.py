@@ -1,4 +1,4 @@
-"""The parameters of the estimator, each declared once (`parameter`). Knows no ROS."""
+"""The parameters of the estimator, each declared once (`parameter`). Independent of ROS."""
 
 from dataclasses import dataclass
 

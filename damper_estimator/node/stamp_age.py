@@ -1,4 +1,4 @@
-"""The age of samples on arrival. Knows no ROS."""
+"""The age of samples on arrival. Independent of ROS."""
 
 RELATED = 60.0  # s by which two clocks of the same time can differ
 RISE = 0.05  # s per s, by which the age of the fastest sample rises

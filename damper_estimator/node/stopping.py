@@ -1,4 +1,4 @@
-"""Requests to end the process: SIGTERM, SIGINT and SIGHUP. Knows no ROS."""
+"""Requests to end the process: SIGTERM, SIGINT and SIGHUP. Independent of ROS."""
 
 import os
 import signal
