@@ -5,7 +5,7 @@ from itertools import groupby
 
 import numpy as np
 
-from damper_estimator.node.commands import FOLLOWED, LIMITED, Command
+from damper_estimator.node.force_follower import FOLLOWED, LIMITED, Command
 from damper_estimator.recordings import encode, parse_path
 from damper_estimator.recordings.cdr_layout import layout_of
 from damper_estimator.recordings.definitions import builtin_schema, definition_of

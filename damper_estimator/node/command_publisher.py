@@ -6,8 +6,8 @@ from damper_msgs.msg import DamperCommand
 from rclpy.publisher import Publisher
 
 from damper_estimator.node.command_message import COMMAND_TYPE, CommandMessages
-from damper_estimator.node.commands import Command
 from damper_estimator.node.current_topics import CurrentTopics, deliver
+from damper_estimator.node.force_follower import Command
 from damper_estimator.node.ports import Keep, PublishingNode
 from damper_estimator.node.quality_of_service import OVERRIDABLE, offered
 from damper_estimator.node.wire import float_message

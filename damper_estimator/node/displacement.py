@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damper_estimator.node.commands import Command, Follower, Rules
 from damper_estimator.node.current_check import CurrentCheck
+from damper_estimator.node.force_follower import Command, ForceFollower, Rules
 from damper_estimator.node.stamp_age import StampAge
 from damper_estimator.node.wire import ForcesTemplate, MalformedMessage, names_and_frame, reader_of
 from damper_estimator.runtime import FIELDS, SLOW, STALE, Deployed, Line
@@ -62,9 +62,9 @@ class DisplacementInput:
         model.
         """
         self.estimators: tuple[Estimator, ...] = ()
-        self.followers: tuple[Follower, ...] = ()
+        self.followers: tuple[ForceFollower, ...] = ()
         self._rules = rules
-        self._leading: list[tuple[int, Follower]] = []
+        self._leading: list[tuple[int, ForceFollower]] = []
         self._driven: list[tuple[int, CurrentCheck]] = []  # the dampers whose force depends on a current
         self.line = Line()
         self.missing = np.zeros(0, np.int64)
@@ -85,7 +85,7 @@ class DisplacementInput:
             channel = estimator.signals.displacement
             scaling = (channel.scale, channel.offset) if channel.table is None else (1.0, 0.0)
             self.line.add(estimator.name, estimator.deployed, *scaling)
-        self.followers += tuple(Follower(estimator.name, estimator.deployed, self._rules) for estimator in more)
+        self.followers += tuple(ForceFollower(estimator.name, estimator.deployed, self._rules) for estimator in more)
         self._leading = [(d, follower) for d, follower in enumerate(self.followers) if not follower.refusal]
         self._driven = [
             (d, follower.current)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.commands import Command, Follower
 from damper_estimator.node.displacement import (
     JOINT_STATE,
     AccelerationInput,
@@ -16,6 +15,7 @@ from damper_estimator.node.displacement import (
     SlowInput,
     names_in,
 )
+from damper_estimator.node.force_follower import Command, ForceFollower
 from damper_estimator.node.residuals import Comparison, GaugeInput
 from damper_estimator.node.roster import MOST_DAMPERS, Roster
 from damper_estimator.node.settings import Settings
@@ -200,7 +200,7 @@ class Estimation:
         """
         after, rules = self.settings.stale_after, self.settings
 
-        def command(follower: Follower, source: DisplacementInput, d: int) -> Command | None:
+        def command(follower: ForceFollower, source: DisplacementInput, d: int) -> Command | None:
             if not follower.tally.desired or now - follower.sent_at <= period:
                 return None
             return follower.command(source.trusted(d, now, after), int(source.stamps[d]), now, rules)
@@ -211,7 +211,7 @@ class Estimation:
         """Commands for the dampers of which no force has been desired."""
         return self._commands(lambda follower, source, d: follower.idle(int(source.stamps[d]), self.settings))
 
-    def _commands(self, of: Callable[[Follower, DisplacementInput, int], Command | None]) -> list[Command]:
+    def _commands(self, of: Callable[[ForceFollower, DisplacementInput, int], Command | None]) -> list[Command]:
         """The commands that ``of`` returns for each follower of each input."""
         found = (of(follower, source, d) for source in self._sources() for d, follower in enumerate(source.followers))
         return [command for command in found if command is not None]

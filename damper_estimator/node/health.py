@@ -7,8 +7,8 @@ from socket import gethostname
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from damper_estimator.node.commands import CommandTally
 from damper_estimator.node.error_drift import Drift
+from damper_estimator.node.force_follower import CommandTally
 from damper_estimator.runtime import (
     BY_STATUS,
     COUNTS,

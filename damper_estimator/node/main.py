@@ -18,7 +18,7 @@ def main() -> int:
     """
 
     def run(words: Sequence[str], stop: Stop) -> None:
-        from damper_estimator.node.run import run_estimator
+        from damper_estimator.node.run_nodes import run_estimator
 
         run_estimator(words, stop)
 
@@ -29,7 +29,7 @@ def controller() -> int:
     """Runs the example controller until a signal comes; exit status as `main`."""
 
     def run(words: Sequence[str], stop: Stop) -> None:
-        from damper_estimator.node.run import run_controller
+        from damper_estimator.node.run_nodes import run_controller
 
         run_controller(words, stop)
 

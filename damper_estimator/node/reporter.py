@@ -6,9 +6,9 @@ from dataclasses import replace
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.node import health
-from damper_estimator.node.commands import CommandTally, Follower
 from damper_estimator.node.displacement import JOINT_STATE, names_in
 from damper_estimator.node.estimation import Estimation
+from damper_estimator.node.force_follower import CommandTally, ForceFollower
 from damper_estimator.node.force_publisher import ForcePublisher
 from damper_estimator.node.inputs import Inputs
 from damper_estimator.node.ports import NamedNode, NodeState
@@ -114,7 +114,7 @@ class Reporter:
         roster = estimation.roster
         return health.damper_status(prefix, now, before, roster.signal_map.cutoff, roster.delay)
 
-    def _command(self, prefix: str, follower: Follower) -> DiagnosticStatus:
+    def _command(self, prefix: str, follower: ForceFollower) -> DiagnosticStatus:
         name = follower.name
         before = self._commands.get(name, CommandTally())
         tally = self._commands[name] = replace(follower.tally)

@@ -18,7 +18,7 @@ from soak_truth import Filter
 from soak_wire import Commands, Forces, States, commands_in, forces_in, joint_state, number, stamped
 
 from damper_estimator.node.command_message import CommandMessages
-from damper_estimator.node.commands import Command
+from damper_estimator.node.force_follower import Command
 from damper_estimator.recordings import accelerations, damper_forces, floats, joint_states, temperatures
 from damper_estimator.runtime import FIELDS
 

@@ -294,7 +294,7 @@ def test_commands_are_reported_with_stamp_reason_and_sequence_number(semi_active
 
 def test_a_command_in_another_unit_is_sent_in_that_unit():
     """Milliamperes, and a table of the coil's effect."""
-    from damper_estimator.node.commands import Follower
+    from damper_estimator.node.force_follower import ForceFollower
     from damper_estimator.node.settings import DECLARATIONS
     from damper_estimator.signals import Channel
 
@@ -313,7 +313,7 @@ def test_a_command_in_another_unit_is_sent_in_that_unit():
     sample = np.array([0.0, 0.0, 0.01, 0.3, 0.0, 0.5, np.nan, np.nan])
     sent = {}
     for name, channel in channels.items():
-        follower = Follower("one", deployed_with(model, channel), Rules)
+        follower = ForceFollower("one", deployed_with(model, channel), Rules)
         follower.update(sample)
         follower.request(700.0, 0.0)
         sent[name] = follower.command(GOOD, 0, 0.0, Rules).current

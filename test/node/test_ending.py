@@ -15,7 +15,7 @@ DEACTIVATE, ACTIVE_SHUTDOWN = 4, 7
 SAFE_STOPPED = 5
 ALL_SAFE, ALL_STOPPED = dict.fromkeys(DAMPERS, SAFE), dict.fromkeys(DAMPERS, SAFE_STOPPED)
 OWN_SAFE = 0.4  # the driver's
-BEFORE = "import rclpy, signal, sys, time\nfrom damper_estimator.node import main, run\n"
+BEFORE = "import rclpy, signal, sys, time\nfrom damper_estimator.node import main, run_nodes\n"
 AFTER = "\nsys.exit(main.main())"
 
 
@@ -99,7 +99,7 @@ def test_an_executor_that_only_fails_ends_the_process_and_leaves_the_safe_curren
         "    def spin_once(self, **options):\n"
         "        if self.is_broken: raise RuntimeError('broken on purpose')\n"
         "        super().spin_once(**options)\n"
-        "run.make_executor = lambda *_: Failing()\n"
+        "run_nodes.make_executor = lambda *_: Failing()\n"
         "signal.signal(signal.SIGUSR1, lambda *_: setattr(Failing, 'is_broken', True))\n"
     ) + AFTER  # fmt: skip
     process = running(sys.executable, "-c", code, **NOTHING_LOST | parameters)

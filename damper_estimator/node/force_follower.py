@@ -73,7 +73,7 @@ class CommandTally:
     unanswered: int = 0
 
 
-class Follower:
+class ForceFollower:
     """Follows the desired forces of one damper by currents; final.
 
     Attributes:
