@@ -173,7 +173,7 @@ class Estimation:
             self._gauges[topic][1].take(data)
         forces = source.take(data, arrival, settings.max_age)
         if displacement.comparison.is_measured:
-            displacement.comparison.collected.keep(source.stamp)
+            displacement.comparison.buffer.keep(source.stamp)
         return Answer(forces, source.due(now, settings.stale_after, settings), has_grown)
 
     def _request(self, data: bytes, now: float) -> list[Command]:
@@ -242,7 +242,7 @@ class Estimation:
         measured = {}
         for names, gauge in self._gauges.values():
             if gauge.has_samples:
-                measured |= dict(zip(names, gauge.taken(), strict=True))
+                measured |= dict(zip(names, gauge.drain(), strict=True))
         comparisons = [displacement.comparison for displacement in self.displacement.values()]
         return [message for comparison in comparisons for message in comparison.compare(measured)]
 

@@ -58,7 +58,7 @@ class GaugeInput:
         """Whether there are samples since the last comparison."""
         return self._count > 0
 
-    def taken(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def drain(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Stamps (n,) ns and SI values (n,) by damper since the last call."""
         count, self._count = self._count, 0
         stamps, values, present = (part[:count].copy() for part in (self._stamps, self._values, self._present))
@@ -67,7 +67,7 @@ class GaugeInput:
         ]
 
 
-class Collected:
+class EstimateBuffer:
     """The estimates of one displacement topic since the last comparison; final."""
 
     def __init__(self, source: DisplacementInput) -> None:
@@ -94,7 +94,7 @@ class Collected:
             self._numbers[self._count], self._modelled[self._count] = answered.numbers[0], answered.modelled[0]
             self._count += 1
 
-    def taken(self) -> list[Estimates]:
+    def drain(self) -> list[Estimates]:
         """The estimates of each damper since the last call."""
         count, self._count = self._count, 0
         return [self._of(d, count) for d in range(self._verdicts.shape[1])]
@@ -125,7 +125,7 @@ class Comparison:
         """``cutoff`` in Hz, ``max_gap`` and ``window`` in s, ``factor`` as in `Drift`."""
         self._source = source
         self._settings = (cutoff, max_gap, window, factor)
-        self.collected = Collected(source)
+        self.buffer = EstimateBuffer(source)
         self.drifts: dict[str, Drift] = {}
         self.is_measured, self._silent = True, 0
         self._lines: dict[str, ResidualLine] = {}
@@ -137,7 +137,7 @@ class Comparison:
             return []
         cutoff, max_gap, window, factor = self._settings
         residuals: dict[str, Residuals] = {}
-        for estimator, estimates in zip(self._source.estimators, self.collected.taken(), strict=False):
+        for estimator, estimates in zip(self._source.estimators, self.buffer.drain(), strict=False):
             name = estimator.name
             stamp, force = gauges.get(name, (_NO_STAMPS, np.zeros(0)))
             if name not in self._lines:

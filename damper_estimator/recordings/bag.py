@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.recordings.batch import Batch, Columns, Reading, joined_columns
+from damper_estimator.recordings.batch import Batch, Columns, DecodingContext, joined_columns
 from damper_estimator.recordings.library_errors import one_line
 from damper_estimator.recordings.raw_messages import RawMessages, in_arrival_order, joined
 from damper_estimator.recordings.storage_files import contents_of, open_storage
@@ -47,7 +47,7 @@ class Bag:
                 stack.callback(self._files[-1].close)
             self._stack = stack.pop_all()
         connections = tuple(connection for file in self._files for connection in file.connections)
-        self._reading = Reading(str(path), connections, contents.compressed_messages)
+        self._context = DecodingContext(str(path), connections, contents.compressed_messages)
         self.topics = _topics(connections)
 
     def __enter__(self) -> "Bag":
@@ -72,9 +72,9 @@ class Bag:
             InputError: for an unknown topic (lists the existing ones), and for damaged files.
         """
         names = None if topics is None else [self.topic(name).name for name in topics]
-        chosen = self._reading.chosen(names)
+        chosen = self._context.chosen(names)
         for rank, messages in _grouped(self._merged(ends), chosen, size):
-            yield Batch(self._reading, self._reading.unpacked(messages), rank)
+            yield Batch(self._context, self._context.unpacked(messages), rank)
 
     def topic(self, name: str) -> Topic:
         """The topic of this name, with or without its leading ``/``.
@@ -98,7 +98,7 @@ class Bag:
         fields_by_topic = {name: tuple(paths) for name, paths in fields.items()}
         parts: dict[str, list[Columns]] = {name: [] for name in fields_by_topic}
         for name, paths in fields_by_topic.items():
-            self._reading.check(self.topic(name).name, paths)
+            self._context.check(self.topic(name).name, paths)
         for batch in self.batches(fields_by_topic):
             for name, paths in fields_by_topic.items():
                 parts[name].append(batch.columns(name, paths))

@@ -42,7 +42,7 @@ def joined_columns(parts: list[Columns], width: int) -> Columns:
     return Columns(*(np.concatenate([getattr(part, name) for part in parts]) for name in Columns.__dataclass_fields__))
 
 
-class Reading:
+class DecodingContext:
     """The shared data of all batches of a recording: its connections, and the decoders used so far; final."""
 
     def __init__(self, path: str, connections: tuple[Connection, ...], compressed: bool) -> None:
@@ -74,7 +74,7 @@ class Reading:
             try:
                 self._decoders[key] = Decoder(definition_of(connection.schema), paths)
             except InputError as error:
-                raise self.wrong(connection.topic, str(error)) from error
+                raise self.error(connection.topic, str(error)) from error
         return self._decoders[key]
 
     def decode_whole(self, connection: Connection, raw: bytes) -> object:
@@ -86,7 +86,7 @@ class Reading:
             except SerdeError:
                 return store_of(schema).deserialize_cdr(_without_padding(raw, schema), schema.type)
         except InputError as error:
-            raise self.wrong(connection.topic, str(error)) from error
+            raise self.error(connection.topic, str(error)) from error
         except (SerdeError, *LIBRARY_ERRORS) as error:
             raise self.malformed(connection, str(error)) from error
 
@@ -103,17 +103,17 @@ class Reading:
         length = np.array([len(item) for item in plain], np.int64)
         return RawMessages(b"".join(plain), raw.connection, raw.log, np.cumsum(length) - length, length)
 
-    def wrong(self, topic: str, what: str) -> InputError:
+    def error(self, topic: str, what: str) -> InputError:
         return InputError(one_line(f"{self.path}: topic {topic}: {what}"))
 
     def malformed(self, connection: Connection, what: str) -> InputError:
         what = f"a message does not fit its type {connection.schema.type} ({what})"
-        return self.wrong(connection.topic, f"{what}; record the topic again, with the definition of its publisher")
+        return self.error(connection.topic, f"{what}; record the topic again, with the definition of its publisher")
 
     def _refuse_other_encodings(self, connection: Connection) -> None:
         if connection.encoding != "cdr":
             what = f"its messages are encoded as {connection.encoding!r}; only cdr (ROS 2) can be decoded"
-            raise self.wrong(connection.topic, what)
+            raise self.error(connection.topic, what)
 
 
 def _without_padding(raw: bytes, schema: Schema) -> bytes:
@@ -132,7 +132,7 @@ class Batch:
         rank: (n,) int64, place of each message among all messages of the recording.
     """
 
-    _reading: Reading
+    _context: DecodingContext
     _raw: RawMessages
     rank: np.ndarray
 
@@ -158,12 +158,12 @@ class Batch:
             log, log.copy(), self.rank[rows], np.empty((count, len(paths))), np.empty((count, len(paths)), bool)
         )
         for connection, places in groups:
-            decoder = self._reading.decoder(connection, paths)
+            decoder = self._context.decoder(connection, paths)
             raw = self._raw.chosen(rows[places])
             try:
                 numbers = decoder.decode(raw.data, raw.start, raw.length)
             except MalformedMessage as error:
-                raise self._reading.malformed(connection, str(error)) from error
+                raise self._context.malformed(connection, str(error)) from error
             result.values[places], result.present[places] = numbers.values, numbers.present
             if numbers.stamp is not None:
                 result.stamp[places] = numbers.stamp
@@ -176,12 +176,12 @@ class Batch:
             InputError: if the type is unknown or a message is malformed.
         """
         for row in self._rows(topic)[0]:
-            connection = self._reading.connections[self._raw.connection[row]]
-            yield int(self._raw.log[row]), self._reading.decode_whole(connection, self._bytes(row))
+            connection = self._context.connections[self._raw.connection[row]]
+            yield int(self._raw.log[row]), self._context.decode_whole(connection, self._bytes(row))
 
     def raw(self) -> Iterator[tuple[Connection, int, bytes]]:
         """Connection, log time (ns) and serialised bytes of every message, for copying."""
-        connections, raw = self._reading.connections, self._raw
+        connections, raw = self._context.connections, self._raw
         columns = (raw.connection.tolist(), raw.log.tolist(), raw.start.tolist(), (raw.start + raw.length).tolist())
         for connection, log, start, end in zip(*columns, strict=True):
             yield connections[connection], log, raw.data[start:end]
@@ -192,13 +192,13 @@ class Batch:
 
     def _rows(self, topic: str) -> tuple[np.ndarray, list[tuple[Connection, np.ndarray]]]:
         """Rows of a topic, and for each message definition among them the places in these rows."""
-        chosen = self._reading.chosen([self._reading.named(topic)])
+        chosen = self._context.chosen([self._context.named(topic)])
         rows = np.flatnonzero(chosen[self._raw.connection])
         of_row = self._raw.connection[rows]
         by_schema: dict[Schema, list[int]] = {}
         for number in np.unique(of_row).tolist():
-            by_schema.setdefault(self._reading.connections[number].schema, []).append(number)
+            by_schema.setdefault(self._context.connections[number].schema, []).append(number)
         return rows, [
-            (self._reading.connections[numbers[0]], np.flatnonzero(np.isin(of_row, numbers)))
+            (self._context.connections[numbers[0]], np.flatnonzero(np.isin(of_row, numbers)))
             for numbers in by_schema.values()
         ]
