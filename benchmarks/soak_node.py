@@ -107,7 +107,11 @@ class SoakedNode:
         return [topic for topic in TOPICS if fused or "acceleration" not in topic]
 
     def _is_connected(self) -> bool:
+        """By the node's report: a publisher here also counts the subscriptions of a process that was killed."""
         values = self.values()
+        slow = [v for name in NAMES for k, v in values.get(name, {}).items() if k.endswith(": publishers")]
+        if not slow or "0" in slow:
+            return False
         publishers = values.get(f"input {DISPLACEMENT}", {}).get("publishers", "0")
         return publishers != "0" and values.get("output", {}).get("subscribers", "0") != "0"
 

@@ -100,6 +100,15 @@ class Estimation:
         }
         return other
 
+    def slow_topics(self, damper: str) -> dict[str, str]:
+        """Topics of the slow channels of one damper, by role; only those that are subscribed."""
+        return {
+            role: topic
+            for topic, inputs in self.slow.items()
+            for name, role, _ in inputs
+            if name == damper and topic in self.topics
+        }
+
     def _subscribe(self, topic: str, type_name: str, is_named: bool) -> None:
         if is_named:
             self.named.add(topic)

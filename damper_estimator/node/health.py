@@ -23,6 +23,7 @@ from damper_estimator.runtime import (
     SLOW,
     STUCK,
     SUSPECT,
+    UNKNOWN,
     WARMING_UP,
 )
 from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
@@ -137,6 +138,7 @@ class DamperNow:
         noise: m/s, standard deviation of the velocity.
         is_identified: whether the model was fitted to measurements.
         influential: the slow channels that the model's force depends on.
+        slow: counts of the slow channels' topics, by role.
     """
 
     name: str
@@ -146,6 +148,7 @@ class DamperNow:
     noise: float
     is_identified: bool
     influential: Sequence[str]
+    slow: Mapping[str, InputTally]
     missing: int
     is_stale: bool
     drift: Drift | None
@@ -180,6 +183,8 @@ def damper_status(prefix: str, now: DamperNow, before: DamperNow, cutoff: float,
         "samples while stuck": counts[STUCK],
         **{f"{role}: values that cannot be": counts[IMPLAUSIBLE + row] for row, role in enumerate(SLOW)},
         **{f"{role}: samples while silent": counts[SILENT + row] for row, role in enumerate(SLOW)},
+        **{f"{role}: samples before the first value": counts[UNKNOWN + row] for row, role in enumerate(SLOW)},
+        **{f"{role}: {PUBLISHERS}": tally.publishers for role, tally in now.slow.items()},
         "noise of the velocity [m/s]": f"{now.noise:.3g}",
         "filter cutoff [Hz]": f"{cutoff:g}",
         "filter delay [ms]": f"{1e3 * delay:.2f}",
@@ -230,9 +235,21 @@ def _judge_slow(now: DamperNow, new: np.ndarray) -> list[str]:
         effect = "the force depends on it" if role in now.influential else "the force does not depend on it"
         if new[IMPLAUSIBLE + row]:
             warnings.append(f"{new[IMPLAUSIBLE + row]} implausible values of {role} were dropped ({effect})")
+        if new[UNKNOWN + row] and role in now.influential:
+            warnings.append(_unknown(role, now.slow[role]))
         if new[SILENT + row]:
             warnings.append(f"{role} is silent, its last value is kept ({effect})")
     return warnings
+
+
+def _unknown(role: str, tally: InputTally) -> str:
+    """Why a slow channel has no value yet."""
+    reason = "it has no publisher"
+    if tally.incompatible:
+        reason = "the quality of service of its publisher does not match; set qos_reliability to best_effort"
+    elif tally.publishers:
+        reason = "its publisher has sent no value that can be read"
+    return f"no {role} yet on {tally.topic}, and the force depends on it: {reason}"
 
 
 @dataclass(frozen=True)

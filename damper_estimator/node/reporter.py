@@ -102,6 +102,7 @@ class Reporter:
             source.line.velocity_noise(d),
             deployed.is_identified,
             [role for role, memory in deployed.memories.items() if memory is not None],
+            self._slow_inputs(estimation, name),
             int(source.missing[d]),
             bool(self._messages.now() - source.last_good[d] > estimation.settings.stale_after),
             comparison.drifts.get(name),
@@ -113,6 +114,11 @@ class Reporter:
         self._before[name] = now
         roster = estimation.roster
         return health.damper_status(prefix, now, before, roster.signal_map.cutoff, roster.delay)
+
+    def _slow_inputs(self, estimation: Estimation, damper: str) -> dict[str, health.InputTally]:
+        topics = estimation.slow_topics(damper)
+        tallies = self._messages.snapshot(topics.values())
+        return {role: tallies[topic] for role, topic in topics.items()}
 
     def _command(self, prefix: str, follower: ForceFollower) -> DiagnosticStatus:
         name = follower.name

@@ -16,6 +16,7 @@ from damper_estimator.runtime.damper_record import (
     STALE,
     STUCK,
     SUSPECT,
+    UNKNOWN,
     WARMING_UP,
 )
 from damper_estimator.runtime.deployed import Deployed, deployed
@@ -44,6 +45,7 @@ __all__ = [
     "STALE",
     "STUCK",
     "SUSPECT",
+    "UNKNOWN",
     "WARMING_UP",
     "Arrivals",
     "DamperEstimator",

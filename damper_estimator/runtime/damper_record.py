@@ -19,12 +19,13 @@ REGION_ROWS = {
 }  # fmt: skip
 
 # Counts: the verdicts (0 to 6) of ``signals.admission``; faults of the displacement and the model, doubtful samples,
-# samples while the displacement was constant in spite of its noise; implausible values of the slow channels, and
-# samples for which one was silent, by row; then one per status.
+# samples while the displacement was constant in spite of its noise; implausible values of the slow channels, samples
+# for which one was silent, and samples before its first value, by row; then one per status.
 JUMPS, LATE, NOT_FINITE, SUSPECT, STUCK = range(NON_FINITE + 1, NON_FINITE + 6)
 IMPLAUSIBLE = STUCK + 1
 SILENT = IMPLAUSIBLE + len(SLOW)
-BY_STATUS = SILENT + len(SLOW)
+UNKNOWN = SILENT + len(SLOW)
+BY_STATUS = UNKNOWN + len(SLOW)
 COUNTS = BY_STATUS + STALE + 1
 
 RECORD = np.dtype(

@@ -10,7 +10,7 @@ cannot be trusted while it is wrong or silent, nor afterwards for as long as the
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.runtime.damper_record import IMPLAUSIBLE, SILENT
+from damper_estimator.runtime.damper_record import IMPLAUSIBLE, SILENT, UNKNOWN
 from damper_estimator.signals.layout import COMMAND
 
 PATIENCE = 5.0  # usual intervals
@@ -40,6 +40,7 @@ def hold(record, stamp, row, value, arrived):
             record["wrong"][row] = 1
             record["counts"][IMPLAUSIBLE + row] += 1
     if arrived == 0:
+        record["counts"][UNKNOWN + row] += 1
         return False
     if stamp < record["since"][row]:  # the clock was set back
         record["since"][row] = stamp

@@ -8,7 +8,11 @@ import time
 
 import numpy as np
 import pytest
+import yaml
 from rig import MS, START, joint_state
+from semi_active import FIT
+
+from damper_estimator.recordings import temperatures
 
 GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
 SECOND = 1000 * MS
@@ -67,6 +71,23 @@ def test_implausible_values_are_dropped_counted_and_degrade(shared, identified, 
     assert new["dropped: not finite"] == 5 and new["samples"] - new["estimates"] == 5
     assert new["jumps"] >= 2
     checked(rig)
+
+
+def test_a_slow_channel_that_was_never_heard_is_named_with_the_reason(start, rig, tmp_path):
+    effects = [{"viscous": {"rate": 800.0}}, {"temperature_gain": {"fade": 0.01}}]
+    model = tmp_path / "model.yaml"
+    model.write_text(yaml.safe_dump({"effects": effects, "fit": FIT | {"region": {"displacement": [-0.1, 0.1]}}}))
+    start(model=model, dampers="[left]", stale_after=60.0)
+    rig.ready()
+    assert rig.drive(300)[-1].status[0] == EXTRAPOLATING
+    reason = "no temperature yet on /suspension/left/temperature, and the force depends on it: it has no publisher"
+    rig.wait(lambda: reason in rig.message(": left"), "the reason", patience=60.0)
+    assert int(rig.values(": left")["temperature: samples before the first value"]) >= 300
+    warm = rig.publisher("/suspension/left/temperature", "sensor_msgs/msg/Temperature")
+    rig.wait(lambda: rig.values(": left")["temperature: publishers"] == "1", "the publisher")
+    warm.publish(temperatures(np.array([rig.stamp]), np.array([40.0]))[0])
+    rig.wait(lambda: rig.drive(600)[-1].status[0] == GOOD, "a good estimate", patience=60.0)
+    rig.wait(lambda: "no temperature" not in rig.message(": left"), "a report without the reason")
 
 
 def test_clock_steps_and_disorder_are_dropped_or_reset_the_filter(shared, identified, rig):
