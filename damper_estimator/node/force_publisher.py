@@ -1,5 +1,7 @@
 """The topic ``~/force``."""
 
+from typing import Any
+
 from damper_msgs.msg import DamperForces
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.publisher import Publisher
@@ -52,5 +54,5 @@ class ForcePublisher:
         """Their present number."""
         return self._publisher.get_subscription_count()
 
-    def _note_incompatible(self, event: object) -> None:
+    def _note_incompatible(self, event: Any) -> None:
         self.incompatible = event.total_count

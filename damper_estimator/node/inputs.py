@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import replace
 from importlib import import_module
+from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile
@@ -218,14 +219,14 @@ class Inputs:
 def _events(tally: InputTally, losses: Losses) -> SubscriptionEventCallbacks:
     """Handlers of the middleware's events about the publishers of one topic."""
 
-    def on_incompatible(event: object) -> None:
+    def on_incompatible(event: Any) -> None:
         tally.incompatible = event.total_count
 
-    def on_matched(event: object) -> None:
+    def on_matched(event: Any) -> None:
         tally.publishers = event.current_count
         losses.matched(event.total_count)
 
-    def on_lost(event: object) -> None:
+    def on_lost(event: Any) -> None:
         tally.reported_lost = event.total_count
 
     return SubscriptionEventCallbacks(incompatible_qos=on_incompatible, matched=on_matched, message_lost=on_lost)

@@ -151,12 +151,12 @@ class Differentiator:
         differentiate(self._cutoff, dt, displacement, self._state, block[X], block[V], block[A])
         self.alone = np.zeros(stamp.size, np.uint8)
         if self._noises is not None:
-            acceleration_of_all = np.ascontiguousarray(np.broadcast_to(acceleration, stamp.shape), float)
+            accelerations = np.ascontiguousarray(np.broadcast_to(acceleration, stamp.shape), float)
             fuse(
                 self._noises,
                 dt,
                 displacement,
-                acceleration_of_all,
+                accelerations,
                 self._fused,
                 block[X],
                 block[V],
