@@ -142,7 +142,7 @@ class Corner:
         """Moves on by so many steps of the simulation at a current in A."""
         car = self._car
         if car.index + steps > self._count:
-            car.go_on(self._road.stretch(self._count))
+            car.continue_on(self._road.stretch(self._count))
         self._current[car.index : car.index + steps + 1] = current
         car.advance(car.index + steps + 1, self._current)
         here = car.record[max(car.index - steps, 0) : car.index + 1, TRAVEL]

@@ -1,4 +1,4 @@
-"""Models as C99 and as FMUs, generated from the same kernels that run in Python: one source of truth."""
+"""Models as C99 and as FMUs, generated from the Python kernels."""
 
 from damper_estimator.codegen.build import find_compiler
 from damper_estimator.codegen.c_source import kernel_source

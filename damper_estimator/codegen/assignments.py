@@ -1,4 +1,4 @@
-"""Assignments of one function, written as C: to numbers, elements, stretches of arrays, and new names for these."""
+"""Assignments of one function in C: to numbers, elements and slices of arrays, and new names for these."""
 
 import ast
 
@@ -17,7 +17,7 @@ class Assignments:
         self._expressions = expressions
 
     def augmented(self, node: ast.AugAssign) -> None:
-        """``target += value`` and its like."""
+        """``target += value`` and similar operators."""
         if isinstance(node.target, ast.Subscript):
             target = self._expressions.value(node.target)
             if isinstance(target, Array):
@@ -55,7 +55,7 @@ class Assignments:
             self._store(node, target, value)
 
     def _several(self, node: ast.Assign) -> None:
-        """``a, b = c, d``: by way of temporaries where an earlier target occurs in a later value."""
+        """``a, b = c, d``: with temporaries if an earlier target occurs in a later value."""
         targets = node.targets[0].elts
         if isinstance(node.value, ast.Tuple):
             made = [self._expressions.new_array(item) for item in node.value.elts]
@@ -104,9 +104,9 @@ class Assignments:
         if uses.stores == 1 and value.constant is not None and name not in context.names:
             context.names[name] = value
             return
-        held = context.names.get(name)
-        if held is not None:
-            self._set_parameter(node, held, value)
+        known = context.names.get(name)
+        if known is not None:
+            self._set_parameter(node, known, value)
             return
         kind = context.learn(name, value.kind)
         code = context.cast(value, kind).code
@@ -118,10 +118,10 @@ class Assignments:
             self.hoist(name, kind)
         context.emit(f"{context.c_name(name)} = {code};")
 
-    def _set_parameter(self, node: ast.stmt, held: Value, value: Number) -> None:
-        if not isinstance(held, Number) or held.constant is not None or joined(held.kind, value.kind) != held.kind:
-            raise self._context.error(node, f"{ast.unparse(node)}: an argument becomes something of another kind")
-        self._context.emit(f"{held.code} = {self._context.cast(value, held.kind).code};")
+    def _set_parameter(self, node: ast.stmt, known: Value, value: Number) -> None:
+        if not isinstance(known, Number) or known.constant is not None or joined(known.kind, value.kind) != known.kind:
+            raise self._context.error(node, f"{ast.unparse(node)}: an argument changes its kind")
+        self._context.emit(f"{known.code} = {self._context.cast(value, known.kind).code};")
 
     def hoist(self, name: str, kind: str) -> None:
         """Declares a local number at the beginning of the function."""
@@ -129,10 +129,10 @@ class Assignments:
         self._context.hoisted[name] = f"{self._context.c_type(kind)} {self._context.c_name(name)} = {zero};"
 
     def _bind(self, node: ast.stmt, name: str, value: Value) -> None:
-        """A local name for a part of an array, a record or something known."""
+        """A local name for a part of an array, a record or a known value."""
         context = self._context
         if context.uses[name].stores != 1 or name in context.names:
-            raise context.error(node, f"{name} stands for several arrays")
+            raise context.error(node, f"{name} refers to several arrays")
         if not isinstance(value, Array):
             context.names[name] = value
             return
@@ -142,7 +142,7 @@ class Assignments:
         if name in context.facts.written:
             context.facts.write(value.roots)
         if context.uses[name].declared_at() is not node:
-            raise context.error(node, f"{name} is used outside the block in which it is made")
+            raise context.error(node, f"{name} is used outside the block in which it is created")
         context.emit(f"{const}{context.c_type(value.kind)} *{code} = {value.pointer};")
         dims = value.dims
         if not value.is_static:
@@ -155,9 +155,9 @@ class Assignments:
     ) -> None:
         context = self._context
         if not isinstance(target, ast.Name) or context.uses[target.id].stores != 1:
-            raise context.error(node, "a new array needs a name that stands for nothing else")
+            raise context.error(node, "a new array needs a new name")
         if context.uses[target.id].declared_at() is not node:
-            raise context.error(node, f"{target.id} is used outside the block in which it is made")
+            raise context.error(node, f"{target.id} is used outside the block in which it is created")
         code = context.c_name(target.id)
         array = Array(kind, code, whole(0), dims, frozenset())
         is_zero = filling is not None and filling.constant == 0
@@ -192,7 +192,7 @@ class Assignments:
 
 
 def _interfere(targets: list[ast.expr], value: ast.expr) -> bool:
-    """Whether a value mentions something that is set before it is read."""
+    """Whether a value uses a target that is set before the value is read."""
     values = value.elts if isinstance(value, ast.Tuple) else [value] * len(targets)
     for i, target in enumerate(targets):
         base = target

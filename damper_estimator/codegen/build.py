@@ -1,4 +1,4 @@
-"""Compiling what was generated, where the machine has a C compiler: for FMUs' binaries, error figures and tests."""
+"""Compiles generated C, if the machine has a C compiler: for binaries of FMUs, measured errors and tests."""
 
 import os
 import shutil
@@ -12,7 +12,7 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra", "-
 
 
 def find_compiler() -> str | None:
-    """The C compiler: that of the environment variable CC, else cc, gcc or clang; None where there is none."""
+    """The C compiler: that of the environment variable CC, else cc, gcc or clang; None without a compiler."""
     names = (os.environ.get("CC", ""), "cc", "gcc", "clang")
     return next((found for name in names if name and (found := shutil.which(name))), None)
 
@@ -23,11 +23,11 @@ def build_library(
     """Compiles a shared library; ``target`` is its file.
 
     Raises:
-        InputError: where there is no compiler or it fails, with what it says.
+        InputError: if no compiler is installed or it fails, with its message.
     """
     command = compiler or find_compiler()
     if command is None:
-        raise InputError("there is no C compiler (CC, cc, gcc or clang); install one")
+        raise InputError("no C compiler is installed (CC, cc, gcc or clang); install one")
     call = [command, *flags, "-shared", "-fvisibility=default", *map(str, sources), "-lm", "-o", str(target)]
     done = subprocess.run(call, capture_output=True, text=True, check=False)
     if done.returncode:

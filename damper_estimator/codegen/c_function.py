@@ -1,4 +1,4 @@
-"""A function as it stands in C: its head, its comment, and what a call of it hands over."""
+"""A function in C: its head, its comment and the arguments of its calls."""
 
 import inspect
 import re
@@ -20,13 +20,13 @@ _WIDTH = 120
 
 @dataclass(frozen=True)
 class CFunction:
-    """A function as written in C.
+    """A translated function.
 
     Attributes:
-        passed: for every leaf of the arguments in order, whether it is handed over (it is used inside), and the same
-            for its length.
+        passed: for every leaf of the arguments in order, whether it is passed (because the function uses it), and the
+            same for its length.
         written: for every leaf, whether its elements are changed.
-        result: kinds that are returned; None where nothing is.
+        result: kinds of the returned numbers; None if nothing is returned.
         calls: names of the functions and tables that occur in it.
     """
 
@@ -42,20 +42,20 @@ def finished(
     translator: "Translator", name: str, comment: str, parameters: list[Value], lines: list[str], written: set[str],
     result: tuple[str, ...] | None,
 ) -> CFunction:  # fmt: skip
-    """A function from its lines: only what occurs in them becomes a parameter."""
+    """A function from its lines: only names that occur in them become parameters."""
     lines = _without_unused(lines)
     occurring = set(NAMES.findall("\n".join(lines)))
     declared, passed = [], []
     flat = leaves(Group(tuple(parameters)))
     for leaf in flat:
-        own = leaf.base if isinstance(leaf, Array) else leaf.code
-        is_passed = own in occurring
-        is_sized = isinstance(leaf, Array) and not leaf.is_static and f"{own}_size" in occurring
+        leaf_name = leaf.base if isinstance(leaf, Array) else leaf.code
+        is_passed = leaf_name in occurring
+        is_sized = isinstance(leaf, Array) and not leaf.is_static and f"{leaf_name}_size" in occurring
         passed.append((is_passed, is_sized))
         if is_passed:
-            declared.append(_declaration(translator, leaf, own, own in written))
+            declared.append(_declaration(translator, leaf, leaf_name, leaf_name in written))
         if is_sized:
-            declared.append(f"int32_t {own}_size")
+            declared.append(f"int32_t {leaf_name}_size")
     kind = (
         "void"
         if result is None
@@ -92,17 +92,17 @@ def _declaration(translator: "Translator", leaf: Value, name: str, is_written: b
 
 
 def _without_unused(lines: list[str]) -> list[str]:
-    """The lines less declarations of what a branch that was ruled out would have used."""
+    """The lines without declarations of names that only an excluded branch would have used."""
     while True:
         counts = Counter(NAMES.findall("\n".join(lines)))
-        kept = [line for line in lines if not ((own := _DECLARED.match(line)) and counts[own["name"]] == 1)]
+        kept = [line for line in lines if not ((declared := _DECLARED.match(line)) and counts[declared["name"]] == 1)]
         if len(kept) == len(lines):
             return lines
         lines = kept
 
 
 def comment_of(function: Callable) -> str:
-    """What the Python says of a function; of a kernel what its file says: equation, units, source."""
+    """The docstring of a function; for a kernel that of its file: equation, units, source."""
     is_kernel = function.__name__ == "kernel"
     text = (inspect.getmodule(function).__doc__ if is_kernel else function.__doc__) or ""
     text = inspect.cleandoc(text)

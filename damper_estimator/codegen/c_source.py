@@ -1,4 +1,4 @@
-"""One damper as C99: a header with the structs and functions that a program uses, and a source file with the rest."""
+"""One damper as C99: a header with the public structs and functions, and a source file."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from damper_estimator.signals.layout import ROWS
 
 @dataclass(frozen=True)
 class Sources:
-    """The two files, and what they need.
+    """The two files and their properties.
 
     Attributes:
-        name: prefix of all that is visible.
+        name: prefix of all public names.
         header, source: texts.
         inverts: whether there is an inverse.
-        ram: bytes of the state as NumPy lays it out.
+        ram: bytes of the state in NumPy's layout.
     """
 
     name: str
@@ -38,18 +38,18 @@ class Sources:
 
 @dataclass(frozen=True)
 class Damper:
-    """What is exported.
+    """A damper to export.
 
     Attributes:
-        own: the model as it runs, with filter, limits and region.
-        limits: lowest and highest command of the inverse; None for a damper without.
+        deployed: the model with filter, limits and region.
+        limits: lowest and highest command of the inverse; None for a damper without an inverse.
         single: single precision.
         stale_after: s without a sample after which the status is STALE.
         checksum: of the model's file.
     """
 
     name: str
-    own: Deployed
+    deployed: Deployed
     limits: tuple[float, float] | None = None
     single: bool = False
     stale_after: float = 0.1
@@ -60,9 +60,9 @@ def sources(damper: Damper, today: date) -> Sources:
     """Both files of a damper.
 
     Raises:
-        Untranslatable: where an effect's kernel uses what has no counterpart in C.
+        Untranslatable: if an effect's kernel uses a construct without counterpart in C.
     """
-    translator, model = Translator(damper.single), damper.own.model
+    translator, model = Translator(damper.single), damper.deployed.model
     state = state_of(damper)
     types = {"state": state, "input": one_sample.INPUT, "output": one_sample.OUTPUT, "answer": one_sample.ANSWER}
     for suffix, dtype in types.items():
@@ -87,15 +87,15 @@ def sources(damper: Damper, today: date) -> Sources:
 
 
 def today() -> date:
-    """The day that the files name."""
+    """The date for the files."""
     return datetime.now(UTC).date()
 
 
 def kernel_source(kernel: Callable) -> str:
-    """An effect's kernel and what it calls, in C.
+    """An effect's kernel and the functions that it calls, in C.
 
     Raises:
-        Untranslatable: where it uses what has no counterpart.
+        Untranslatable: if it uses a construct without counterpart in C.
     """
     translator, known = Translator(), {"kinematics": (ROWS, 1), "force": (1,)}
     names = ("parameters", "settings", "kinematics", "state", "force")
@@ -104,18 +104,18 @@ def kernel_source(kernel: Callable) -> str:
 
 
 def state_of(damper: Damper) -> np.dtype:
-    """The record of a damper."""
-    program = damper.own.model.program
+    """The type of a damper's record."""
+    program = damper.deployed.model.program
     solvers = program.table.shape[0] if program.series else 0
     return one_sample.state_type(program.motions, program.forces, program.states, solvers, damper.limits is not None)
 
 
 def initial(damper: Damper) -> np.ndarray:
     """(1,) of the damper's record before the first sample."""
-    record, own = np.zeros(1, state_of(damper)), damper.own.record()
+    record, deployed = np.zeros(1, state_of(damper)), damper.deployed.record()
     for name in record.dtype.names:
-        if name in own.dtype.names:
-            record[name] = own[name]
+        if name in deployed.dtype.names:
+            record[name] = deployed[name]
     record["slow"] = record["felt"] = np.nan
     record["stale_after"] = round(damper.stale_after * 1e9)
     if damper.limits is not None:
@@ -128,8 +128,10 @@ class _Interface:
     """The functions that a program calls; final."""
 
     def __init__(self, damper: Damper, translator: Translator):
-        program = damper.own.model.program
-        kernels = tuple(plain(e.effect.kernel) for e in walk(damper.own.model.effects) if e.effect.kernel is not None)
+        program = damper.deployed.model.program
+        kernels = tuple(
+            plain(e.effect.kernel) for e in walk(damper.deployed.model.effects) if e.effect.kernel is not None
+        )
         self._damper, self._translator = damper, translator
         state = state_of(damper)
         self._kernels, self._table = Constant(kernels), Constant(np.ascontiguousarray(program.table))
@@ -160,8 +162,8 @@ class _Interface:
         """Texts of the functions that the header declares."""
         written = []
         for verb, (function, arguments) in self._calls().items():
-            own = self._translator.function(function, arguments)
-            written.append(texts.visible(self._damper, verb, self._translator.call_code(own, arguments)))
+            translated = self._translator.function(function, arguments)
+            written.append(texts.visible(self._damper, verb, self._translator.call_code(translated, arguments)))
         return [*texts.beginnings(self._damper, self._assignments(record)), *written]
 
     def _assignments(self, record: np.ndarray) -> list[str]:

@@ -1,4 +1,4 @@
-"""Calls: builtins, mathematical functions and NumPy's few to C, other functions to their own translation."""
+"""Calls: builtins, mathematical and a few NumPy functions become C, other functions are translated."""
 
 import ast
 import math
@@ -52,7 +52,7 @@ class Calls:
         self._expressions = expressions
 
     def value(self, node: ast.Call) -> Value:
-        """What a call stands for; a function that returns several numbers is called at once, into a temporary."""
+        """The value of a call; a function that returns several numbers is called immediately, into a temporary."""
         function = self._expressions.value(node.func)
         called = function.value if isinstance(function, Constant) else None
         if called is call_kernel:
@@ -78,10 +78,10 @@ class Calls:
             one, other = arguments
             return Number(one.kind, f"{one.inside(PRODUCT)} {_OPERATORS[called]} {other.inside(ATOM)}", PRODUCT)
         if callable(called) and hasattr(plain(called), "__code__"):
-            return self.own(plain(called), arguments)
+            return self.translated(plain(called), arguments)
         raise self._context.error(node, f"{ast.unparse(node.func)} has no counterpart")
 
-    def own(self, function: Callable, arguments: list[Value]) -> Value:
+    def translated(self, function: Callable, arguments: list[Value]) -> Value:
         """A call of a function that is translated as well."""
         return self._context.translator.call(self._context, function, arguments)
 
@@ -95,7 +95,8 @@ class Calls:
         return self._context.translator.call_one_of(self._context, functions.value, number, arguments)
 
     def new_array(self, node: ast.Call) -> tuple[str, tuple[int, ...], Number | None] | None:
-        """Kind, lengths and filling (None: left open) of an array that an expression makes; None if it makes none."""
+        """Kind, lengths and initial value (None: undefined) of an array that an expression creates; None if it creates
+        none."""
         function = self._expressions.value(node.func)
         called = function.value if isinstance(function, Constant) else None
         if isinstance(called, list | dict) or called not in _NEW:
@@ -109,25 +110,25 @@ class Calls:
             types = node.args[2 if called is np.full else 1 :]
             kind = kind_of(np.dtype(self._expressions.value(types[0]).value)) if types else REAL
         if not all(isinstance(dim, int) for dim in dims):
-            raise self._context.error(node, f"{ast.unparse(node)}: its size is not known beforehand")
+            raise self._context.error(node, f"{ast.unparse(node)}: its size is not known at translation")
         if called is np.full:
             return kind, dims, self._context.cast(self._expressions.number(node.args[1]), kind)
         return kind, dims, self._context.cast(whole(0), kind) if called is np.zeros else None
 
     def power(self, base: Number, exponent: Number) -> Number:
-        """``base ** exponent``: a whole constant by multiplication, as the compiled line does."""
+        """``base ** exponent``: multiplications for an integer constant, as in the compiled code."""
         context = self._context
         if exponent.constant == 2 and exponent.kind != REAL:
             base = context.cast(base, REAL)
             if base.level == ATOM:
                 return Number(REAL, f"{base.code} * {base.code}", PRODUCT)
-            return self.own(support.squared, [base])
+            return self.translated(support.squared, [base])
         names = (context.cast(base, REAL).code, context.cast(exponent, REAL).code)
         return Number(REAL, f"pow{self._suffix}({', '.join(names)})")
 
     def prelude(self, name: str, kind: str, *numbers: Number) -> Number:
         """A call of one of the small functions of ``support`` on numbers of one kind."""
-        return self.own(getattr(support, name), [self._context.cast(n, kind) for n in numbers])
+        return self.translated(getattr(support, name), [self._context.cast(n, kind) for n in numbers])
 
     @property
     def _suffix(self) -> str:
@@ -179,7 +180,7 @@ class Calls:
 
 
 def leaves(value: Value) -> list[Value]:
-    """What is handed over for a value: a tuple item by item, nothing for what is known beforehand."""
+    """The passed values: the items of a tuple, none for a value known at translation."""
     if isinstance(value, Group):
         return [leaf for item in value.items for leaf in leaves(item)]
     return [value] if isinstance(value, Number | Array | Record) else []

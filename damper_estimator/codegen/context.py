@@ -1,4 +1,4 @@
-"""What is known while one Python function is written as C: its names, what it has written so far, its lines."""
+"""The state of the translation of one Python function: its names, written arrays and lines."""
 
 import ast
 from collections.abc import Mapping
@@ -66,13 +66,13 @@ _RESERVED = frozenset(
 
 @dataclass
 class Facts:
-    """What one pass over a function teaches the next; passes repeat until nothing is added.
+    """Results of one pass over a function for the next; passes repeat until they add nothing.
 
     Attributes:
         kinds: of local numbers.
         written: names of parameters and local arrays whose elements are changed.
-        aliases: which names a local array may be a part of.
-        result: kinds that are returned; None where nothing is.
+        aliases: names that a local array can be a part of.
+        result: kinds of the returned numbers; None if nothing is returned.
     """
 
     kinds: dict[str, str] = field(default_factory=dict)
@@ -107,7 +107,7 @@ class Context:
     temporaries: int = 0
 
     def emit(self, line: str) -> None:
-        """Adds a line at the present depth."""
+        """Adds a line at the current depth."""
         self.lines.append("    " * self.depth + line)
 
     def c_type(self, kind: str) -> str:
@@ -119,7 +119,7 @@ class Context:
         return literal(value, self.translator.suffix)
 
     def cast(self, number: Number, kind: str) -> Number:
-        """The number as one of another kind; never from one that can hold less without the source saying so."""
+        """The number converted to another kind; never to a narrower one unless the source says so."""
         if number.kind == kind:
             return number
         if number.constant is not None:
@@ -136,7 +136,7 @@ class Context:
         return f"{stem}_{self.temporaries}"
 
     def c_name(self, name: str) -> str:
-        """The C name of a local one."""
+        """The C name of a local name."""
         plain = name.strip("_") or "turn"
         return f"{plain}_" if plain in _RESERVED else plain
 
@@ -146,7 +146,7 @@ class Context:
         return self.facts.kinds[name]
 
     def global_value(self, name: str, node: ast.AST) -> Value:
-        """What a name of the module or a builtin stands for."""
+        """The value of a name of the module or a builtin."""
         if name in self.globals:
             value = self.globals[name]
         elif name in BUILTINS:
@@ -156,7 +156,7 @@ class Context:
         return self.literal(value) if isinstance(value, bool | int | float) else Constant(value)
 
     def error(self, node: ast.AST, reason: str) -> Untranslatable:
-        """What to raise where a piece of Python cannot be translated."""
+        """The exception for Python code that cannot be translated."""
         return Untranslatable(f"{self.label}: line {getattr(node, 'lineno', '?')}: {reason}")
 
 

@@ -17,7 +17,7 @@ _SI = {
 def model_description(unit: Unit, sources: list[str], today: date) -> bytes:
     """The description of one unit; ``sources`` are the names of its C files."""
     is_new = unit.version == "3.0"
-    model = unit.damper.own.model
+    model = unit.damper.deployed.model
     root = Element("fmiModelDescription", {
         "fmiVersion": unit.version, "modelName": model.name, "instantiationToken" if is_new else "guid": unit.token,
         "description": f"damper; {model.source}"[:500], "generationTool": f"damper_estimator {__version__}",
@@ -58,17 +58,17 @@ def _bytes(root: Element) -> bytes:
 
 def _units(parent: Element, unit: Unit, outputs: tuple[Output, ...]) -> None:
     used = {channel.unit for channel in unit.inputs if channel.present} | {out.unit for out in outputs}
-    used |= {slot.parameter.unit for slot in unit.damper.own.model.slots} - {"1"}
+    used |= {slot.parameter.unit for slot in unit.damper.deployed.model.slots} - {"1"}
     for name in sorted(used - {""}):
-        own = SubElement(parent, "Unit", {"name": name})
+        unit_element = SubElement(parent, "Unit", {"name": name})
         if name == "degC":
-            SubElement(own, "BaseUnit", {"K": "1", "offset": "273.15"})
+            SubElement(unit_element, "BaseUnit", {"K": "1", "offset": "273.15"})
         elif name in _SI:
-            SubElement(own, "BaseUnit", {base: str(power) for base, power in _SI[name].items()})
+            SubElement(unit_element, "BaseUnit", {base: str(power) for base, power in _SI[name].items()})
 
 
 def _entries(unit: Unit, outputs: tuple[Output, ...]) -> list[tuple[str, dict[str, str], dict[str, str]]]:
-    """Kind, attributes common to both versions, and those of the type, of all variables but time."""
+    """Kind, attributes common to both versions, and those of the type, of all variables except time."""
     entries = []
     for place, channel in enumerate(unit.inputs):
         if channel.present:
@@ -79,7 +79,7 @@ def _entries(unit: Unit, outputs: tuple[Output, ...]) -> list[tuple[str, dict[st
         common = {"name": out.name, "valueReference": str(out.reference), "causality": "output"}
         common |= {"variability": "continuous" if out.kind == "Real" else "discrete", "description": out.meaning}
         entries.append((out.kind, {**common, "initial": "calculated"}, {"unit": out.unit} if out.unit else {}))
-    for place, slot in enumerate(unit.damper.own.model.slots):
+    for place, slot in enumerate(unit.damper.deployed.model.slots):
         if unit.tunable[place]:
             common = {"name": slot.address, "valueReference": str(FIRST_PARAMETER + place), "causality": "parameter"}
             common |= {"variability": "tunable", "description": slot.parameter.meaning}

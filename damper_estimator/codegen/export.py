@@ -1,4 +1,4 @@
-"""A model's C on disk: what is decided before it is written, and what is said of it afterwards."""
+"""Writes the C of a model to disk: options and results."""
 
 import re
 import tempfile
@@ -27,17 +27,17 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass(frozen=True)
 class Choices:
-    """What an export needs to know beyond the model.
+    """Options of an export.
 
     Attributes:
-        name: prefix of functions and files; "" takes the model's name.
-        cutoff: Hz of the filter, 0 for none; None takes that of the fit, else 60.
+        name: prefix of functions and files; "" for the model's name.
+        cutoff: Hz of the filter, 0 for none; None for that of the fit, else 60.
         max_gap, lead: s, as in ``runtime.Deployed``.
         fusion, signals: the same.
-        limits: lowest and highest command; None takes those of the signals or of the fit.
+        limits: lowest and highest command; None for those of the signals or of the fit.
         stale_after: s without a sample after which the status is STALE.
         single: single precision.
-        checksum: of the model's file; "" takes that of the YAML as it would be written.
+        checksum: of the model's file; "" for that of the model's YAML.
     """
 
     name: str = ""
@@ -52,20 +52,20 @@ class Choices:
     checksum: str = ""
 
     def with_map(self, cutoff: float, fusion: Fusion | None, signals: DamperSignals) -> "Choices":
-        """The same for a damper of a signal map."""
+        """The same options with the values of a damper in a signal map."""
         return replace(self, cutoff=cutoff, fusion=fusion, signals=signals)
 
 
 @dataclass(frozen=True)
 class WrittenC:
-    """What `write_c` did.
+    """The result of `write_c`.
 
     Attributes:
         header, source: files.
         ram: bytes of the state.
-        without_inverse: why there is no inverse; "" where there is one.
+        without_inverse: why there is no inverse; "" with an inverse.
         error: of single precision, largest difference of force over the largest force; NaN in double precision and
-            where there is no compiler to find out.
+            without a compiler.
     """
 
     header: Path
@@ -76,35 +76,35 @@ class WrittenC:
 
 
 def c_name(text: str) -> str:
-    """A name as C takes it, from any text; "" where nothing is left."""
+    """A valid C name from any text; "" if nothing is left."""
     name = re.sub(r"\W+", "_", text.encode("ascii", "ignore").decode()).strip("_").lower()
     return f"damper_{name}" if name[:1].isdigit() else name
 
 
 def damper_of(model: DamperModel, choices: Choices) -> tuple[Damper, str]:
-    """The damper that is exported, and why it has no inverse ("" where it has one).
+    """The damper to export, and why it has no inverse ("" if it has one).
 
     Raises:
-        InputError: where the name is none in C, or the model cannot be deployed.
+        InputError: for an invalid C name, or if the model cannot be deployed.
     """
     name = choices.name or c_name(model.name)
     if not _NAME.fullmatch(name):
-        raise InputError(f"name {name!r} is no name in C; give one of letters, digits and underscores")
+        raise InputError(f"name {name!r} is not a C name; use letters, digits and underscores")
     cutoff = float(model.fit.get("cutoff") or CUTOFF) if choices.cutoff is None else choices.cutoff
-    own = deployed(model, cutoff, choices.max_gap, choices.lead, choices.fusion, choices.signals)
+    deployed_model = deployed(model, cutoff, choices.max_gap, choices.lead, choices.fusion, choices.signals)
     reason, limits = "", None
     try:
-        limits = checked_limits(model, choices.limits or usable_limits(name, own)[0])
+        limits = checked_limits(model, choices.limits or usable_limits(name, deployed_model)[0])
     except InputError as error:
         if choices.limits is not None:
             raise
         reason = str(error)
     checksum = choices.checksum or sha256(model_yaml(model).encode()).hexdigest()
-    return Damper(name, own, limits, choices.single, choices.stale_after, checksum), reason
+    return Damper(name, deployed_model, limits, choices.single, choices.stale_after, checksum), reason
 
 
 def sources_of(damper: Damper) -> Sources:
-    """Both files' texts.
+    """The texts of both files.
 
     Raises:
         InputError: names the effect that cannot be written in C.
@@ -112,21 +112,21 @@ def sources_of(damper: Damper) -> Sources:
     try:
         return sources(damper, today())
     except Untranslatable as error:
-        raise InputError(f"model {damper.own.model.name}: cannot be written in C: {error}") from error
+        raise InputError(f"model {damper.deployed.model.name}: cannot be written in C: {error}") from error
 
 
 def write_c(model: DamperModel, folder: Path, choices: Choices | None = None) -> WrittenC:
     """Writes ``NAME.h`` and ``NAME.c``.
 
     Raises:
-        InputError: where the model cannot be deployed or written in C, or the folder cannot be written.
+        InputError: if the model cannot be deployed or written in C, or the folder cannot be written.
     """
     damper, reason = damper_of(model, choices or Choices())
     made = sources_of(damper)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
+        raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another folder") from error
     header, source = folder / f"{damper.name}.h", folder / f"{damper.name}.c"
     write_text(header, made.header)
     write_text(source, made.source)
@@ -135,8 +135,8 @@ def write_c(model: DamperModel, folder: Path, choices: Choices | None = None) ->
 
 
 def single_error(damper: Damper, seconds: float = 10.0) -> float:
-    """Largest difference of force between single and double precision, over the largest force: on a sine of 20 mm
-    that is swept from 0.5 to 6.5 Hz, at 1 kHz.
+    """Largest difference of force between single and double precision, over the largest force: for a sine of 20 mm
+    swept from 0.5 to 6.5 Hz, at 1 kHz.
     """
     time = np.arange(0.0, seconds, 1e-3)
     x = 0.02 * np.sin(2.0 * np.pi * (0.5 + 3.0 * time / seconds) * time)

@@ -47,10 +47,10 @@ class Expressions:
         self._calls = Calls(context, self)
 
     def value(self, node: ast.expr) -> Value:
-        """What an expression stands for.
+        """The value of an expression.
 
         Raises:
-            Untranslatable: names what has no counterpart.
+            Untranslatable: names the construct without counterpart.
         """
         way = getattr(self, f"_{type(node).__name__.lower()}", None)
         if way is None:
@@ -61,7 +61,7 @@ class Expressions:
         """The value of a scalar expression."""
         value = self.value(node)
         if not isinstance(value, Number):
-            raise self._context.error(node, f"{ast.unparse(node)} is no number")
+            raise self._context.error(node, f"{ast.unparse(node)} is not a number")
         return value
 
     def truth(self, node: ast.expr) -> Number:
@@ -72,11 +72,12 @@ class Expressions:
         """The value of an array expression."""
         value = self.value(node)
         if not isinstance(value, Array):
-            raise self._context.error(node, f"{ast.unparse(node)} is no array")
+            raise self._context.error(node, f"{ast.unparse(node)} is not an array")
         return value
 
     def new_array(self, node: ast.expr) -> tuple[str, tuple[int, ...], Number | None] | None:
-        """Kind, lengths and filling (None: left open) of an array that an expression makes; None if it makes none."""
+        """Kind, lengths and initial value (None: undefined) of an array that an expression creates; None if it creates
+        none."""
         return self._calls.new_array(node) if isinstance(node, ast.Call) else None
 
     def _constant(self, node: ast.Constant) -> Value:
@@ -132,7 +133,7 @@ class Expressions:
         if sign == "+" and kind != REAL and 0 in (left.constant, right.constant):
             return cast(left if right.constant == 0 else right, kind)
         one, other = cast(left, kind), cast(right, kind)
-        first = UNARY if level == SUM and one.level == PRODUCT else level  # nobody has to know that * binds before +
+        first = UNARY if level == SUM and one.level == PRODUCT else level  # readers need not know that * binds before +
         last = UNARY if level == SUM else level + 1
         return Number(kind, f"{one.inside(first)} {sign} {other.inside(last)}", level)
 
@@ -222,7 +223,7 @@ class Expressions:
         return Number(kind_of(dtype), f"{record.code}->{name}")
 
     def _part(self, node: ast.Subscript, array: Array) -> Value:
-        """An element, a row or a stretch of an array."""
+        """An element, a row or a slice of an array."""
         indices = list(node.slice.elts) if isinstance(node.slice, ast.Tuple) else [node.slice]
         while indices and _is_whole(indices[-1]):  # a[i, :] is a[i]
             indices.pop()
@@ -246,7 +247,7 @@ class Expressions:
         return Number(array.kind, f"{array.base}[{offset.code}]")
 
     def _stretch(self, cut: ast.Slice, length: int | str) -> tuple[Number, int | str]:
-        """Where a slice begins, and its length."""
+        """Start and length of a slice."""
         zero, end = whole(0), whole(length) if isinstance(length, int) else Number(INT, length)
         first = zero if cut.lower is None else self.number(cut.lower)
         if cut.upper is None:

@@ -23,17 +23,17 @@ from damper_estimator.model.element import labels
 
 VERSIONS = ("2.0", "3.0")
 _PARTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
-_NAME = "damper"  # of the C inside: each unit is a library by itself
-_STAMP = (1980, 1, 1, 0, 0, 0)  # of the files in the archive: the same model gives the same bytes on the same day
+_NAME = "damper"  # of the C inside: each unit is a separate library
+_STAMP = (1980, 1, 1, 0, 0, 0)  # of the files in the archive: one model yields the same bytes on the same day
 
 
 @dataclass(frozen=True)
 class WrittenFmu:
-    """What `write_fmu` did.
+    """The result of `write_fmu`.
 
     Attributes:
-        binary: whether there is one for this platform.
-        untunable: addresses of parameters that an importing program cannot change, because other numbers are prepared
+        binary: whether it contains one for this platform.
+        untunable: addresses of parameters that an importing program cannot change, because other numbers are computed
             from them when a model is loaded.
     """
 
@@ -45,18 +45,18 @@ class WrittenFmu:
 def write_fmu(
     model: DamperModel, path: Path, choices: Choices | None = None, version: str = "2.0", binary: bool = True
 ) -> WrittenFmu:
-    """Writes an FMU with sources and, where asked for, a binary for this platform; in double precision, without fusion.
+    """Writes an FMU with sources and, on request, a binary for this platform; in double precision, without fusion.
 
     Raises:
-        InputError: where the model cannot be deployed or written in C, a binary is wanted and there is no compiler, or
+        InputError: if the model cannot be deployed or written in C, no compiler is installed for a requested binary, or
             the file cannot be written.
     """
     if version not in VERSIONS:
-        raise InputError(f"FMI {version}: is none of {', '.join(VERSIONS)}")
+        raise InputError(f"FMI {version}: is unknown; choose {' or '.join(VERSIONS)}")
     if binary and find_compiler() is None:
         raise InputError(
-            f"{path}: its binary needs a C compiler (CC, cc, gcc or clang), and there is none; install one, or write "
-            "the sources alone (--source-only)"
+            f"{path}: the binary needs a C compiler (CC, cc, gcc or clang); install one, or write "
+            "only the sources (--source-only)"
         )
     damper, _ = damper_of(model, replace(choices or Choices(), single=False, fusion=None))
     tunable = tunable_parameters(model)
@@ -82,10 +82,10 @@ def write_fmu(
 
 
 def tunable_parameters(model: DamperModel) -> tuple[bool, ...]:
-    """For every slot of a model: whether it may change while the model runs.
+    """For every slot of a model: whether it can change while the model runs.
 
-    It may not where an effect prepares its settings from its parameters (tables, slopes): these would stay as they
-    were. Asked of ``prepare`` itself, which is called with other values.
+    It cannot if an effect computes its settings from its parameters (tables, slopes), which would then be outdated. A
+    call of ``prepare`` with other values shows whether it does.
     """
     free = []
     for _, element in labels(model.effects):
@@ -102,8 +102,8 @@ def tunable_parameters(model: DamperModel) -> tuple[bool, ...]:
 
 
 def configuration(unit: Unit) -> str:
-    """``config.h``: what distinguishes this unit's C from another's."""
-    slots = unit.damper.own.model.slots
+    """``config.h``: the part of the C that is specific to this unit."""
+    slots = unit.damper.deployed.model.slots
     columns = {
         "static const double LOWEST": [literal(float(slot.parameter.lower)).code for slot in slots],
         "static const double HIGHEST": [literal(float(slot.parameter.upper)).code for slot in slots],
@@ -163,4 +163,4 @@ def _write(path: Path, members: dict[str, bytes]) -> None:
             for name, content in members.items():
                 archive.writestr(zipfile.ZipInfo(name, _STAMP), content, zipfile.ZIP_DEFLATED)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place") from error
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another path") from error

@@ -1,7 +1,8 @@
-"""What the generated C does with one sample, in the restricted Python that is translated with everything that it calls.
+"""The generated C's processing of one sample, in the restricted Python that is translated with all functions that it
+calls.
 
-``step`` is ``runtime.line`` for one damper and one message; ``reach`` and ``invert`` are ``control.InverseModel``. The
-numbers of a damper lie in one record, ``state_type``; no other memory is used.
+``step`` is ``runtime.line`` for one damper and one message; ``reach`` and ``invert`` are ``control.InverseModel``. All
+numbers of a damper are in one record, ``state_type``; it is the only memory.
 """
 
 import numpy as np
@@ -78,7 +79,7 @@ def state_type(motions: int, forces: int, states: int, solvers: int, inverts: bo
 
 
 def step(kernels, table, parameters, settings, state, given, answer):
-    """Takes one sample in; returns its verdict. The answer is set where the sample was used: below DUPLICATE."""
+    """Processes one sample; returns its verdict. The answer is set if the sample was used: below DUPLICATE."""
     _take_channels(state, given)
     stamp, verdict, doubt, place = (
         np.empty(1, np.int64),
@@ -107,7 +108,7 @@ def step(kernels, table, parameters, settings, state, given, answer):
 
 
 def step_and_follow(kernels, table, parameters, settings, state, given, answer):
-    """The same for a damper with a command: the inverse follows, and where asked for says what can be reached."""
+    """The same for a damper with a command: updates the inverse and, on request, computes the reachable forces."""
     verdict = step(kernels, table, parameters, settings, state, given, answer)
     if verdict < DUPLICATE:
         _follow(kernels, table, parameters, settings, state)
@@ -122,7 +123,7 @@ def step_and_follow(kernels, table, parameters, settings, state, given, answer):
 
 
 def _take_channels(state, given):
-    """Keeps what has arrived of slow channels and accelerometer."""
+    """Stores new values of slow channels and accelerometer."""
     if given["command_arrived"] != 0:
         state["slow"][0] = given["command"]
         state["arrived"][0] += 1
@@ -178,7 +179,7 @@ def status_at(state, now):
 
 
 def _follow(kernels, table, parameters, settings, state):
-    """Keeps a sample for the inverse; one that nobody has asked about moves the inverse's copy of the model on."""
+    """Stores a sample for the inverse; a sample without a request advances the inverse's copy of the model."""
     trace = np.zeros((0, 0))
     if state["is_new"] != 0:
         machine = (kernels, table, parameters, settings, state["motion"], state["sums"], state["solvers"], trace)
@@ -194,7 +195,7 @@ def _follow(kernels, table, parameters, settings, state):
 
 
 def _solve(kernels, table, parameters, settings, state, wanted, with_slope):
-    """``InverseModel.solve`` at the last sample, or ``again`` where it was asked about before."""
+    """``InverseModel.solve`` at the last sample, or ``again`` after an earlier request."""
     trace = np.zeros((0, 0))
     search.invert(
         kernels, table, parameters, settings, state["motion"], state["sums"], state["solvers"], trace, state["sample"],
@@ -206,7 +207,7 @@ def _solve(kernels, table, parameters, settings, state, wanted, with_slope):
 
 
 def inverse(kernels, table, parameters, settings, state, wanted, answer):
-    """The command that gives a wanted force (N) after the last sample; NaN for none before the first sample."""
+    """The command for a desired force (N) after the last sample; NaN before the first sample."""
     found = state["found"]
     if state["begun_once"] == 0:
         found[:] = np.nan

@@ -1,6 +1,6 @@
-"""Generated C run on this machine, on arrays of inputs: for figures of error and speed, and for tests.
+"""Runs generated C on this machine on arrays of inputs, to measure error and speed, and for tests.
 
-``run`` and ``invert`` are C loops around the generated functions, so that a sample costs no call from Python.
+``run`` and ``invert`` are C loops around the generated functions, so that no sample needs a call from Python.
 """
 
 import ctypes
@@ -45,7 +45,7 @@ void invert(int64_t n, const NAME_input *in, NAME_output *out, int32_t *verdict,
 
 
 def precise(dtype: np.dtype, single: bool) -> np.dtype:
-    """A struct's type as it is in single or double precision."""
+    """A struct's type in single or double precision."""
     if not single:
         return dtype
     return np.dtype([(n, "f4" if dtype[n] == np.float64 else dtype[n]) for n in dtype.names], align=True)
@@ -60,7 +60,7 @@ class CompiledDamper:
     """
 
     def __init__(self, damper: Damper, folder: Path, compiler: str | None = None, flags: Sequence[str] = FLAGS):
-        """Raises InputError where there is no compiler, and Untranslatable as ``sources``."""
+        """Raises InputError without a compiler, and Untranslatable as ``sources``."""
         self.made: Sources = sources(damper, today())
         self._single = damper.single
         folder.mkdir(parents=True, exist_ok=True)
@@ -101,7 +101,7 @@ def _pointer(array: np.ndarray) -> ctypes.c_void_p:
 
 
 def inputs(stamp: np.ndarray, displacement: np.ndarray, **channels: np.ndarray) -> np.ndarray:
-    """Inputs (n,) of ``one_sample.INPUT``; a channel (n,) arrives wherever its value is not NaN.
+    """Inputs (n,) of ``one_sample.INPUT``; a channel (n,) arrives at every sample where it is not NaN.
 
     ``stamp`` (n,) int64 ns, ``displacement`` (n,) m.
     """

@@ -1,4 +1,4 @@
-"""Where the local names of a Python function live in C: Python's scope is the function, C's the block."""
+"""Scopes of the local names of a Python function in C: Python's scope is the function, C's the block."""
 
 import ast
 from dataclasses import dataclass, field
@@ -6,22 +6,22 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Uses:
-    """Where a name occurs, in order of the source: path of blocks, and the statement that binds it or None."""
+    """Occurrences of a name in order of the source: path of blocks, and the statement that binds it or None."""
 
     paths: list[tuple[int, ...]] = field(default_factory=list)
     binders: list[ast.stmt | None] = field(default_factory=list)
     stores: int = 0
 
     def declared_at(self) -> ast.stmt | None:
-        """The statement that can declare the name, because all other uses follow in its block or inside; None where
-        it has to be declared at the beginning of the function."""
+        """The statement that can declare the name, because all other uses follow in its block or inside; None if it
+        must be declared at the beginning of the function."""
         shortest = min(len(path) for path in self.paths)
         common = [steps[0] for steps in zip(*(path[:shortest] for path in self.paths), strict=True)
                   if len(set(steps)) == 1]  # fmt: skip
         return self.binders[0] if self.paths[0] == tuple(common) else None
 
     def belongs_to(self, loop: ast.For) -> bool:
-        """Whether the name is this loop's counter and nothing else."""
+        """Whether the name is only this loop's counter."""
         return all(binder is None or isinstance(binder, ast.For) for binder in self.binders) and self._within_loops()
 
     def _within_loops(self) -> bool:
@@ -30,7 +30,7 @@ class Uses:
 
 
 def uses_of(function: ast.FunctionDef) -> dict[str, Uses]:
-    """How every name of a function is used."""
+    """The uses of every name of a function."""
     found: dict[str, Uses] = {}
     _visit_block(function.body, (0,), found, [1])
     return found
@@ -55,7 +55,7 @@ def _visit_block(body: list[ast.stmt], path: tuple[int, ...], found: dict[str, U
             _note(statement.value, path, found)
             _note(statement.target, path, found)
             if isinstance(statement.target, ast.Name):
-                found[statement.target.id].stores += 1  # it is no constant, whatever its first value
+                found[statement.target.id].stores += 1  # it is not a constant, whatever its first value
         elif isinstance(statement, ast.For):
             count[0] += 1
             inner = (*path, count[0])

@@ -1,4 +1,4 @@
-"""Statements: branches, loops and returns of one function, written as C."""
+"""Statements: branches, loops and returns of one function in C."""
 
 import ast
 
@@ -17,7 +17,7 @@ class Statements:
         self._assignments = Assignments(context, self._expressions)
 
     def block(self, body: list[ast.stmt]) -> bool:
-        """Writes statements in order; whether the function is left for certain within them."""
+        """Writes statements in order; returns whether they always leave the function."""
         for statement in body:
             way = getattr(self, f"_{type(statement).__name__.lower()}", None)
             if way is None:
@@ -109,14 +109,14 @@ class Statements:
     def _for(self, node: ast.For) -> None:
         call = node.iter
         if not (isinstance(call, ast.Call) and getattr(call.func, "id", "") == "range" and 1 <= len(call.args) <= 2):
-            raise self._context.error(node, f"{ast.unparse(call)}: only a range can be run through")
+            raise self._context.error(node, f"{ast.unparse(call)}: only a range can be iterated")
         bounds = [self._expressions.number(item) for item in call.args]
         first, last = (whole(0), bounds[0]) if len(bounds) == 1 else bounds
         if not isinstance(node.target, ast.Name):
             raise self._context.error(node, f"{ast.unparse(node.target)}: a loop has one counter")
         turns = None if first.constant is None or last.constant is None else last.constant - first.constant
         if turns is not None and turns <= 0:
-            return  # never run through
+            return  # never executed
         if turns == 1 and not _leaves_turn(node):
             self._context.names[node.target.id] = first
             self.block(node.body)
@@ -147,7 +147,7 @@ class Statements:
 
 
 def _leaves_turn(loop: ast.For) -> bool:
-    """Whether a loop's body has a break or continue of its own."""
+    """Whether a break or continue in a loop's body belongs to this loop."""
 
     def search(body: list[ast.stmt]) -> bool:
         for statement in body:

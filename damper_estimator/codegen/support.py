@@ -1,6 +1,6 @@
-"""What Python and NumPy do and C has no function for, in the restricted Python that is translated with the kernels.
+"""Python and NumPy operations without a C function, in the restricted Python that is translated with the kernels.
 
-Floats are compared as Python's ``min`` and ``max`` do it: the first one stays unless the other is smaller or larger.
+Floats are compared like in Python's ``min`` and ``max``: the first stays unless the other is smaller or larger.
 """
 
 import numpy as np
@@ -49,7 +49,7 @@ def c_quotient(number, divisor):
 
 
 def place_right(knots, value):
-    """np.searchsorted(knots, value, side="right"): how many knots are not above the value; NaN is above all."""
+    """np.searchsorted(knots, value, side="right"): number of knots that are not above the value; NaN is above all."""
     low, high = 0, knots.size
     while low < high:
         middle = (low + high) // 2

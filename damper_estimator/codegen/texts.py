@@ -1,4 +1,4 @@
-"""The texts around the translated functions: comments, structs, numbers of the model, functions of the interface."""
+"""The texts around the translated functions: comments, structs, numbers of the model, interface functions."""
 
 import textwrap
 from collections.abc import Callable
@@ -30,7 +30,7 @@ static int64_t whole_part(REAL number)
 STATUS = ("GOOD", "WARMING_UP", "EXTRAPOLATING", "DEGRADED", "STALE")
 VERDICTS = ("ACCEPTED", "START", "GAP", "STEP_BACK", "DUPLICATE", "INVERSION", "NON_FINITE")
 
-# What the members mean, of those structs that a program fills in or reads.
+# Meaning of the members of the structs that a program fills in or reads.
 MEMBERS = {
     "input": {
         "stamp": "ns, of the displacement, any origin",
@@ -44,31 +44,31 @@ MEMBERS = {
         "temperature_arrived": "the same",
         "pressure_arrived": "the same",
         "acceleration_arrived": "the same",
-        "suspect": "1: the sender of this sample is in doubt",
-        "reach": "1: force_min to dforce_dcurrent are wanted (four to five more evaluations of the model)",
+        "suspect": "1: the sender of this sample is doubtful",
+        "reach": "1: compute force_min to dforce_dcurrent (four to five more evaluations of the model)",
     },
     "output": {
         "displacement": "m, filtered",
         "velocity": "m/s",
         "acceleration": "m/s^2",
-        "force": "N, positive where it resists extension; the last finite one where the model gave none",
-        "force_stddev": "N, three of it cover the fit's errors; NaN where the model was not fitted",
-        "force_min": "N, lowest force that a command can reach; NaN where not asked for or without a command",
+        "force": "N, positive where it resists extension; the last finite one if the model has none",
+        "force_stddev": "N, three of it cover the errors of the fit; NaN for a model without fit",
+        "force_min": "N, lowest force that a command can reach; NaN if not requested or without a command",
         "force_max": "N, highest",
         "dforce_dvelocity": "N s/m",
         "dforce_dcurrent": "N/A",
         "status": "GOOD to DEGRADED, see the enumeration",
-        "trusted": "the same without what the command's present value says of the region: may a controller act?",
-        "verdict": "what became of the sample; from DUPLICATE on it was dropped and all other members stay",
+        "trusted": "the same regardless of the command's present value: may a controller act?",
+        "verdict": "treatment of the sample; from DUPLICATE on it was dropped and all other members are unchanged",
     },
     "answer": {
-        "current": "A, command that gives the desired force; NaN where none was desired",
-        "expected": "N, the force that it will have reached",
-        "force_min": "N, what can be reached",
+        "current": "A, command for the desired force; NaN without a desired force",
+        "expected": "N, the force that the command will reach",
+        "force_min": "N, lowest force that can be reached",
         "force_max": "N",
         "dforce_dcurrent": "N/A, at the answer",
         "evaluations": "of the model",
-        "reached": "1 where expected is the desired force",
+        "reached": "1 if expected is the desired force",
     },
     "state": {},
 }  # fmt: skip
@@ -80,16 +80,18 @@ def comment_line(text: str) -> str:
 
 
 def heading(model: DamperModel, damper: "Damper", today: date, version: str) -> str:
-    """What both files begin with."""
-    own = damper.own
-    fit = f"residual {own.stddev:.4g} N" if own.is_identified else "none: the status never rises above DEGRADED"
+    """The heading of both files."""
+    deployed = damper.deployed
+    fit = (
+        f"residual {deployed.stddev:.4g} N" if deployed.is_identified else "none: the status never rises above DEGRADED"
+    )
     lines = [
         f"Damper {damper.name}: model {model.name}",
         *textwrap.wrap(f"Source: {model.source}", 110, subsequent_indent="    "),
         f"Written on {today.isoformat()} by damper_estimator {version}; do not edit, export again.",
         f"SHA-256 of the model's file: {damper.checksum or 'unknown (the model was not read from a file)'}",
-        f"Filter: {f'third-order Butterworth, {own.cutoff:g} Hz' if own.cutoff > 0.0 else 'none'}.",
-        f"Gaps beyond {own.max_gap:g} s start anew; the motion is predicted {own.lead:g} s ahead.",
+        f"Filter: {f'third-order Butterworth, {deployed.cutoff:g} Hz' if deployed.cutoff > 0.0 else 'none'}.",
+        f"Gaps beyond {deployed.max_gap:g} s reset the state; the motion is predicted {deployed.lead:g} s ahead.",
         f"Fit: {fit}.",
     ]
     if damper.limits is not None:
@@ -130,9 +132,9 @@ def header(damper: "Damper", head: str, structs: str) -> str:
         for words in (STATUS, VERDICTS)
     ]
     declared = [
-        comment("Before the first use: parameters of the model, and the state before the first sample."),
+        comment("Call before the first use: sets the model's parameters and the initial state."),
         f"void {name}_init({name}_state *state);",
-        comment("The state before the first sample; parameters stay."),
+        comment("Sets the initial state; parameters are unchanged."),
         f"void {name}_reset({name}_state *state);",
         comment(STEP),
         f"int32_t {name}_step({name}_state *state, const {name}_input *input, {name}_output *output);",
@@ -145,7 +147,7 @@ def header(damper: "Damper", head: str, structs: str) -> str:
             f"void {name}_inverse({name}_state *state, {real} desired, {name}_answer *answer);",
         ]
     wrapped = "\n".join(textwrap.fill(enum, 110, subsequent_indent="    ") for enum in enums)
-    sizes = f"extern const {real} {name}_parameters[{max(len(damper.own.model.slots), 1)}];"
+    sizes = f"extern const {real} {name}_parameters[{max(len(damper.deployed.model.slots), 1)}];"
     return "\n\n".join(
         [head, f"#ifndef {guard}\n#define {guard}", "#include <stdbool.h>\n#include <stdint.h>",
          '#ifdef __cplusplus\nextern "C" {\n#endif',
@@ -154,17 +156,15 @@ def header(damper: "Damper", head: str, structs: str) -> str:
     )  # fmt: skip
 
 
-STEP = """Takes one sample in. Returns its verdict; below DUPLICATE the output was written, otherwise the sample was
-dropped. A stamp older than the last one by more than the longest gap, a gap and the first sample start anew."""
-STATUS_AT = """Status of the last estimate at a time in ns of the stamps' clock: STALE where its sample is too old."""
-INVERSE = (
-    """The command that gives a desired force in N (NaN: none) after the last sample; may be asked several times."""
-)
+STEP = """Processes one sample. Returns its verdict; below DUPLICATE the output was written, otherwise the sample was
+dropped. A stamp older than the last one by more than the longest gap, a gap and the first sample reset the state."""
+STATUS_AT = """Status of the last estimate at a time in ns of the stamps' clock: STALE if its sample is too old."""
+INVERSE = """The command for a desired force in N (NaN: none) after the last sample; can be called several times."""
 
 
 def numbers(damper: "Damper", suffix: str) -> str:
     """Parameters and settings of the model as constant arrays, each parameter with its address, unit and meaning."""
-    model, real = damper.own.model, "float" if damper.single else "double"
+    model, real = damper.deployed.model, "float" if damper.single else "double"
     slots = [(slot.value, f"{slot.address}, {slot.parameter.unit}: {slot.parameter.meaning}") for slot in model.slots]
     settings = []
     for label, element in labels(model.effects):
@@ -183,7 +183,7 @@ def _array(head: str, items: list[tuple[float, str]], suffix: str) -> str:
 
 
 def visible(damper: "Damper", verb: str, call: str) -> str:
-    """One function of the interface, which hands over to its translation."""
+    """One function of the interface, which calls its translation."""
     name, real = damper.name, "float" if damper.single else "double"
     head, way = {
         "step": (f"int32_t {name}_step({name}_state *state, const {name}_input *input, {name}_output *output)",

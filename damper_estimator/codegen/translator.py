@@ -1,9 +1,9 @@
 """Translates functions of the restricted Python in which kernels are written to C99, once per kind of arguments.
 
 The language: functions over contiguous arrays of numbers, records (structured arrays' elements), numbers and tuples of
-these; assignments, ``if``, ``while``, ``for`` over a range; the mathematical functions of ``calls``. Locals get the
-kind of what they are given. What is known beforehand (functions, tables, constants of modules, sizes of arrays) is
-folded, and branches that it rules out are not written. Everything else is refused with the function's name and line.
+these; assignments, ``if``, ``while``, ``for`` over a range; the mathematical functions of ``calls``. Locals have the
+kind of their values. Values known at translation (functions, tables, module constants, array sizes) are folded, and
+branches that they exclude are omitted. Other constructs are refused with the function's name and line.
 """
 
 import ast
@@ -44,7 +44,7 @@ class Translator:
     """Collects the C functions of one source file; final.
 
     Attributes:
-        real: C type of Python's floats; ``suffix`` what its literals and functions end on.
+        real: C type of Python's floats; ``suffix`` the ending of its literals and functions.
     """
 
     def __init__(self, single: bool = False):
@@ -54,12 +54,12 @@ class Translator:
         self._tables: dict[int, tuple[np.ndarray, Array]] = {}
         self._structs: dict[str, str] = {}
         self._results: dict[tuple[str, ...], str] = {}
-        self._kept: list[object] = []  # what is told apart by its identity must live as long
+        self._kept: list[object] = []  # objects that are distinguished by identity must live as long
         self._underway: list[object] = []
         self._replaced = SINGLE_PRECISION if single else {}
 
     def struct(self, dtype: np.dtype, name: str) -> None:
-        """Gives the struct of a record's type its C name."""
+        """Sets the C name of the struct of a record's type."""
         self._structs[str(dtype)] = name
 
     def struct_name(self, dtype: np.dtype) -> str:
@@ -75,7 +75,7 @@ class Translator:
         return self._tables[id(values)][1]
 
     def result_type(self, kinds: tuple[str, ...]) -> str:
-        """The struct in which several numbers are returned."""
+        """The struct for several returned numbers."""
         return self._results.setdefault(kinds, "_".join(("pair" if len(kinds) == 2 else "group", *kinds)))
 
     def c_type(self, kind: str) -> str:
@@ -90,7 +90,7 @@ class Translator:
         """The translation of a function for such arguments.
 
         Raises:
-            Untranslatable: with the function's name, the line and what has no counterpart.
+            Untranslatable: with the function's name, the line and the construct without counterpart.
         """
         key = (function, *(type_key(argument) for argument in arguments))
         if key in self._underway:
@@ -103,8 +103,8 @@ class Translator:
         return self._functions[key]
 
     def call_one_of(self, caller: Context, functions: tuple, number: Number, arguments: list[Value]) -> Value:
-        """A call of one of several functions that return nothing, by number; the call is a switch, so that it is known
-        beforehand who calls whom."""
+        """A call of one of several functions that return nothing, by number; the call is a switch, so that all calls
+        are known statically."""
         key = ("one of", id(functions), *(type_key(argument) for argument in arguments))
         if key not in self._functions:
             self._kept.append(functions)
@@ -118,47 +118,47 @@ class Translator:
         lines = ["    switch (which) {"]
         for number, function in enumerate(functions):
             try:
-                own = self.function(plain(function), arguments)
+                translated = self.function(plain(function), arguments)
             except Untranslatable as error:
                 raise Untranslatable(f"effect {function.__module__.rsplit('.', 1)[-1]}: {error}") from error
-            code = self.call_code(own, inner[1:])
+            code = self.call_code(translated, inner[1:])
             cases.setdefault(code, []).append(number)
-            written |= {root for leaf, is_written in zip(leaves(Group(tuple(inner[1:]))), own.written, strict=True)
-                        if is_written for root in getattr(leaf, "roots", ())}  # fmt: skip
+            passed = zip(leaves(Group(tuple(inner[1:]))), translated.written, strict=True)
+            written |= {root for leaf, is_written in passed if is_written for root in getattr(leaf, "roots", ())}
         for code, numbers in cases.items():
             lines += [*(f"    case {n}:" for n in numbers), f"        {code};", "        break;"]
         lines += ["    default:", "        break;", "    }"]
         return finished(self, self._free("call_kernel"), "", inner, lines, written, None)
 
-    def _called(self, caller: Context, own: CFunction, arguments: list[Value]) -> Value:
-        for leaf, is_written in zip(leaves(Group(tuple(arguments))), own.written, strict=True):
+    def _called(self, caller: Context, called: CFunction, arguments: list[Value]) -> Value:
+        for leaf, is_written in zip(leaves(Group(tuple(arguments))), called.written, strict=True):
             if is_written:
                 caller.facts.write(leaf.roots)
-        code = self.call_code(own, arguments)
-        if own.result is None:
+        code = self.call_code(called, arguments)
+        if called.result is None:
             caller.emit(f"{code};")
             return None
-        if len(own.result) == 1:
-            return Number(own.result[0], code)
+        if len(called.result) == 1:
+            return Number(called.result[0], code)
         name = caller.temporary("found")
-        caller.emit(f"const {self.result_type(own.result)} {name} = {code};")
-        return Group(tuple(Number(kind, f"{name}.item_{i}") for i, kind in enumerate(own.result)))
+        caller.emit(f"const {self.result_type(called.result)} {name} = {code};")
+        return Group(tuple(Number(kind, f"{name}.item_{i}") for i, kind in enumerate(called.result)))
 
-    def call_code(self, own: CFunction, arguments: list[Value]) -> str:
+    def call_code(self, called: CFunction, arguments: list[Value]) -> str:
         """The C expression of a call."""
         handed = []
-        for leaf, (is_passed, is_sized) in zip(leaves(Group(tuple(arguments))), own.passed, strict=True):
+        for leaf, (is_passed, is_sized) in zip(leaves(Group(tuple(arguments))), called.passed, strict=True):
             if is_passed:
                 handed.append(leaf.pointer if isinstance(leaf, Array) else leaf.code)
             if is_sized:
                 handed.append(str(leaf.size))
-        return f"{own.name}({', '.join(handed)})"
+        return f"{called.name}({', '.join(handed)})"
 
     def _translated(self, function: Callable, arguments: list[Value], name: str) -> CFunction:
         tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
         names = [argument.arg for argument in tree.args.args]
         if len(names) != len(arguments):
-            raise Untranslatable(f"{function.__name__}: takes {len(names)} arguments, is given {len(arguments)}")
+            raise Untranslatable(f"{function.__name__}: accepts {len(names)} arguments, got {len(arguments)}")
         facts, uses = Facts(), uses_of(tree)
         known = {**function.__globals__, **self._replaced.get(function.__module__, {})}
         for _ in range(_PASSES):
@@ -169,14 +169,14 @@ class Translator:
             if facts.state() == before:
                 break
         else:
-            raise Untranslatable(f"{function.__name__}: the kinds of its names do not settle")
+            raise Untranslatable(f"{function.__name__}: the kinds of its names do not converge")
         lines = [f"    {line}" for line in context.hoisted.values()]
         return finished(
             self, name, comment_of(function), parameters, lines + context.lines, facts.written, facts.result
         )
 
     def _parameters(self, names: list[str], arguments: list[Value]) -> list[Value]:
-        """The arguments as they are seen inside the function."""
+        """The arguments as seen inside the function."""
         seen = []
         for name, argument in zip(names, arguments, strict=True):
             code = Context(self, "", {}, {}, Facts(), {}).c_name(name)
@@ -199,20 +199,20 @@ class Translator:
         return self._free(f"{module}_{function.__name__.strip('_')}")
 
     def _free(self, stem: str) -> str:
-        taken = {own.name for own in self._functions.values()}
+        taken = {function.name for function in self._functions.values()}
         return next(n for n in (stem, *(f"{stem}_{i}" for i in range(2, 1000))) if n not in taken)
 
     def source(self, roots: list[CFunction]) -> str:
-        """The functions that are needed for some, in an order in which each is known before it is called."""
-        by_name = {own.name: own for own in self._functions.values()}
+        """The functions that ``roots`` need, each before its first call."""
+        by_name = {function.name: function for function in self._functions.values()}
         order: list[str] = []
 
-        def visit(own: CFunction) -> None:
-            if own.name in order:
+        def visit(function: CFunction) -> None:
+            if function.name in order:
                 return
-            for called in sorted(own.calls & set(by_name) - {own.name}):
+            for called in sorted(function.calls & set(by_name) - {function.name}):
                 visit(by_name[called])
-            order.append(own.name)
+            order.append(function.name)
 
         for root in roots:
             visit(root)
@@ -229,13 +229,13 @@ class Translator:
 
     def _table_texts(self, used: frozenset[str]) -> list[str]:
         return [
-            f"static const {self.c_type(own.kind)} {own.base}[{own.size}] = {{\n{rows(values)}\n}};"
-            for values, own in self._tables.values()
-            if own.base in used
+            f"static const {self.c_type(table.kind)} {table.base}[{table.size}] = {{\n{rows(values)}\n}};"
+            for values, table in self._tables.values()
+            if table.base in used
         ]
 
 
 def rows(values: np.ndarray) -> str:
-    """The numbers of an integer table, one row of it per line."""
+    """The numbers of an integer table, one row per line."""
     lines = [", ".join(str(int(v)) for v in row) for row in np.atleast_2d(values)]
     return ",\n".join(f"    {line}" for line in lines)

@@ -1,4 +1,4 @@
-"""What an FMU has: inputs, outputs and parameters with their value references, as ``fmi/unit.h`` numbers them."""
+"""The variables of an FMU: inputs, outputs and parameters with the value references of ``fmi/unit.h``."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ FIRST_INPUT, FIRST_OUTPUT, FIRST_INTEGER, REACHED, FIRST_PARAMETER = 1, 100, 200
 
 @dataclass(frozen=True)
 class Input:
-    """One place of ``unit.h``'s inputs; ``present`` where the damper's force depends on it."""
+    """One of the inputs of ``unit.h``; ``present`` if the damper's force depends on it."""
 
     name: str
     unit: str
@@ -21,7 +21,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Output:
-    """A number, integer or truth that comes out; ``kind`` is Real, Integer or Boolean."""
+    """An output; ``kind`` is Real, Integer or Boolean."""
 
     name: str
     unit: str
@@ -49,7 +49,7 @@ class Unit:
 
 def inputs_of(damper: Damper) -> tuple[Input, ...]:
     """The inputs in order of ``unit.h``."""
-    matters = {role: damper.own.memories[role] is not None for role in SLOW}
+    matters = {role: damper.deployed.memories[role] is not None for role in SLOW}
     inverts = damper.limits is not None
     low = damper.limits[0] if damper.limits else 0.0
     return (
@@ -57,18 +57,18 @@ def inputs_of(damper: Damper) -> tuple[Input, ...]:
         Input("command", "A", "that acts until the next step", low, matters["command"]),
         Input("temperature", "degC", "of the damper", 20.0, matters["temperature"]),
         Input("pressure", "Pa", "of the gas", 1e5, matters["pressure"]),
-        Input("desired_force", "N", "for which a command is sought", 0.0, inverts),
+        Input("desired_force", "N", "for which a command is computed", 0.0, inverts),
     )
 
 
 def outputs_of(damper: Damper) -> tuple[Output, ...]:
-    """The outputs that this damper has, with their references."""
+    """The outputs of this damper, with their references."""
     reals = [
         ("filtered_displacement", "m", "behind the filter"),
         ("velocity", "m/s", "behind the filter"),
         ("acceleration", "m/s2", "behind the filter"),
-        ("force", "N", "of the damper, positive where it resists extension"),
-        ("force_stddev", "N", "three of it cover the fit's errors; 0 where unknown"),
+        ("force", "N", "of the damper, positive when it resists extension"),
+        ("force_stddev", "N", "three of it cover the errors of the fit; 0 if unknown"),
     ]
     if damper.limits is not None:
         reals += [
@@ -77,13 +77,13 @@ def outputs_of(damper: Damper) -> tuple[Output, ...]:
             ("dforce_dvelocity", "N.s/m", "slope of the force over velocity"),
             ("dforce_dcurrent", "N/A", "slope of the force over the command"),
             ("current", "A", "command that gives the desired force"),
-            ("expected", "N", "force that this command will have reached"),
+            ("expected", "N", "force that this command will reach"),
         ]
     numbers = [Output(*entry, FIRST_OUTPUT + i) for i, entry in enumerate(reals)]
     integers = [
         ("status", "0 GOOD, 1 WARMING_UP, 2 EXTRAPOLATING, 3 DEGRADED"),
-        ("trusted", "the same without what the command's present value says"),
-        ("verdict", "what became of the sample: 0 to 3 used, 4 a repeated stamp"),
+        ("trusted", "the same regardless of the command's present value"),
+        ("verdict", "treatment of the sample: 0 to 3 used, 4 a repeated stamp"),
     ]
     numbers += [Output(n, "", meaning, FIRST_INTEGER + i, "Integer") for i, (n, meaning) in enumerate(integers)]
     if damper.limits is not None:

@@ -1,6 +1,6 @@
-"""What an expression of a translated function stands for: a C expression with its kind, or something known beforehand.
+"""Values of expressions of a translated function: a C expression with its kind, or a value known at translation.
 
-Kinds of numbers rise from ``BOOL`` to ``REAL``; where two meet, the higher one results. Python's integers are ``INT``
+Kinds of numbers rise from ``BOOL`` to ``REAL``; two kinds combine to the higher one. Python's integers are ``INT``
 (32 bit) where they count or index, and ``LONG`` (64 bit) where they come from stamps or from a rounded number.
 """
 
@@ -12,17 +12,17 @@ import numpy as np
 BOOL, BYTE, INT, LONG, REAL = KINDS = ("bool", "byte", "int", "long", "real")
 C_TYPES = {BOOL: "bool", BYTE: "uint8_t", INT: "int32_t", LONG: "int64_t"}
 
-# Binding of C's operators, from loose to tight; an operand that binds looser than its place needs gets parentheses.
+# Precedence of C's operators, from low to high; an operand of lower precedence than its context gets parentheses.
 TERNARY, OR, AND, COMPARISON, SUM, PRODUCT, UNARY, ATOM = range(8)
 
 
 class Untranslatable(Exception):
-    """A piece of Python that has no place in the restricted language; the message names function, line and reason."""
+    """Python code outside the restricted language; the message names function, line and reason."""
 
 
 @dataclass(frozen=True)
 class Number:
-    """A scalar; ``constant`` is its value where that is known."""
+    """A scalar; ``constant`` is its value if known."""
 
     kind: str
     code: str
@@ -30,7 +30,7 @@ class Number:
     constant: float | None = None
 
     def inside(self, level: int) -> str:
-        """The code as an operand in a place that binds at ``level``."""
+        """The code as an operand in a context of precedence ``level``."""
         return self.code if self.level >= level else f"({self.code})"
 
 
@@ -40,8 +40,8 @@ class Array:
 
     Attributes:
         base: C expression of a pointer.
-        dims: numbers, or a C expression where a length is known at run time only (one dimension).
-        roots: names of parameters and local arrays that the elements may belong to.
+        dims: numbers, or a C expression for a length that is only known at run time (one dimension).
+        roots: names of parameters and local arrays that the elements can belong to.
     """
 
     kind: str
@@ -77,7 +77,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Constant:
-    """A function, a module, a table or a list that is known when the code is written."""
+    """A function, a module, a table or a list that is known at translation."""
 
     value: object
 
@@ -117,7 +117,7 @@ def whole(value: int) -> Number:
 
 
 def type_key(value: Value) -> object:
-    """What decides over the C function that is called with such an argument."""
+    """The key that selects the C function for such an argument."""
     if isinstance(value, Number):
         return value.kind
     if isinstance(value, Array):
@@ -130,7 +130,7 @@ def type_key(value: Value) -> object:
 
 
 def literal(value: float, suffix: str = "") -> Number:
-    """A constant; ``suffix`` stands behind literals of single precision."""
+    """A constant; ``suffix`` follows literals of single precision."""
     if isinstance(value, bool):
         return Number(BOOL, "true" if value else "false", constant=value)
     if isinstance(value, int):

@@ -1,1 +1,1 @@
-"""One file per physical effect; a new file is found by itself, nothing else is edited."""
+"""One file per physical effect; discovery finds a new file, and no other file is edited."""

@@ -2,7 +2,7 @@
 
     F <- F (p + q exp(-|b|)),      b = 1000 a
 
-b in mm/s^2. The scale is redundant with what stands before: models fix the constant. No state. Source:
+b in mm/s^2. The scale is redundant with the preceding effects: models fix the constant. No state. Source:
 black-box models (10), (11).
 """
 

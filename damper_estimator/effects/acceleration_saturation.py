@@ -2,8 +2,8 @@
 
     F <- F (p + q tanh(b / (3 sigma))),      b = 1000 a
 
-b in mm/s^2, sigma the standard deviation of b, a setting. The scale is redundant with what stands before:
-models fix the constant. No state. Source: black-box model (12).
+b in mm/s^2, sigma the standard deviation of b, a setting. The scale is redundant with the preceding effects: models fix
+the constant. No state. Source: black-box model (12).
 """
 
 from math import tanh

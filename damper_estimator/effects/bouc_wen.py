@@ -3,10 +3,9 @@
     F = alpha z,      dz/dx = delta - (beta + gamma sgn(z v)) |z|^n
 
 alpha in N, delta, beta, gamma in 1/m, z and n without unit. z saturates at (delta / (beta + gamma))^(1/n);
-its scale is redundant with alpha: models fix one of them. It depends on the path and not on the rate and is
-integrated over displacement by Runge-Kutta's fourth-order rule, in as many parts of a step as its stiffness
-needs. States: z and the last displacement; second order in the step, from the reversals. Source: Gao et al.,
-eq. (3); Bouc 1967, Wen 1976.
+its scale is redundant with alpha: models fix one of them. It is rate-independent and is integrated over displacement by
+the fourth-order Runge-Kutta rule, in as many substeps as its stiffness needs. States: z and the last displacement;
+second order in the step, from the reversals. Source: Gao et al., eq. (3); Bouc 1967, Wen 1976.
 """
 
 from damper_estimator.compiled import compiled
@@ -36,7 +35,7 @@ def moved(z, move, delta, beta, gamma, n):
     h = move / parts
     for _ in range(parts):
         k1 = slope(z, direction, delta, beta, gamma, n)
-        # Slid through: the rest of the way changes nothing.
+        # Fully sliding: the remaining displacement changes nothing.
         if abs(k1 * move) <= _SLID * limit:
             break
         k2 = slope(z + 0.5 * h * k1, direction, delta, beta, gamma, n)
@@ -63,14 +62,14 @@ def kernel(parameters, settings, kinematics, state, force):
 PARAMETERS = (
     Parameter("alpha", "N", 120.0, 0.0, 20000.0, "hysteresis force per z", linear=True),
     Parameter("delta", "1/m", 300.0, 1.0, 1e5, "slope of z before sliding"),
-    Parameter("beta", "1/m", 200.0, 1e-3, 1e6, "saturation, whatever the direction"),
-    Parameter("gamma", "1/m", 100.0, 1e-3, 1e6, "saturation, by direction"),
+    Parameter("beta", "1/m", 200.0, 1e-3, 1e6, "saturation, independent of the direction"),
+    Parameter("gamma", "1/m", 100.0, 1e-3, 1e6, "saturation, dependent on the direction"),
     Parameter("n", "1", 1.5, 1.0, 10.0, "sharpness of the transition"),
 )
 
 
 def trial(ranges: Ranges) -> Trial:
-    """z settles over a way between a thousandth and a fifth of the stroke; its scale is that of alpha."""
+    """z settles over a distance between a thousandth and a fifth of the stroke; alpha sets its scale."""
     way = 0.02 * ranges.stroke
     limits = dict.fromkeys(("delta", "beta", "gamma"), (2.0 / ranges.stroke, 500.0 / ranges.stroke))
     values = {"delta": 1.0 / way, "beta": 0.6 / way, "gamma": 0.4 / way, "n": 1.2}

@@ -1,8 +1,8 @@
-"""Bouc-Wen hysteresis over a shifted velocity, for loops that cross about zero velocity.
+"""Bouc-Wen hysteresis over a shifted velocity, for loops that cross near zero velocity.
 
     F = alpha z,      z' = (delta - (beta + gamma sgn(z w)) |z|^n) w,      w = v - mu sgn(v)
 
-mu in m/s; the other symbols as in ``bouc_wen``. Over a step the shifted way is dx - mu sgn(dx) dt. States: z
+mu in m/s; the other symbols as in ``bouc_wen``. Over a step the shifted displacement is dx - mu sgn(dx) dt. States: z
 and the last displacement; first order in the step, from the jump of w where v changes sign. Source: Gao et
 al., eqs. (4), (5); Kwok et al. 2007.
 """
@@ -43,7 +43,7 @@ EFFECT = Effect(
     parameters=SHIFTED_PARAMETERS,
     states=2,
     order=1,
-    shows="F-v loops whose branches cross about zero velocity",
+    shows="F-v loops whose branches cross near zero velocity",
     separate="the same amplitude at two frequencies: this hysteresis hardly changes",
     trial=None,
 )

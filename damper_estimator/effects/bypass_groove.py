@@ -2,9 +2,9 @@
 
     v <- v (1 - s h(x) / sqrt(1 + |v| / v_o)),      h(x) = 1 / (1 + ((x - x_0) / w)^4)
 
-s without unit, the share of the oil that takes the groove at low speed, in its middle; x_0 in m the middle, w in m
-half the length; v_o in m/s, the speed at which the valves open and the groove's share begins to fall. The piston's
-valves see what is left, so the velocity is rewritten and not the force. No state. Source: parallel orifices, as in
+s without unit is the share of the oil that flows through the groove at low speed at its middle; x_0 in m its middle, w
+in m half its length; v_o in m/s the speed at which the valves open and the groove's share begins to fall. The valves
+pass the remaining oil, so the velocity is rewritten and not the force. No state. Source: parallel orifices, as in
 position-sensitive dampers, e.g. Lee and Moon 2005.
 """
 
@@ -27,7 +27,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The groove lies within the driven stroke and is shorter than it."""
+    """The groove lies within the recorded stroke and is shorter than the stroke."""
     stroke, middle = ranges.stroke, ranges.middle
     limits = {
         "share": (0.0, 0.95),
@@ -46,7 +46,7 @@ EFFECT = Effect(
     phenomenon="position_dependence",
     tests=("position",),
     parameters=(
-        Parameter("share", "1", 0.2, 0.0, 0.99, "share of the oil that takes the groove"),
+        Parameter("share", "1", 0.2, 0.0, 0.99, "share of the oil that flows through the groove"),
         Parameter("middle", "m", 0.0, -0.5, 0.5, "stroke position of the groove's middle"),
         Parameter("half_length", "m", 0.01, 1e-4, 0.5, "half the groove's length"),
         Parameter("opening", "m/s", 0.1, 1e-3, 5.0, "speed at which the valves open"),

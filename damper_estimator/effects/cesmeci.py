@@ -31,7 +31,7 @@ EFFECT = Effect(
         Parameter("damping", "s/m", 30.0, 0.1, 5000.0, "steepness r over velocity"),
         Parameter("hysteresis", "1", -0.3, -20.0, 20.0, "shift h by the sign of acceleration"),
     ),
-    shows="the F-v loop is open about zero velocity",
+    shows="the F-v loop is open near zero velocity",
     separate="the same peak velocity at two frequencies and amplitudes",
     trial=None,
 )

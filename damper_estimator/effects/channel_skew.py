@@ -2,8 +2,8 @@
 
     F_measured(t) = F(t - s)
 
-s in s, positive where the force channel is late. Linear between samples; off line only; it is corrected by the
-signal map's ``force.skew``. Source: definition of the signal map's force channel.
+s in s, positive where the force channel is late. Linear between samples; offline only; corrected with ``force.skew`` in
+the signal map. Source: definition of the signal map's force channel.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
     last = force.size - 1
     j = 0
     for i in range(force.size):
-        # np.interp does the same; it takes seconds to compile.
+        # np.interp would do the same, but takes seconds to compile.
         at = time[i] - parameters[0]
         while j < last and time[j + 1] <= at:
             j += 1
@@ -32,12 +32,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Loggers are out of step by milliseconds."""
+    """Channels of a logger are out of step by milliseconds."""
     return Trial(limits={"skew": (-0.03, 0.03)})
 
 
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
-    """The channel is read earlier by the skew."""
+    """Reads the force channel earlier by the skew."""
     return {"skew": chain["skew"] + number(values, "skew")}
 
 
@@ -47,8 +47,8 @@ EFFECT = Effect(
     phenomenon="channel_skew",
     tests=("shift",),
     parameters=(Parameter("skew", "s", 0.0, -0.05, 0.05, "delay of the force channel"),),
-    shows="the F-v loop opens with frequency and evenly at all speeds; the force's zero crossings come late",
-    separate="tap the damper: both channels must show the blow at the same instant",
+    shows="the F-v loop opens with frequency, equally at all speeds; the force crosses zero late",
+    separate="tap the damper: both channels must show the impact at the same instant",
     trial=trial,
     correct=correct,
 )

@@ -2,11 +2,10 @@
 
     F <- F (r + (1 - r) s),      s = (1 - exp(-b |I|)) / (1 - exp(-b I_r))
 
-r without unit, the share that is there without command; I the command in A, I_r in A (setting) the command at which
-what stands before it has its own value; b in 1/A bends s down towards saturation, b < 0 upwards, and b = 0 leaves it
-straight. Without a command the force is left as it is. The coil's lag is ``command_lag``, before it in its path. The
-scale never falls below a thousandth. No state. Source: saturation as in ``command_yield``; Spencer et al. 1997,
-eqs. (17) to (19), for b = 0.
+r without unit is the share without command; I the command in A, I_r in A (setting) the command at which the scale is 1;
+b in 1/A bends s down towards saturation, b < 0 bends it upwards, b = 0 leaves it straight. Without a command the force
+is unchanged. The coil's lag is ``command_lag``, placed before it in the path. The scale never falls below a thousandth.
+No state. Source: saturation as in ``command_yield``; Spencer et al. 1997, eqs. (17) to (19), for b = 0.
 """
 
 from math import exp
@@ -18,8 +17,8 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import COMMAND
 
-_STRAIGHT = 1e-6  # of bend times command: below, the exponentials are straight to the last digits
-_LEAST = 1e-3  # of the scale: no element disappears altogether
+_STRAIGHT = 1e-6  # of bend times command: below, the exponentials are straight to machine precision
+_LEAST = 1e-3  # of the scale: no element vanishes
 
 
 @compiled
@@ -38,7 +37,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """What the model has is right at the highest command; a command that does not change scales nothing."""
+    """The model holds at the highest command; a constant command scales nothing."""
     if ranges.command is None or ranges.command[0] == ranges.command[1]:
         raise Untestable("no changing command was recorded")
     most = max(abs(value) for value in ranges.command)
@@ -52,11 +51,11 @@ EFFECT = Effect(
     phenomenon="current",
     tests=("current",),
     parameters=(
-        Parameter("rest", "1", 0.3, 0.0, 5.0, "share that is there without command"),
+        Parameter("rest", "1", 0.3, 0.0, 5.0, "share without command"),
         Parameter("bend", "1/A", 1.0, -5.0, 50.0, "how fast it saturates; 0 is straight"),
     ),
     settings=(Setting("reference", "A", 1.0, "command at which the scale is 1", lower=1e-3, upper=1e3),),
-    shows="the force at the same motion grows with the command, less and less",
+    shows="the force at the same motion grows with the command and saturates",
     separate="the same motion at several commands",
     trial=trial,
 )

@@ -2,9 +2,9 @@
 
     tau dI/dt + I = I_command
 
-tau in s, 20 to 30 ms for a magneto-rheological coil. The current enters the force non-linearly, so the
-current is lagged and not the force. The command is held between samples, for which the lag is exact. One
-state; exact. Source: Lozoya-Santos et al., section 5.
+tau in s, 20 to 30 ms for a magneto-rheological coil. The current enters the force non-linearly, so the current is
+lagged and not the force. The lag is exact for a command that is held between samples. One state; exact. Source:
+Lozoya-Santos et al., section 5.
 """
 
 from math import exp
@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         command = kinematics[COMMAND, i]
         dt = kinematics[DT, i]
-        if dt > 0.0 and state[0] == state[0]:  # not NaN: there was a command before
+        if dt > 0.0 and state[0] == state[0]:  # not NaN: a command was received before
             state[0] = command + (state[0] - command) * exp(-dt / parameters[0])
         else:
             state[0] = command
@@ -29,7 +29,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Only a command that changes can lag."""
+    """Only a changing command can show a lag."""
     changing_command(ranges)
     return Trial({"time_constant": 0.01}, {"time_constant": (1e-4, 0.2)}, spread(time_constant=(0.003, 0.03)))
 
@@ -42,7 +42,7 @@ EFFECT = Effect(
     parameters=(Parameter("time_constant", "s", 0.025, 1e-4, 0.5, "time constant of the coil"),),
     states=1,
     order=1,
-    shows="the force follows a step of the command slowly",
+    shows="the force follows a step of the command with a delay",
     separate="steps of the command at constant velocity",
     trial=trial,
 )

@@ -1,10 +1,10 @@
-"""Yield force that grows with the command up to saturation, elastic before it yields, late by the coil's lag.
+"""Yield force that grows with the command up to saturation, elastic before it yields, delayed by the coil's lag.
 
     F = F_y (1 - exp(-|I| / I_s)) z,      dz/dx = (1 - sgn(v) z) / w,      tau dI/dt + I = M
 
-F_y in N (yield force of the saturated field), I_s in A, w in m the way over which it builds up after a reversal, tau in
-s; M the command in A, held between samples, for which the lag is exact; so is z over a step without reversal. Without a
-command the force is zero. States: z, the last displacement, I; first order in the step of a command that moves. Source:
+F_y in N (yield force of the saturated field), I_s in A, w in m the travel over which it builds up after a reversal, tau
+in s; M the command in A. The lag is exact for a command held between samples, z for a step without reversal. Without a
+command the force is zero. States: z, the last displacement, I; first order in the step for a changing command. Source:
 Bingham's yield with elastic pre-yield; the coil's lag as in Lozoya-Santos et al., section 5.
 """
 
@@ -40,7 +40,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Needs a command that changes; one that saturates far below its values is none."""
+    """Needs a changing command, and a saturation that is not far below its values."""
     most = max(abs(value) for value in changing_command(ranges))
     way = 0.01 * ranges.stroke
     limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, 5.0 * way), "time_constant": (1e-4, 0.1)}
@@ -55,13 +55,13 @@ EFFECT = Effect(
     tests=("current",),
     parameters=(
         Parameter("force", "N", 500.0, 0.0, 50000.0, "yield force of the saturated field", linear=True),
-        Parameter("saturation", "A", 1.0, 1e-3, 100.0, "command at which 63 % of it are there"),
-        Parameter("way", "m", 3e-4, 1e-7, 0.05, "way over which it builds up after a reversal"),
+        Parameter("saturation", "A", 1.0, 1e-3, 100.0, "command at which the force reaches 63 % of it"),
+        Parameter("way", "m", 3e-4, 1e-7, 0.05, "travel over which it builds up after a reversal"),
         Parameter("time_constant", "s", 0.015, 1e-4, 0.5, "time constant of the coil"),
     ),
     states=3,
     order=1,
-    shows="an odd step at each reversal whose height follows the command, ever less the higher it is",
+    shows="an odd step at each reversal whose height grows with the command and saturates",
     separate="the same motion at several commands",
     trial=trial,
 )

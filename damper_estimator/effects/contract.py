@@ -1,4 +1,4 @@
-"""What an effect is: one physical phenomenon, declared in one file as ``EFFECT = Effect(...)``.
+"""The declaration of an effect: one physical phenomenon, in one file as ``EFFECT = Effect(...)``.
 
 The kernel works on a block of samples, in place:
 
@@ -6,7 +6,7 @@ The kernel works on a block of samples, in place:
 
 with contiguous float64 arrays ``parameters`` (p,), ``settings`` (s,), ``kinematics`` (8, n) in the rows of
 ``signals.layout``, ``state`` (z,) zero at the start and carried from block to block, ``force`` (n,) in N. A
-sample with step 0 is the first after a reset. Live, a block has one sample; the same kernel serves both.
+sample with step 0 is the first after a reset. Live, a block has one sample; the same kernel runs live and offline.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,14 +24,14 @@ Values = Mapping[str, float | tuple[float, ...]]
 
 
 def number(values: Values, name: str) -> float:
-    """The value of a parameter or setting that its declaration makes a number."""
+    """The value of a scalar parameter or setting."""
     value = values[name]
     assert not isinstance(value, tuple), name
     return value
 
 
 def numbers(values: Values, name: str) -> tuple[float, ...]:
-    """The value of a parameter or setting that its declaration makes a list."""
+    """The value of a vector parameter or list setting."""
     value = values[name]
     assert isinstance(value, tuple), name
     return value
@@ -39,18 +39,18 @@ def numbers(values: Values, name: str) -> tuple[float, ...]:
 
 KINDS: dict[str, str] = {
     "source": "adds force",
-    "modifier": "rewrites the force of what stands before it",
-    "input": "rewrites the motion or the slow channels for what follows in its path",
+    "modifier": "rewrites the force of the effects before it",
+    "input": "rewrites the motion or the slow channels for the effects after it in its path",
     "series": "wraps a path behind a compliance; the kernel is its force over deflection (X) and deflection rate (V)",
-    "channel": "acts on the recording, off line only; it is corrected in the signal map",
-    "path": "a force of its own, added to its parent",
-    "scaled": "first in the path of a series effect: modifiers that act on the series effect itself",
+    "channel": "acts on the recording, offline only; corrected in the signal map",
+    "path": "a separate force that is added to its parent",
+    "scaled": "first in the path of a series effect: modifiers that scale the series effect itself",
 }
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that identification may change.
+    """A number that identification can change.
 
     Attributes:
         linear: the effect's force is proportional to the effect's linear parameters taken together.
@@ -68,7 +68,7 @@ class Parameter:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of the settings that give it its length; none for a scalar."""
+        """Names of the settings that determine its length; empty for a scalar."""
         return (self.size,) if isinstance(self.size, str) else self.size or ()
 
     def length(self, settings: Values) -> int | None:
@@ -78,11 +78,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Setting:
-    """A number, list or word that the model file fixes and identification leaves alone.
+    """A number, list or word that the model file sets and identification never changes.
 
     Attributes:
-        default: a float, or a tuple for a list; it also tells which of the two the model file must give.
-        increasing: a list must rise strictly.
+        default: a float, or a tuple for a list; its type is the type that the model file must use.
+        increasing: a list must be strictly increasing.
     """
 
     name: str
@@ -95,7 +95,7 @@ class Setting:
 
 
 def flat(parameters: Values, settings: Values) -> np.ndarray:
-    """The usual preparation: the settings one after the other, lists laid out flat."""
+    """The usual preparation: the settings in order, lists flattened."""
     return np.concatenate([np.atleast_1d(np.asarray(value, float)) for value in settings.values()] or [np.zeros(0)])
 
 
@@ -105,20 +105,20 @@ class Effect:
 
     Attributes:
         kernel: see the module's docstring; None for a bare path.
-        phenomenon: the word of the findings' vocabulary, "" where it is a baseline and no finding.
-        tests: form-free tests of the diagnosis in which it shows, by name (``diagnosis.atlas_terms``); empty where none
-            of them is its own.
+        phenomenon: the name that findings use, "" for a baseline that is never a finding.
+        tests: names of the form-free tests of the diagnosis that reveal it (``diagnosis.atlas_terms``); empty if none
+            is specific to it.
         states: number of states the kernel carries.
         prepare: (parameters, settings) by name to the kernel's settings array, called once per parameter set.
         linear: for modifiers: the result is linear in the force before it.
-        order: declared order of convergence with the step; 0 where there is no state.
-        shows: how the effect shows in measurements, in words that can be checked on a plot.
-        separate: the test that tells it from its look-alikes.
-        trial: how it is tried where an effect is looked for that a model lacks; None where it stands for no
-            phenomenon of its own (a whole damper in one formula).
-        correct: for channel effects: from their values and the numbers of the force's chain (``scale``, ``offset``,
-            ``skew``, ``spring_rate``, ``preload``) to those that are right instead.
-        general: it can take the shape of more specific effects, so it is found only where it explains clearly more.
+        order: declared order of convergence with the step; 0 without state.
+        shows: how the effect appears in measurements, in words that can be checked on a plot.
+        separate: the test that distinguishes it from similar effects.
+        trial: how the search for missing effects tries it; None if it represents no single phenomenon (a whole damper
+            in one formula).
+        correct: for channel effects: returns the corrected numbers of the force channel (``scale``, ``offset``,
+            ``skew``, ``spring_rate``, ``preload``), given the effect's values and the present numbers.
+        general: it can imitate more specific effects, so it is a finding only if it explains clearly more.
     """
 
     kernel: Kernel | None
@@ -140,5 +140,5 @@ class Effect:
     description: str = ""
 
     def parameter(self, name: str) -> Parameter:
-        """The declaration of a parameter; KeyError where there is none of that name."""
+        """The declaration of a parameter; KeyError for an unknown name."""
         return {parameter.name: parameter for parameter in self.parameters}[name]

@@ -1,9 +1,9 @@
-"""Coulomb friction, smoothed about zero velocity.
+"""Coulomb friction, smoothed near zero velocity.
 
     F = F_c tanh(v / v_s)
 
-F_c in N, v in m/s; v_s (m/s) is the width of the transition: a true jump would make noise of velocity into
-noise of force. No state. Source: Gao et al., eq. (1), with the sign of eq. (2).
+F_c in N, v in m/s; v_s (m/s) is the width of the transition: a true jump would turn velocity noise into force noise. No
+state. Source: Gao et al., eq. (1), with the sign of eq. (2).
 """
 
 from math import tanh
@@ -22,7 +22,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The transition is a small part of the speeds that were driven."""
+    """The transition is a small part of the recorded speeds."""
     return Trial({"transition": max(0.005, 0.01 * ranges.speed)}, {"force": (0.0, 2.0 * ranges.force)})
 
 
@@ -34,6 +34,6 @@ EFFECT = Effect(
     parameters=(Parameter("force", "N", 50.0, 0.0, 10000.0, "friction force", linear=True),),
     settings=(Setting("transition", "m/s", 0.005, "width of the transition through zero velocity", lower=1e-6),),
     shows="an odd step of the force where the velocity changes sign, at every amplitude and frequency",
-    separate="a slow triangle (5 mm/s): friction stays, viscous force vanishes",
+    separate="a slow triangle (5 mm/s): friction remains, viscous force vanishes",
     trial=trial,
 )

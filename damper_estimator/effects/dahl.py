@@ -2,10 +2,10 @@
 
     F = sigma_0 u,      du/dx = sgn(y) |y|^i,      y = 1 - sgn(v) sigma_0 u / F_c
 
-sigma_0 in N/m, F_c in N, i without unit. It depends on the path and not on the rate, so it is integrated over
-displacement: over a step without reversal y has a closed form, y^(1-i) = y_0^(1-i) + (i - 1) sigma_0 |dx| /
-F_c (for i = 1 an exponential). States: F / F_c and the last displacement; second order in the step, from the
-reversals. Source: Gao et al., eq. (2); Dahl 1968.
+sigma_0 in N/m, F_c in N, i without unit. It is rate-independent, so it is integrated over displacement: over a step
+without reversal y has a closed form, y^(1-i) = y_0^(1-i) + (i - 1) sigma_0 |dx| / F_c (for i = 1 an exponential).
+States: F / F_c and the last displacement; second order in the step, from the reversals. Source: Gao et al., eq. (2);
+Dahl 1968.
 """
 
 from math import exp
@@ -40,7 +40,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Friction slides after a small way: a longer one is another memory."""
+    """Friction slides after a short travel; a longer one would be another effect."""
     least = max(ranges.force / 5e-3, 1e4)
     return Trial(
         values={"stiffness": 4.0 * least},
@@ -61,7 +61,7 @@ EFFECT = Effect(
     ),
     states=2,
     order=2,
-    shows="an odd step of the force at each reversal, built up over a short way and not over a time",
-    separate="a slow triangle at two amplitudes: friction builds up over the same way at any speed",
+    shows="an odd step of the force at each reversal, built up over a short travel and not over a time",
+    separate="a slow triangle at two amplitudes: friction builds up over the same travel at any speed",
     trial=trial,
 )

@@ -1,9 +1,9 @@
-"""Dashpot in series with the path: oil that leaks or yields in series with what builds up the force.
+"""Dashpot in series with the path: oil that leaks or yields in series with the elements that produce the force.
 
     F = c d',      F = F_path(x - d, v - d')
 
 c in N s/m, d in m. Solved implicitly, backward Euler: first order in the step. On the first sample after a reset it is
-a stiff spring, so that d begins near zero. Source: Spencer et al. 1997, eq. (12), the dashpot c1.
+a stiff spring, so that d starts near zero. Source: Spencer et al. 1997, eq. (12), the dashpot c1.
 """
 
 from damper_estimator.compiled import compiled
@@ -25,7 +25,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """It gives way by a fifth of the speed at most."""
+    """Its deflection rate is at most a fifth of the speed."""
     least = max(5.0 * ranges.force / ranges.speed, 500.0)
     return Trial({"damping": 4.0 * least}, {"damping": (least, 1e7)}, ({"damping": 15.0 * least},))
 

@@ -1,9 +1,9 @@
-"""A ring of past samples from which delayed values are read; the memory of the delay effects, no effect itself.
+"""A ring buffer of past samples for the delay effects; not an effect itself.
 
-The state holds the clock, the count, the newest position, and pairs (time, value). A sample that follows its
-predecessor by less than ``SPACING`` gives way to the next one, so that the ring always covers the longest
-delay, however high the rate. The clock is set back to zero every second, and the stored times with it, so that times
-stay exact however long it runs, in single precision (``codegen``) as well.
+The state holds the clock, the count, the newest position, and pairs (time, value). The next sample replaces one that
+follows its predecessor by less than ``SPACING``, so that the ring covers the longest delay at any rate. The clock and
+the stored times are set back every second, so that times stay exact over long runs, also in single precision
+(``codegen``).
 """
 
 from damper_estimator.compiled import compiled
@@ -18,9 +18,9 @@ STATES = _PAIRS + 2 * CAPACITY
 
 @compiled
 def delayed(state, dt, value, delay):
-    """Puts ``value`` in and returns the value of ``delay`` seconds ago, linear between samples.
+    """Stores ``value`` and returns the value of ``delay`` seconds ago, linear between samples.
 
-    Before the line is filled it returns the first value; ``dt`` <= 0 empties the line.
+    Until the line is filled it returns the first value; ``dt`` <= 0 empties the line.
     """
     if dt <= 0.0:
         state[_CLOCK] = state[_COUNT] = state[_NEWEST] = 0.0
@@ -52,7 +52,7 @@ def _set_back(state):
 
 @compiled
 def _put(state, value):
-    """Appends a sample, or replaces the newest one where that stands too close to its predecessor."""
+    """Appends a sample, or replaces the newest one if that is too close to its predecessor."""
     newest, count = int(state[_NEWEST]), int(state[_COUNT])
     head = _PAIRS + 2 * newest
     before = _PAIRS + 2 * ((newest - 1) % CAPACITY)

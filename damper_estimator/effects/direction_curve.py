@@ -1,11 +1,11 @@
-"""Difference between rebound and compression: a change of one direction, or of both in opposite ways.
+"""Difference between rebound and compression: a change of one direction, or opposite changes of both.
 
     F = f(|v|) (1 + s sgn v),      f straight between its knots, zero at rest, straight beyond the last
 
-Settings: knots in m/s, rising. Parameters: f in N per knot, and s without unit: at 1 only rebound is changed (a valve
-or a passage of that direction), at -1 only compression, at 0 rebound becomes harder by as much as compression becomes
-softer (or the other way round where f is negative). No state. Source: even part of a force-velocity curve, with as much
-of an odd part as one direction alone has; bump and rebound differ by up to three to one (Dixon 2008).
+Settings: knots in m/s, rising. Parameters: f in N per knot, and s without unit: at 1 only rebound changes (a valve or a
+passage of that direction), at -1 only compression; at 0 rebound becomes harder by as much as compression becomes softer
+(the reverse for negative f). No state. Source: even part of a force-velocity curve, plus the odd part of a change in
+one direction; bump and rebound differ by up to three to one (Dixon 2008).
 """
 
 from damper_estimator.compiled import compiled
@@ -30,7 +30,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Knots over the speeds that were driven; either direction, or both."""
+    """Knots over the recorded speeds; either direction, or both."""
     knots = tuple(share * ranges.speed for share in (0.12, 0.4, 1.0))
     return Trial({"speed": knots}, starts=spread(side=(-0.9, 0.9)))
 
@@ -42,7 +42,7 @@ EFFECT = Effect(
     tests=("even",),
     parameters=(
         Parameter("force", "N", 0.0, -20000.0, 20000.0, "force at the knot", linear=True, size="speed"),
-        Parameter("side", "1", 0.0, -1.0, 1.0, "1: rebound alone is changed, -1: compression, 0: both, opposite"),
+        Parameter("side", "1", 0.0, -1.0, 1.0, "1: only rebound changes, -1: only compression, 0: both, oppositely"),
     ),
     settings=(Setting("speed", "m/s", (0.05, 0.2, 0.5, 1.0), "knots over the speed", lower=1e-4, increasing=True),),
     shows="the error grows with speed in one direction only, or has the same sign in rebound and compression",

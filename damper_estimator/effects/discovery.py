@@ -1,4 +1,4 @@
-"""Finds the effects: every module of this package that declares an ``EFFECT``."""
+"""Discovers the effects: every module of this package that declares an ``EFFECT``."""
 
 from dataclasses import replace
 from functools import cache
@@ -9,15 +9,15 @@ from damper_estimator import effects
 from damper_estimator.effects.contract import Effect
 from damper_estimator.errors import InputError, did_you_mean
 
-PATH = Effect(kernel=None, kind="path", name="path", description="A force of its own, added to its parent.")
+PATH = Effect(kernel=None, kind="path", name="path", description="A separate force that is added to its parent.")
 SCALED = Effect(
     kernel=None,
     kind="scaled",
     name="scaled",
-    description="First in the path of a series effect: what scales the series effect itself.",
+    description="First in the path of a series effect: modifiers that scale the series effect itself.",
 )
-LISTS = {own.name: own for own in (PATH, SCALED)}
-"""What groups effects and is none itself."""
+LISTS = {effect.name: effect for effect in (PATH, SCALED)}
+"""Containers of effects, not effects themselves."""
 
 
 @cache
@@ -36,7 +36,7 @@ def find_effect(name: str) -> Effect:
     """The effect of that name.
 
     Raises:
-        InputError: for an unknown name, with the nearest ones.
+        InputError: for an unknown name, with similar names.
     """
     if name in LISTS:
         return LISTS[name]

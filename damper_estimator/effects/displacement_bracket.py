@@ -2,7 +2,7 @@
 
     F <- F (p + q d + r d^2 sgn(d)),      d = 1000 x
 
-d in mm. The scale is redundant with what stands before: models fix the constant. No state. Source: black-box
+d in mm. The scale is redundant with the preceding effects: models fix the constant. No state. Source: black-box
 models (4), (6), (7), second bracket.
 """
 

@@ -2,7 +2,7 @@
 
     F <- F (p + q exp(-|d|)),      d = 1000 x
 
-d in mm. The scale is redundant with what stands before: models fix the constant. No state. Source: black-box
+d in mm. The scale is redundant with the preceding effects: models fix the constant. No state. Source: black-box
 models (9) to (11).
 """
 
@@ -30,6 +30,6 @@ EFFECT = Effect(
         Parameter("decay", "1", 0.0, -5000.0, 5100.0, "q"),
     ),
     shows="a narrow dent or bump of the force in the middle of the stroke",
-    separate="slow crossings of the middle",
+    separate="slow passages through the middle",
     trial=None,
 )

@@ -3,7 +3,7 @@
     F <- F (p + q tanh(d / (3 sigma))),      d = 1000 x
 
 d in mm, sigma the standard deviation of d (the source says variance, which has the wrong dimension), a
-setting. The scale is redundant with what stands before: models fix the constant. No state. Source: black-box
+setting. The scale is redundant with the preceding effects: models fix the constant. No state. Source: black-box
 model (12).
 """
 

@@ -1,10 +1,10 @@
-"""Fade with the heat that the damper itself makes, where no temperature is measured.
+"""Fade with the heat that the damper dissipates, if no temperature is measured.
 
     d(theta)/dt = F v / C - theta / tau,      F <- F_in (1 - kappa theta)
 
-theta in K above the surroundings, C in J/K (setting), tau in s, kappa in 1/K; F v is the power of the force
-as it leaves. The gain stays between 0.1 and 1. One state, theta; first order in the step. Source: energy
-balance; Lion and Loose 2002.
+theta in K above the surroundings, C in J/K (setting), tau in s, kappa in 1/K; F v is the power of the resulting force.
+The gain stays between 0.1 and 1. One state, theta; first order in the step. Source: energy balance; Lion and Loose
+2002.
 """
 
 from damper_estimator.compiled import compiled
@@ -15,7 +15,7 @@ from damper_estimator.signals.layout import DT, V
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F *= 1 - kappa theta, theta from the power so far."""
+    """F *= 1 - kappa theta, theta from the past power."""
     for i in range(force.size):
         dt = kinematics[DT, i]
         if dt <= 0.0:
@@ -26,7 +26,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Small dampers heat fast; cooling takes minutes."""
+    """Small dampers heat up fast; cooling takes minutes."""
     return Trial({"capacity": 300.0, "cooling": 300.0}, {"cooling": (30.0, 3000.0)}, spread(fade=(5e-4, 1e-2)))
 
 

@@ -24,7 +24,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Stops stand in the outer thirds of what was driven: nearer to the middle, a spring is no stop."""
+    """Stops lie in the outer thirds of the recorded stroke: nearer to the middle, a spring is not a stop."""
     third = ranges.stroke / 3.0
     limits = {
         "bump_position": (ranges.compression, min(ranges.compression + third, -5e-3)),
@@ -53,7 +53,7 @@ EFFECT = Effect(
         Parameter("top_out_position", "m", 0.05, 0.005, 0.5, "displacement at which the top-out touches"),
     ),
     settings=(Setting("exponent", "1", 2.0, "1 linear, 2 progressive", lower=1.0, upper=4.0),),
-    shows="the force runs away near the ends of the stroke, whatever the velocity",
+    shows="the force rises steeply near the ends of the stroke, at any velocity",
     separate="a slow stroke into the stops",
     trial=trial,
 )

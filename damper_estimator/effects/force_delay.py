@@ -1,4 +1,4 @@
-"""Delays the force built up so far.
+"""Delays the force of the preceding effects.
 
     F <- F(t - tau)
 

@@ -2,7 +2,7 @@
 
     F_measured = (1 + g) F
 
-g without unit. Off line only; it is corrected by the signal map's ``force.scale``. Source: definition of the
+g without unit. Offline only; corrected with ``force.scale`` in the signal map. Source: definition of the
 signal map's force channel.
 """
 
@@ -20,7 +20,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
-    """What the gauge reads is divided by its gain."""
+    """Divides the gauge's reading by its gain."""
     return {name: chain[name] / (1.0 + number(values, "gain")) for name in ("scale", "offset")}
 
 
@@ -29,7 +29,7 @@ EFFECT = Effect(
     kind="channel",
     phenomenon="force_gain_error",
     parameters=(Parameter("gain", "1", 0.0, -0.9, 2.0, "relative error of the gauge's gain"),),
-    shows="the error is a fixed share of the force, everywhere",
+    shows="the error is a fixed share of the force in all conditions",
     separate="a known weight on the gauge",
     correct=correct,
 )

@@ -1,8 +1,8 @@
-"""First-order lag of the force built up so far.
+"""First-order lag of the force of the preceding effects.
 
     tau dF/dt + F = F_in
 
-tau in s. F_in is taken as linear between samples and the lag is exact for it, so it is right for any step.
+tau in s. F_in is taken as linear between samples; the lag is exact for it, at any step.
 One state pair (last F, last F_in); second order in the step. Source: first-order valve dynamics,
 Lozoya-Santos et al., section 2.
 """

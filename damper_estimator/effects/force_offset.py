@@ -2,7 +2,7 @@
 
     F_measured = F + F_0
 
-F_0 in N. Off line only; it is corrected by the signal map's ``force.offset``. Source: definition of the signal
+F_0 in N. Offline only; corrected with ``force.offset`` in the signal map. Source: definition of the signal
 map's force channel.
 """
 
@@ -20,7 +20,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
-    """The offset is taken off."""
+    """Subtracts the offset."""
     return {"offset": chain["offset"] - number(values, "offset")}
 
 
@@ -29,7 +29,7 @@ EFFECT = Effect(
     kind="channel",
     phenomenon="force_offset",
     parameters=(Parameter("offset", "N", 0.0, -20000.0, 20000.0, "offset of the gauge", linear=True),),
-    shows="a constant difference, at rest too",
+    shows="a constant difference, also at rest",
     separate="tare at rest, with the damper unloaded",
     correct=correct,
 )

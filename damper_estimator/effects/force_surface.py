@@ -2,8 +2,8 @@
 
     F = bilinear between the points of a grid (v_k, a_l), constant beyond its edge
 
-Settings: v in m/s and a in m/s^2, strictly increasing. Parameters: one force in N per point, row by row (all
-accelerations of the first velocity first). No state. Source: HIS paper, section 5.3; Duym 1997.
+Settings: v in m/s and a in m/s^2, strictly increasing. Parameters: one force in N per point, row by row (first all
+accelerations of the first velocity). No state. Source: HIS paper, section 5.3; Duym 1997.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from damper_estimator.signals.layout import A, V
 
 @compiled
 def cell(knots, value):
-    """Index of the knot below and the share of the way to the next one."""
+    """Index of the knot below and the fractional position towards the next one."""
     last = knots.size - 2
     k = 0
     while k < last and value >= knots[k + 1]:

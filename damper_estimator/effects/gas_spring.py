@@ -3,9 +3,9 @@
     F = -F_static [(V / (V + A_rod x))^n - r],      n = 1.4
 
 F_static in N, V in m^3 the gas volume at x = 0, A_rod in m^2, x in m (positive in extension, which expands
-the gas: in compression the gas pushes the rod out, hence the sign). r is 0; with r = 1 only the change from
-displacement 0 counts, for a model that has the static force in another effect. No state. Source: Carrera Akutain et
-al., eqs. (6) to (10), in our signs.
+the gas: in compression the gas pushes the rod out, hence the sign). r is 0; r = 1 leaves only the change from
+displacement 0, for a model with the static force in another effect. No state. Source: Carrera Akutain et al., eqs. (6)
+to (10), in our signs.
 """
 
 from damper_estimator.compiled import compiled
@@ -18,13 +18,13 @@ from damper_estimator.signals.layout import X
 def kernel(parameters, settings, kinematics, state, force):
     """F -= F_static [(V / (V + A x))^n - r]."""
     for i in range(force.size):
-        # Never beyond a twentieth of the volume: a wild displacement must not make the force infinite.
+        # At least a twentieth of the volume: an extreme displacement must not make the force infinite.
         expansion = max(1.0 + settings[0] * kinematics[X, i] / parameters[1], 0.05)
         force[i] -= parameters[0] * (expansion ** -settings[1] - settings[2])
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The gas column is longer than the compression that was driven, and not endless; its mean force is there."""
+    """The gas column is longer than the recorded compression, and finite; only the change of its force is new."""
     area = 1.5e-4
     reach = max(-ranges.compression, 0.5 * ranges.stroke, 1e-3)
     limits = {"volume": (1.3 * area * reach, 60.0 * area * reach)}
@@ -47,9 +47,9 @@ EFFECT = Effect(
     settings=(
         Setting("rod_area", "m^2", 1.5e-4, "cross-section of the rod", lower=1e-6),
         Setting("exponent", "1", 1.4, "1.0 isothermal (slow) to 1.4 isentropic", lower=1.0, upper=1.7),
-        Setting("relative", "1", 0.0, "1: counted from displacement 0, 0: with the static force", lower=0.0, upper=1.0),
+        Setting("relative", "1", 0.0, "1: change from displacement 0, 0: with the static force", lower=0.0, upper=1.0),
     ),
-    shows="the force falls as the damper extends, whatever the velocity, and more steeply in compression",
+    shows="the force falls as the damper extends, at any velocity, and more steeply in compression",
     separate="a slow stroke over the whole travel: gas is curved over displacement, a spring is straight",
     trial=trial,
 )

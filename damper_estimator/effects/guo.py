@@ -31,7 +31,7 @@ EFFECT = Effect(
         Parameter("hysteresis", "1/m", 10.0, -5000.0, 5000.0, "shift h over displacement"),
         Parameter("middle", "m", 0.0, -0.5, 0.5, "middle of the stroke x_0"),
     ),
-    shows="the F-v loop is open about zero velocity",
+    shows="the F-v loop is open near zero velocity",
     separate="the same peak velocity at two frequencies and amplitudes",
     trial=None,
 )

@@ -7,7 +7,7 @@
             min((c_5 |a| + c_6)(v - v_G) + F_G, y_2)  else                  (3)
 
 v in m/s, a in m/s^2, forces in N, c_1, c_3, c_4, c_6 in N s/m, c_2, c_5 in N s^3/m^2. The slopes c_2 |a| +
-c_3 and c_5 |a| + c_6 are kept at or above zero, where large accelerations would turn the band over. No state.
+c_3 and c_5 |a| + c_6 are kept at or above zero, where large accelerations would invert the band. No state.
 Source: HIS paper, eqs. (2), (3), (5).
 """
 
@@ -27,7 +27,7 @@ def kernel(parameters, settings, kinematics, state, force):
         away = v - parameters[6]
         slope = parameters[8] if away <= 0.0 else max(parameters[9] * a + parameters[10], 0.0)
         lower = min(slope * away + parameters[7], parameters[11])
-        # As printed, the upper bound has the last word.
+        # As published, the upper bound is applied last.
         force[i] = lower if force[i] < lower else min(force[i], upper)
 
 

@@ -1,11 +1,11 @@
-"""Hydraulic stop: damping that sets in near an end of the stroke and grows the further the rod goes.
+"""Hydraulic stop: damping that begins near an end of the stroke and grows towards the end.
 
-    F = c_b d_b v g(v),  d_b = max(x_b - x, 0) / s,  g = 1 while closing (v < 0), r on the way back
-    F = c_t d_t v g(v),  d_t = max(x - x_t, 0) / s,  g = 1 while extending (v > 0), r on the way back
+    F = c_b d_b v g(v),  d_b = max(x_b - x, 0) / s,  g = 1 while closing (v < 0), r on the return
+    F = c_t d_t v g(v),  d_t = max(x - x_t, 0) / s,  g = 1 while extending (v > 0), r on the return
 
-x in m (positive in extension), v in m/s, c in N s/m (at s beyond the place where the stop begins), s in m (setting),
-r without unit (share of the damping that is left on the way back; 0 with a check valve that opens). No state. Source:
-hydraulic bump and rebound stops with a clearance that narrows, Dixon 2008.
+x in m (positive in extension), v in m/s, c in N s/m (at a depth s into the stop), s in m (setting), r without unit
+(share of the damping on the return; 0 with an open check valve). No state. Source: hydraulic bump and rebound stops
+with a clearance that narrows, Dixon 2008.
 """
 
 from damper_estimator.compiled import compiled
@@ -29,7 +29,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Stops begin in the outer fifths of what was driven: damping that changes further inside is a groove."""
+    """Stops begin in the outer fifths of the recorded stroke: damping that changes further inside is a groove."""
     depth = 0.2 * ranges.stroke
     if depth < 1e-3:
         raise Untestable("the stroke is too short to reach a stop")
@@ -55,10 +55,10 @@ EFFECT = Effect(
         Parameter("bump_position", "m", -0.05, -0.5, 0.5, "displacement at which the bump stop begins"),
         Parameter("rebound_damping", "N*s/m", 0.0, 0.0, 1e6, "damping of the rebound stop at the depth", linear=True),
         Parameter("rebound_position", "m", 0.05, -0.5, 0.5, "displacement at which the rebound stop begins"),
-        Parameter("way_back", "1", 0.2, 0.0, 1.0, "share of the damping that is left on the way back"),
+        Parameter("way_back", "1", 0.2, 0.0, 1.0, "share of the damping on the return"),
     ),
-    settings=(Setting("depth", "m", 0.02, "way into a stop to which its damping refers", lower=1e-4),),
-    shows="near an end of the stroke the force grows with velocity far more than in the middle, less on the way back",
+    settings=(Setting("depth", "m", 0.02, "depth into a stop at which its damping is stated", lower=1e-4),),
+    shows="near an end of the stroke the force grows with velocity far more than in the middle, less on the return",
     separate="the same velocities in the middle and near the ends of the stroke",
     trial=trial,
 )

@@ -30,6 +30,6 @@ EFFECT = Effect(
     tests=("mass",),
     parameters=(Parameter("mass", "kg", 0.5, 0.0, 100.0, "moving mass", linear=True),),
     shows="more force while accelerating; at the reversals, where v = 0, the force follows the acceleration",
-    separate="shake the unloaded gauge: only inertia is left",
+    separate="shake the unloaded gauge: only inertia remains",
     trial=trial,
 )

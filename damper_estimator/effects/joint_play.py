@@ -2,9 +2,9 @@
 
     F = k (|d| - g / 2) sgn(d)  beyond the play,      F = k_0 d  within it,      F = F_path(v - d')
 
-k in N/m, g in m the whole play, d in m. k_0 = k / 1000 keeps the joint's place defined within the play.
-Solved implicitly, backward Euler: first order in the step. Source: dead zone in series; the lost motion that
-is seen at the reversals of bench recordings.
+k in N/m, g in m the total play, d in m. k_0 = k / 1000 keeps the joint's position defined within the play.
+Solved implicitly, backward Euler: first order in the step. Source: dead zone in series; the lost motion at the
+reversals of bench recordings.
 """
 
 from damper_estimator.compiled import compiled
@@ -39,11 +39,11 @@ EFFECT = Effect(
     phenomenon="mount_compliance",
     tests=("series",),
     parameters=(
-        Parameter("stiffness", "N/m", 2e6, 5e4, 1e9, "stiffness of the joint once it is taut"),
-        Parameter("play", "m", 2e-4, 0.0, 5e-3, "whole play"),
+        Parameter("stiffness", "N/m", 2e6, 5e4, 1e9, "stiffness of the joint beyond its play"),
+        Parameter("play", "m", 2e-4, 0.0, 5e-3, "total play"),
     ),
     order=1,
-    shows="a kink or plateau of the force as it changes sign, of the same width in displacement at any speed",
-    separate="turn the force round slowly by hand: the joint moves without force",
+    shows="a kink or plateau where the force changes sign, equally wide in displacement at any speed",
+    separate="reverse the force slowly by hand: the joint moves without force",
     trial=trial,
 )

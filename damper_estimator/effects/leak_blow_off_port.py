@@ -6,8 +6,8 @@
     F = sign(v) [ F_leak F_blow / (F_leak^Ktr + F_blow^Ktr)^(1/Ktr) + F_port ]      (2)
 
 v in m/s, nu in mm^2/s, forces in N, K_leak and K_port in kg/(mm^0.5 m^0.75), K_spring in N s/m, Ktr without
-unit. Leak and blow-off share one pressure: one effect. Below 7 mm/s the blow-off force is taken as very
-large, so that the leak alone acts. No state. Source: Carrera Akutain et al., eqs. (2) to (5), Table 1.
+unit. Leak and blow-off share one pressure: one effect. Below 7 mm/s the blow-off force is set very large, so that only
+the leak acts. No state. Source: Carrera Akutain et al., eqs. (2) to (5), Table 1.
 """
 
 from damper_estimator.compiled import compiled
@@ -19,7 +19,7 @@ EXPONENT = 1.75  # turbulent flow, Reybrouck 1994
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F += eq. (2); parameters are five of rebound, then five of compression."""
+    """F += eq. (2); five parameters of rebound, then five of compression."""
     viscosity = settings[0] ** 0.25
     for i in range(force.size):
         v = kinematics[V, i]
@@ -33,7 +33,7 @@ def kernel(parameters, settings, kinematics, state, force):
             if blow_off <= 0.0:
                 hydraulic = 0.0
             else:
-                # The smaller of the two stands outside the power, which then cannot overflow.
+                # The smaller of the two is factored out of the power, so that it cannot overflow.
                 small, large = min(leak, blow_off), max(leak, blow_off)
                 transition = parameters[k + 3]
                 hydraulic = small * (1.0 + (small / large) ** transition) ** (-1.0 / transition)

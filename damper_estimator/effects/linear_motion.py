@@ -2,7 +2,7 @@
 
     F = f_0 + c v + k x + m a
 
-f_0 in N, c in N s/m, k in N/m, m in kg; of either sign, as fitted values are in the source. No state. Source:
+f_0 in N, c in N s/m, k in N/m, m in kg; of either sign, like the fitted values of the source. No state. Source:
 Lozoya-Santos et al., eq. (9), first four terms.
 """
 

@@ -1,8 +1,8 @@
-"""Linear viscous damping, with a rate of its own in rebound and in compression.
+"""Linear viscous damping, with separate rates in rebound and compression.
 
     F = c_r v  for v > 0,      F = c_c v  for v <= 0
 
-F in N, v in m/s, c in N s/m. No state. Source: any text on vibration; the baseline of all comparisons.
+F in N, v in m/s, c in N s/m. No state. Source: any textbook on vibration; the baseline of all comparisons.
 """
 
 from damper_estimator.compiled import compiled

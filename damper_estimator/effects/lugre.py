@@ -1,10 +1,10 @@
-"""LuGre friction: bristles that bend, slip and know the Stribeck effect.
+"""LuGre friction: bristles that bend and slip, with the Stribeck effect.
 
     F = sigma_0 z + sigma_1 z' + sigma_2 v,      z' = v - sigma_0 |v| z / g(v)
     g(v) = F_c + (F_s - F_c) exp(-(v / v_s)^2)
 
-sigma_0 in N/m, sigma_1, sigma_2 in N s/m, F_c, F_s in N, v_s in m/s. Over a step v is taken as constant, for
-which z is exact (an exponential). One state, z; first order in the step. Source: Canudas de Wit et al. 1995.
+sigma_0 in N/m, sigma_1, sigma_2 in N s/m, F_c, F_s in N, v_s in m/s. z is exact (an exponential) for a constant v over
+a step. One state, z; first order in the step. Source: Canudas de Wit et al. 1995.
 """
 
 from math import exp
@@ -44,10 +44,10 @@ EFFECT = Effect(
         Parameter("micro_damping", "N s/m", 0.0, 0.0, 1e4, "damping of the bristles"),
         Parameter("viscous", "N s/m", 0.0, 0.0, 2e4, "viscous friction"),
     ),
-    settings=(Setting("stribeck_velocity", "m/s", 0.01, "velocity at which static friction has faded", lower=1e-5),),
+    settings=(Setting("stribeck_velocity", "m/s", 0.01, "velocity beyond which static friction fades", lower=1e-5),),
     states=1,
     order=1,
     shows="an odd step at each reversal with a small peak before sliding",
-    separate="a slow triangle: friction stays, viscous force vanishes",
+    separate="a slow triangle: friction remains, viscous force vanishes",
     trial=None,
 )

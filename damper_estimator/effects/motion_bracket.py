@@ -2,7 +2,7 @@
 
     F <- F (p + q d + r b^2 sgn(b)),      d = 1000 x,      b = 1000 a
 
-d in mm, b in mm/s^2. The scale is redundant with what stands before: models fix the constant. No state.
+d in mm, b in mm/s^2. The scale is redundant with the preceding effects: models fix the constant. No state.
 Source: black-box model (8), second bracket.
 """
 

@@ -22,7 +22,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """A damper whose oil gives way by more than a twentieth of its stroke is another one."""
+    """Oil deflects by at most a twentieth of the stroke."""
     least = max(20.0 * ranges.force / ranges.stroke, 5e4)
     names = ("stiffness_rebound", "stiffness_compression")
     starts = [dict.fromkeys(names, factor * least) for factor in (10.0, 40.0)]
@@ -40,6 +40,6 @@ EFFECT = Effect(
     ),
     order=1,
     shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",
-    separate="impedance of the mount on its own; two temperatures (rubber softens, oil hardly)",
+    separate="impedance of the mount alone; two temperatures (rubber softens, oil hardly)",
     trial=trial,
 )

@@ -2,9 +2,8 @@
 
     F <- F (1 + g (x - x_0)^2 / s^2)
 
-g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting). Acts on what stands before it
-in its path; the gain never falls below zero. No state. Source: position-sensitive dampers, e.g. Lee and Moon
-2005.
+g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting). It scales the preceding effects of its
+path; the scale never falls below zero. No state. Source: position-sensitive dampers, e.g. Lee and Moon 2005.
 """
 
 from damper_estimator.compiled import compiled
@@ -22,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Gains refer to half the driven stroke."""
+    """Gains refer to half the recorded stroke."""
     scale = max(0.5 * ranges.stroke, 1e-3)
     limits = {"gain": (-0.8, 3.0), "middle": (ranges.middle - 2.0 * scale, ranges.middle + 2.0 * scale)}
     values = {"scale": scale, "gain": 0.3, "middle": ranges.middle}

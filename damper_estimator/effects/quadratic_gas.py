@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Gas resists compression, the more the further: the force rises with extension and bends down."""
+    """Gas resists compression progressively: the force rises with extension and bends down."""
     bend = 5.0 * ranges.force / ranges.stroke**2
     limits = {"square": (-bend, 0.0), "slope": (0.0, 5e4), "constant": (-1e-6, 1e-6)}
     return Trial({"constant": 0.0}, limits)
@@ -40,7 +40,7 @@ EFFECT = Effect(
         Parameter("slope", "N/m", 250.0, -5e4, 5e4, "B", linear=True),
         Parameter("constant", "N", -150.0, -20000.0, 20000.0, "C, the preload", linear=True),
     ),
-    shows="the force changes over displacement, whatever the velocity",
+    shows="the force changes over displacement, at any velocity",
     separate="a slow stroke over the whole travel",
     trial=trial,
 )

@@ -1,11 +1,10 @@
-"""Relief: beyond an opening speed the damper is softer than the curve it had, per direction.
+"""Relief: beyond an opening speed the damper is softer than its curve, per direction.
 
     F -= c_r (v - v_r)  for v > v_r,      F += c_c (-v - v_c)  for v < -v_c
 
-c in N s/m, at or above zero: by how much the slope falls when the blow-off valve opens; v_r, v_c in m/s the opening
-speeds. The knee is rounded over a tenth of the opening speed. It is a correction of a curve that goes on without the
-knee; a damper's whole hydraulic force is ``leak_blow_off_port``. No state. Source: the blow-off characteristic of
-Carrera Akutain et al., section 3.
+c >= 0 in N s/m is the loss of slope when the blow-off valve opens; v_r, v_c in m/s are the opening speeds. The knee is
+rounded over a tenth of the opening speed. The effect corrects a curve without the knee; ``leak_blow_off_port`` is a
+damper's whole hydraulic force. No state. Source: the blow-off characteristic of Carrera Akutain et al., section 3.
 """
 
 from math import sqrt
@@ -33,7 +32,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The valve opens within the speeds that were driven, and not at once."""
+    """The valve opens within the recorded speeds, above the lowest ones."""
     speed = ranges.speed
     limits = dict.fromkeys(("opening_rebound", "opening_compression"), (0.06 * speed, 0.8 * speed))
     values = dict.fromkeys(limits, 0.3 * speed)
@@ -52,7 +51,7 @@ EFFECT = Effect(
         Parameter("softening_compression", "N s/m", 500.0, 0.0, 1e5, "loss of slope in compression", linear=True),
         Parameter("opening_compression", "m/s", 0.3, 1e-3, 5.0, "speed at which the valve opens in compression"),
     ),
-    shows="a knee in F-v: above a speed the force grows much more slowly than the model's",
+    shows="a knee in F-v: above a certain speed the force grows much more slowly than the model's",
     separate="speeds well above and below the knee in both directions",
     trial=trial,
 )

@@ -1,13 +1,13 @@
-"""Bouc-Wen hysteresis with a switch in fast compression and a compensation of what it adds to the peaks.
+"""Bouc-Wen hysteresis with a switch in fast compression and a compensation of its share in the peaks.
 
     F = s(v) alpha z - c(v),      z as in ``bouc_wen_shifted``
     s(v) = 1 above -v_off, 0 below -(v_off + w), straight between
-    c(v): table of s alpha z at the peak velocities of sines, which the measured peaks of the viscous curve already hold
+    c(v): table of s alpha z at the peak velocities of sines, which the measured viscous curve already includes
 
-alpha in N, delta, beta, gamma in 1/m, mu, v_off and w in m/s. Switch and compensation follow from the
-hysteresis' own parameters, so the three are one effect. The table is made by running the hysteresis itself
-through sines of one frequency (setting), second cycle. States: z and the last displacement; first order in the
-step. Source: Gao et al., section 3.1.3; the values of figures 9 and 10 are not published.
+alpha in N, delta, beta, gamma in 1/m, mu, v_off and w in m/s. Switch and compensation follow from the parameters of the
+hysteresis, so the three are one effect. The table is the result of running the hysteresis through sines of one
+frequency (setting), second cycle. States: z and the last displacement; first order in the step. Source: Gao et al.,
+section 3.1.3; the values of figures 9 and 10 are not published.
 """
 
 from math import cos, pi, sin
@@ -19,7 +19,7 @@ from damper_estimator.effects.bouc_wen_shifted import SHIFTED_PARAMETERS, shifte
 from damper_estimator.effects.contract import Effect, Setting, Values, number
 from damper_estimator.signals.layout import DT, V, X
 
-_STEPS = 100  # per cycle; one and a half cycles bring the loop to its steady shape
+_STEPS = 100  # per cycle; the loop is steady after one and a half cycles
 
 
 @compiled
@@ -30,7 +30,7 @@ def opening(v, switch, width):
 
 @compiled
 def peak_forces(parameters, velocities, frequency, switch, width):
-    """What switch and hysteresis give at the rebound and compression peaks of sines of the given peak velocities."""
+    """Forces of switch and hysteresis at the rebound and compression peaks of sines of the given peak velocities."""
     omega = 2.0 * pi * frequency
     dt = 1.0 / (frequency * _STEPS)
     peaks = np.zeros((2, velocities.size))
@@ -54,7 +54,7 @@ def peak_forces(parameters, velocities, frequency, switch, width):
 
 def prepare(parameters: Values, settings: Values) -> np.ndarray:
     """The switch, then the compensation as a table over velocity, knots first."""
-    # The switch bends the curve, so its two ends are knots as well.
+    # The switch bends the curve, so both its ends are knots.
     switch, width = number(settings, "switch"), number(settings, "width")
     ends = [switch, switch + width]
     speeds = np.unique(np.concatenate([settings["velocity"], ends]))
@@ -92,7 +92,7 @@ EFFECT = Effect(
         Setting("width", "m/s", 0.05, "width of the switch", lower=1e-4),
         Setting("frequency", "Hz", 1.5, "frequency of the sines behind the compensation", lower=0.01),
         Setting(
-            "velocity", "m/s", (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2), "peak velocities of those sines",
+            "velocity", "m/s", (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2), "peak velocities of these sines",
             lower=1e-4, increasing=True,
         ),
     ),

@@ -1,4 +1,4 @@
-"""Rubber mount in series with the damper, with loss.
+"""Lossy rubber mount in series with the damper.
 
     F = k d + c d',      F = F_path(v - d')
 
@@ -20,7 +20,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """A mount gives way by a twentieth of the stroke at most; rubber loses up to a third at some 10 Hz."""
+    """A mount deflects by at most a twentieth of the stroke; rubber loses up to a third near 10 Hz."""
     least = max(20.0 * ranges.force / ranges.stroke, 5e4)
     starts = tuple({"stiffness": factor * least, "loss": 2e-3 * factor * least} for factor in (10.0, 40.0))
     limits = {"stiffness": (least, 1e9), "loss": (0.0, 2e4)}
@@ -37,7 +37,7 @@ EFFECT = Effect(
         Parameter("loss", "N s/m", 500.0, 0.0, 1e5, "damping of the mount"),
     ),
     order=1,
-    shows="the F-v loop opens with frequency, evenly in rebound and compression",
+    shows="the F-v loop opens with frequency, equally in rebound and compression",
     separate="repeat the test with a solid joint, or measure the mount alone",
     trial=trial,
 )

@@ -2,7 +2,7 @@
 
     F = F_f v / v_s  for |v| < v_s,      F = F_f sign(v)  beyond,      v_s = 7 mm/s
 
-F_f in N, of its own in rebound and compression. No state. Source: Carrera Akutain et al., section 3 and
+F_f in N, separate in rebound and compression. No state. Source: Carrera Akutain et al., section 3 and
 figure 5.
 """
 
@@ -31,7 +31,7 @@ EFFECT = Effect(
         Parameter("rebound", "N", 50.0, 0.0, 10000.0, "friction force in rebound", linear=True),
         Parameter("compression", "N", 50.0, 0.0, 10000.0, "friction force in compression", linear=True),
     ),
-    settings=(Setting("switch", "m/s", 0.007, "speed at which friction becomes Coulomb's", lower=1e-6),),
+    settings=(Setting("switch", "m/s", 0.007, "speed above which friction is constant", lower=1e-6),),
     shows="an odd step of the force where the velocity changes sign",
-    separate="a slow triangle (5 mm/s): friction stays, viscous force vanishes",
+    separate="a slow triangle (5 mm/s): friction remains, viscous force vanishes",
 )

@@ -26,7 +26,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Needs a command that changes."""
+    """Needs a changing command."""
     steep = 20.0 / (ranges.speed * max(abs(value) for value in changing_command(ranges)))
     limits = {"damping": (0.05 * steep, 50.0 * steep), "stiffness": (0.0, 20.0 / ranges.stroke)}
     return Trial({"damping": steep, "stiffness": 0.0}, limits, spread(damping=(0.3 * steep, 3.0 * steep)))

@@ -1,9 +1,9 @@
-"""Smooth force-velocity curve through given points that never overshoots them (PCHIP).
+"""Smooth force-velocity curve through given points without overshoot (PCHIP).
 
-    F = cubic Hermite between the knots, slopes by the weighted harmonic mean of the neighbours' secants
+    F = cubic Hermite between the knots, slopes: weighted harmonic means of the adjacent secants
 
-Settings: knots in m/s, strictly increasing. Parameters: one force in N per knot; straight beyond the last
-ones. No state. Source: Fritsch and Carlson 1980, as in ``scipy.interpolate.PchipInterpolator``.
+Settings: knots in m/s, strictly increasing. Parameters: one force in N per knot; straight beyond the outermost knots.
+No state. Source: Fritsch and Carlson 1980, as in ``scipy.interpolate.PchipInterpolator``.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from damper_estimator.signals.layout import V
 
 
 def slopes(v: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Slopes (n,) at the knots; the secant's at the ends, zero at an extreme."""
+    """Slopes (n,) at the knots; of the secant at the ends, zero at an extremum."""
     h, secant = np.diff(v), np.diff(f) / np.diff(v)
     inner = np.zeros(max(v.size - 2, 0))
     same = secant[:-1] * secant[1:] > 0.0
@@ -41,7 +41,7 @@ def kernel(parameters, settings, kinematics, state, force):
         elif v >= settings[count - 1]:
             force[i] += parameters[count - 1] + settings[2 * count - 1] * (v - settings[count - 1])
         else:
-            k = min(np.searchsorted(settings[:count], v, side="right") - 1, count - 2)  # NaN counts as above all
+            k = min(np.searchsorted(settings[:count], v, side="right") - 1, count - 2)  # NaN counts as above all knots
             h = settings[k + 1] - settings[k]
             s = (v - settings[k]) / h
             r = 1.0 - s
@@ -58,5 +58,5 @@ EFFECT = Effect(
     parameters=(Parameter("force", "N", 0.0, -50000.0, 50000.0, "force at the knot", size="velocity"),),
     settings=(Setting("velocity", "m/s", KNOTS, "knots of the curve, at least two", increasing=True),),
     prepare=prepare,
-    shows="one smooth line in F-v whatever the frequency and amplitude",
+    shows="one smooth line in F-v at any frequency and amplitude",
 )

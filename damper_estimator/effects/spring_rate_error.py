@@ -1,8 +1,8 @@
-"""Spring force that was not, or not rightly, subtracted from the gauge's force.
+"""Spring force that was not, or not correctly, subtracted from the gauge's force.
 
     F_measured = F + k x
 
-k in N/m, x in m. Off line only; it is corrected by the signal map's ``force.spring_rate``. Source: definition of
+k in N/m, x in m. Offline only; corrected with ``force.spring_rate`` in the signal map. Source: definition of
 the signal map's force channel.
 """
 
@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
-    """The rest of the spring is subtracted, too."""
+    """Adds the error to the subtracted spring rate."""
     return {"spring_rate": chain["spring_rate"] + number(values, "rate")}
 
 
@@ -31,7 +31,7 @@ EFFECT = Effect(
     phenomenon="spring_rate_error",
     tests=("spring",),
     parameters=(Parameter("rate", "N/m", 0.0, -200000.0, 200000.0, "error of the spring rate", linear=True),),
-    shows="a straight line over displacement, whatever the velocity",
+    shows="a straight line over displacement, at any velocity",
     separate="a slow stroke without the spring, or with a known one",
     correct=correct,
 )

@@ -27,7 +27,7 @@ EFFECT = Effect(
         Parameter("damping", "s/m", 30.0, -1e4, 1e4, "steepness r over velocity"),
         Parameter("stiffness", "1/m", 0.0, -1e4, 1e4, "shift h over displacement"),
     ),
-    shows="the F-v loop is open about zero velocity",
+    shows="the F-v loop is open near zero velocity",
     separate="the same peak velocity at two frequencies and amplitudes",
     trial=None,
 )

@@ -29,7 +29,7 @@ EFFECT = Effect(
         Parameter("damping", "s/m", 30.0, -1e6, 1e6, "steepness r over velocity"),
         Parameter("hysteresis", "1", 0.3, -1e3, 1e3, "shift h by the side of the stroke"),
     ),
-    shows="the F-v loop is open about zero velocity",
+    shows="the F-v loop is open near zero velocity",
     separate="the same peak velocity at two frequencies and amplitudes",
     trial=None,
 )

@@ -1,4 +1,4 @@
-"""A constant force: the gas force at rest, or what the strain gauge shows at rest.
+"""A constant force: the gas force at rest, or the strain gauge's reading at rest.
 
     F = F_0
 
@@ -21,5 +21,5 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     parameters=(Parameter("force", "N", 0.0, -20000.0, 20000.0, "force at rest", linear=True),),
-    shows="the whole F-v diagram is moved up or down",
+    shows="the whole F-v diagram is shifted up or down",
 )

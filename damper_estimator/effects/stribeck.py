@@ -29,12 +29,12 @@ EFFECT = Effect(
     tests=("friction step",),
     parameters=(
         Parameter("force", "N", 50.0, 0.0, 10000.0, "sliding friction", linear=True),
-        Parameter("excess", "N", 20.0, 0.0, 5000.0, "static friction above the sliding one", linear=True),
+        Parameter("excess", "N", 20.0, 0.0, 5000.0, "excess of static over sliding friction", linear=True),
     ),
     settings=(
-        Setting("stribeck_velocity", "m/s", 0.02, "velocity at which static friction has faded", lower=1e-4),
+        Setting("stribeck_velocity", "m/s", 0.02, "velocity beyond which static friction fades", lower=1e-4),
         Setting("transition", "m/s", 0.003, "width of the transition through zero velocity", lower=1e-6),
     ),
-    shows="an odd step at zero velocity that is higher at very low speed than above",
+    shows="an odd step at zero velocity that is higher at very low speed",
     separate="slow triangles at several speeds below 20 mm/s",
 )

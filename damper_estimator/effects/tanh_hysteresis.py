@@ -1,4 +1,4 @@
-"""Friction-like step whose place in velocity is shifted by the acceleration: the simplest hysteresis of a MR damper.
+"""Friction-like step whose position in velocity shifts with the acceleration: the simplest hysteresis of an MR damper.
 
     F = F_y tanh(s (v + h a))
 
@@ -22,7 +22,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The step is narrower than the speeds that were driven."""
+    """The step is narrower than the range of the recorded speeds."""
     steep = 1.0 / ranges.speed
     limits = {"steepness": (1.5 * steep, 100.0 * steep), "shift": (-0.03, 0.03)}
     values = {"steepness": 10.0 * steep, "shift": 0.003}
@@ -38,8 +38,8 @@ EFFECT = Effect(
         Parameter("steepness", "s/m", 30.0, 0.1, 5000.0, "steepness through zero velocity"),
         Parameter("shift", "s", 0.0, -0.05, 0.05, "shift of the step per acceleration"),
     ),
-    shows="the F-v loop is open about zero velocity and closes at high velocity",
-    separate="the same peak velocity at two frequencies: a lag grows with it, memory of displacement does not",
+    shows="the F-v loop is open near zero velocity and closes at high velocity",
+    separate="the same peak velocity at two frequencies: a lag grows with frequency, memory of displacement does not",
     trial=trial,
     general=True,
 )

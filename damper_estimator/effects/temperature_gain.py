@@ -3,7 +3,7 @@
     F <- F (1 - kappa (theta - theta_0)) - g (theta - theta_0)
 
 kappa in 1/K, g in N/K, theta in deg C (measured), theta_0 in deg C (setting): the oil gets thinner, and warm gas pushes
-the rod out harder. Without a temperature the force is left as it is; the gain stays between 0.1 and 3. No state.
+the rod out harder. Without a temperature the force is unchanged; the gain stays between 0.1 and 3. No state.
 Source: viscosity of the oil over temperature, linearised; the gas law.
 """
 
@@ -26,7 +26,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The model holds where the recording is coldest."""
+    """The model holds at the lowest recorded temperature."""
     low, _ = changing_temperature(ranges)
     return Trial({"reference": low, "fade": 0.002})
 

@@ -1,8 +1,8 @@
-"""How an effect is tried on a recording: where the search for its parameters begins and what is physical there.
+"""How an effect is tried on a recording: start values of its parameters and their physical limits.
 
-Lengths, speeds and forces of dampers differ by orders of magnitude, and shapes without limits impersonate each other
-(long pre-sliding friction is a spring, an end stop at mid-stroke is gas): an effect that stands for a phenomenon says
-what it may be on the ranges that a recording drives.
+Lengths, speeds and forces of dampers differ by orders of magnitude, and effects without limits imitate each other (long
+pre-sliding friction looks like a spring, an end stop at mid-stroke like gas): an effect that represents a phenomenon
+states its physical limits for the ranges of a recording.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,19 +12,19 @@ Number = float | tuple[float, ...]
 
 
 class Untestable(Exception):
-    """An effect cannot be tried on a recording; the message says what is missing, in a few words."""
+    """An effect cannot be tried on a recording; the message says what is missing."""
 
 
 @dataclass(frozen=True)
 class Ranges:
-    """What recordings of a damper drive; SI units.
+    """The ranges that recordings of a damper cover; SI units.
 
     Attributes:
-        compression, extension: smallest and largest displacement, less the outermost thousandth, m.
+        compression, extension: smallest and largest displacement without the outermost thousandth, m.
         speed: 99.5 % of the absolute velocities are below it, m/s.
         acceleration: the same, m/s^2.
         force: rms about the mean, N.
-        seconds: judged time of the shortest recording.
+        seconds: compared duration of the shortest recording.
         command, temperature: lowest and highest (A, deg C); None where not recorded.
     """
 
@@ -39,12 +39,12 @@ class Ranges:
 
     @property
     def stroke(self) -> float:
-        """Driven stroke, m."""
+        """Recorded stroke, m."""
         return self.extension - self.compression
 
     @property
     def middle(self) -> float:
-        """Middle of the driven stroke, m."""
+        """Middle of the recorded stroke, m."""
         return 0.5 * (self.extension + self.compression)
 
 
@@ -53,9 +53,9 @@ class Trial:
     """One way to try an effect.
 
     Attributes:
-        values: settings and start values by name; what is left out takes the effect's default.
+        values: settings and start values by name; the effect's default for the others.
         limits: lowest and highest physical value of parameters by name, narrower than their bounds.
-        starts: further start values of parameters by name; the best start is gone on with.
+        starts: further start values of parameters by name; the fit continues from the best start.
     """
 
     values: Mapping[str, Number] = field(default_factory=dict)
@@ -65,14 +65,14 @@ class Trial:
 
 Try = Callable[[Ranges], Trial]
 
-_STANDING = 0.05  # of the largest command: a smaller change is a command that stands still
+_STANDING = 0.05  # of the largest command: a smaller change counts as constant
 
 
 def changing_command(ranges: Ranges) -> tuple[float, float]:
     """Lowest and highest command (A).
 
     Raises:
-        Untestable: without a command, or where it stands still: a channel that does not vary explains nothing.
+        Untestable: without a command, or with a constant one, which explains nothing.
     """
     if ranges.command is None:
         raise Untestable("no command was recorded")
@@ -89,23 +89,23 @@ def changing_temperature(ranges: Ranges) -> tuple[float, float]:
     """Lowest and highest temperature (deg C).
 
     Raises:
-        Untestable: without a temperature, or where it changed by less than 2 K.
+        Untestable: without a temperature, or if it changed by less than 2 K.
     """
     if ranges.temperature is None:
         raise Untestable("no temperature was recorded")
     low, high = ranges.temperature
     if high - low < _LEAST_CHANGE:
-        raise Untestable(f"the temperature changed by {high - low:.2g} K only")
+        raise Untestable(f"the temperature changed by only {high - low:.2g} K")
     return low, high
 
 
 def ordinary(ranges: Ranges) -> Trial:
-    """From the effect's defaults, between its bounds."""
+    """The effect's defaults and bounds."""
     return Trial()
 
 
 def spread(**values: tuple[float, ...]) -> tuple[dict[str, float], ...]:
-    """Start values as all combinations: ``spread(delay=(1e-3, 5e-3), gain=(0.5,))``."""
+    """All combinations of start values: ``spread(delay=(1e-3, 5e-3), gain=(0.5,))``."""
     starts: list[dict[str, float]] = [{}]
     for name, choices in values.items():
         starts = [{**start, name: choice} for start in starts for choice in choices]

@@ -1,12 +1,12 @@
-"""Valve that opens and closes late: the force overshoots while it opens and is missing while it closes.
+"""Valve that opens and closes late: the force is too high while it opens and too low while it closes.
 
     F <- F + g (w - y),      tau dy/dt + y = w,      w = sgn(F) (|F| - F_o ln(1 + |F| / F_o))
 
-g without unit, F_o in N, tau in s. Below the opening force F_o the passages are always open and nothing is late; above
-it the opening follows the pressure with a lag, and the pressure, as the square of flow over opening, is too high by up
-to twice what the opening lacks: g is 0 to 3. w is taken as linear between samples, for which the lag is exact. States:
-y and the last w; second order in the step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2; the
-disc that lifts with pressure, Lang 1977.
+g without unit, F_o in N, tau in s. Below the opening force F_o only the open passages act, without lag; above it the
+opening follows the pressure with a lag, and the pressure, as the square of flow over opening, is too high by up to
+twice the missing opening: g is 0 to 3. The lag is exact for w linear between samples. States: y and the last w; second
+order in the step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2; the disc that lifts with
+pressure, Lang 1977.
 """
 
 from math import exp, log
@@ -37,7 +37,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """It opens at forces that were reached, late by milliseconds."""
+    """It opens at recorded forces, late by milliseconds."""
     force = ranges.force
     values = {"overshoot": 1.0, "opening": 0.3 * force, "time_constant": 0.002}
     limits = {"opening": (0.05 * force, 5.0 * force), "time_constant": (3e-4, 0.05)}
@@ -50,7 +50,7 @@ EFFECT = Effect(
     phenomenon="valve_delay",
     tests=("valve",),
     parameters=(
-        Parameter("overshoot", "1", 1.0, 0.0, 3.0, "overshoot g, per share that the opening lacks"),
+        Parameter("overshoot", "1", 1.0, 0.0, 3.0, "overshoot g per missing share of the opening"),
         Parameter("opening", "N", 200.0, 1.0, 20000.0, "force at which the valve opens"),
         Parameter("time_constant", "s", 0.002, 1e-5, 0.2, "time constant of the valve's opening"),
     ),
@@ -58,6 +58,6 @@ EFFECT = Effect(
     linear=False,
     order=2,
     shows="once the valve is open, too much force while it rises and too little while it falls",
-    separate="the same peak velocity at two frequencies: the overshoot grows with the faster one",
+    separate="the same peak velocity at two frequencies: the overshoot grows with frequency",
     trial=trial,
 )

@@ -1,4 +1,4 @@
-"""Delays the velocity for what follows in its path: hysteresis as the time that valves take to open and close.
+"""Delays the velocity for the following effects of its path: hysteresis as the time that valves take to open and close.
 
     v <- v(t - tau)
 

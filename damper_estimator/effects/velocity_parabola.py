@@ -1,4 +1,4 @@
-"""Parabola over velocity with coefficients of its own per direction, in the units of its source.
+"""Parabola over velocity with separate coefficients per direction, in the units of its source.
 
     F = x_1 + x_2r w + x_3r w^2  for w > 0,      F = x_1 + x_2c w - x_3c w^2  for w <= 0,      w = 1000 v
 
@@ -34,7 +34,7 @@ EFFECT = Effect(
         Parameter("square_rebound", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_3 for w > 0", linear=True),
         Parameter("square_compression", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_4 for w <= 0", linear=True),
     ),
-    shows="F-v bends, and differently in rebound and compression",
+    shows="F-v is curved, differently in rebound and compression",
     separate="speeds over the whole range in both directions",
     trial=None,
 )

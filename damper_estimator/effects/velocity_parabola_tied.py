@@ -1,4 +1,4 @@
-"""Parabola over velocity with one linear coefficient and a square of its own per direction, in the units of its source.
+"""Parabola over velocity, one linear coefficient and a square per direction, in the units of its source.
 
     F = x_1 + x_2 w + x_3 w^2  for w > 0,      F = x_1 + x_2 w - x_4 w^2  for w <= 0,      w = 1000 v
 
@@ -31,7 +31,7 @@ EFFECT = Effect(
         Parameter("square_rebound", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_3, for w > 0", linear=True),
         Parameter("square_compression", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_4, for w <= 0", linear=True),
     ),
-    shows="F-v bends, and differently in rebound and compression",
+    shows="F-v is curved, differently in rebound and compression",
     separate="speeds over the whole range in both directions",
     trial=None,
 )

@@ -27,5 +27,5 @@ EFFECT = Effect(
         Parameter("square", "N s^2/mm^2", 0.0, -5000.0, 5100.0, "x_3", linear=True),
         Parameter("cubic", "N s^3/mm^3", 0.0, -5000.0, 5100.0, "x_4", linear=True),
     ),
-    shows="one line in F-v whatever the frequency and amplitude",
+    shows="one line in F-v at any frequency and amplitude",
 )

@@ -1,10 +1,10 @@
-"""Scale that follows the oil's viscosity over the measured temperature.
+"""Scale that follows the oil's viscosity with the measured temperature.
 
     F <- F exp(-b (theta - theta_0))
 
-b in 1/K, theta in deg C (measured), theta_0 in deg C (setting). It scales whatever stands before it in its path: a
-viscous force, or a series element. Without a temperature the force is left as it is; the scale stays between 0.05 and
-20. No state. Source: viscosity of oils over temperature, Reynolds' equation.
+b in 1/K, theta in deg C (measured), theta_0 in deg C (setting). It scales the preceding effects of its path: a viscous
+force, or a series element. Without a temperature the force is unchanged; the scale stays between 0.05 and 20. No state.
+Source: viscosity of oils over temperature, Reynolds' equation.
 """
 
 from math import exp
@@ -27,7 +27,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The model holds where the recording is coldest; oils lose 1 to 4 % per kelvin."""
+    """The model holds at the lowest recorded temperature; oils lose 1 to 4 % per kelvin."""
     low, _ = changing_temperature(ranges)
     return Trial({"reference": low, "rate": 0.005}, {"rate": (0.0, 0.06)})
 
@@ -39,7 +39,7 @@ EFFECT = Effect(
     tests=("temperature",),
     parameters=(Parameter("rate", "1/K", 0.01, -0.01, 0.1, "relative loss per kelvin"),),
     settings=(Setting("reference", "deg C", 40.0, "temperature at which the scale is 1", lower=-60.0, upper=200.0),),
-    shows="the damping falls as the damper warms up, friction and gas force do not",
+    shows="the damping falls as the damper warms up; friction and gas force do not",
     separate="the same manoeuvre cold and warm",
     trial=trial,
 )

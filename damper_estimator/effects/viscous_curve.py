@@ -1,4 +1,4 @@
-"""Force-velocity curve through given points, straight between them and beyond the last ones.
+"""Force-velocity curve through given points, straight between them and beyond the outermost.
 
     F = F_k + (F_{k+1} - F_k) (v - v_k) / (v_{k+1} - v_k),      v_k <= v < v_{k+1}
 
@@ -35,5 +35,5 @@ EFFECT = Effect(
     kind="source",
     parameters=(Parameter("force", "N", 0.0, -50000.0, 50000.0, "force at the knot", linear=True, size="velocity"),),
     settings=(Setting("velocity", "m/s", KNOTS, "knots of the curve, at least two", increasing=True),),
-    shows="one line in F-v whatever the frequency and amplitude",
+    shows="one line in F-v at any frequency and amplitude",
 )

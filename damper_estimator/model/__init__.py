@@ -1,4 +1,4 @@
-"""Models of dampers: lists of effects, their YAML files, and the streams that run them."""
+"""Damper models: lists of effects, their YAML files, and the streams that run them."""
 
 from damper_estimator.model.damper_model import DamperModel, Slot
 from damper_estimator.model.element import Element, make_element

@@ -1,15 +1,15 @@
 """The force chain as a flat program, and the one loop that runs it, in blocks and live.
 
-Every entry of a model becomes one operation on registers: forces (one per path) and motions (the given one, and a
-private copy per path that changes it). A chain with a series effect runs sample by sample: the deflection d of the
-compliance before a path is solved for,
+Every entry of a model becomes one operation on registers: forces (one per path) and motions (the input motion, and a
+private copy for each path that changes it). A chain with a series effect runs sample by sample: the deflection d of the
+compliance in front of a path solves
 
     F_compliance(d, r) = F_path(v - r),      r = (d - d_before) / dt      (backward Euler; r = 0 on the first sample)
 
-The left side rises with d and the right side falls, so the root is single. The search starts from the last rate and the
+The left side rises with d and the right side falls, so the root is unique. The search starts from the last rate and the
 last slope, goes on by secants and bisects where a secant leaves the bracket or is slow to close it. Kernels are called
-by their addresses, and so are the loops: compiled once for all models and callers. What scales the compliance acts on
-its force, with the motion that is given to the series: the command, the temperature and the position of the damper.
+by their addresses, and so are the loops: compiled once for all models and callers. Modifiers that scale the compliance
+act on its force, with the input motion of the series: command, temperature and position of the damper.
 """
 
 import numpy as np
@@ -19,11 +19,11 @@ from damper_estimator.model.kernels import BLOCK_LOOP, SAMPLE_LOOP, by_address, 
 from damper_estimator.signals.layout import DT, A, V, X
 
 RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE = range(6)
-# Columns of the table of operations: what it does, its kernel, the matching SERIES or SOLVE row, its own registers and
-# its parent's, and which part of the parameters, settings and states belongs to it.
+# Columns of the table of operations: operation code, kernel, matching SERIES or SOLVE row, registers of the operation
+# and of its parent, and its range of the parameters, settings and states.
 CODE, KERNEL, PARTNER, MOTION, MOTION_UP, FORCE, FORCE_UP, P0, P1, S0, S1, Z0, Z1 = range(13)
 COLUMNS = 13
-# A series operation's own states stand before its kernel's: deflection, its rate, and the slope of the imbalance there.
+# The states of a series operation precede those of its kernel: deflection, its rate, and the slope of the imbalance.
 DEFLECTION, RATE, SLOPE = range(3)
 SERIES_STATES = 3
 # Columns of a solver's row: the trial deflection, the point before it, and the bracket.
@@ -31,13 +31,13 @@ TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
 SOLVER_COLUMNS = 6
 _TOLERANCE = 1e-9  # of the force, and times 100 N
 _ITERATIONS = 80
-_CLOSED = 1e-15  # m, width of a bracket in which nothing is left to find
-_START_SLOPE = 1e6  # N/m, before the first step taught a better one
+_CLOSED = 1e-15  # m, width of a bracket at which the search ends
+_START_SLOPE = 1e6  # N/m, for the first step
 
 
 @compiled
 def block_loop(functions, table, parameters, settings, kinematics, motions, forces, state, solvers, trace):
-    """``run`` without a series: each operation on the whole block."""
+    """``run`` without a series: every operation on the whole block."""
     for i in range(forces.shape[1]):
         forces[0, i] = 0.0
     j = 0
@@ -78,7 +78,7 @@ def sample_loop(
         forces[0, i] = force[0, 0]
         for k in range(trace.shape[0]):
             trace[k, i] = mark[k, 0]
-    work[0][0, 0] = 0.0  # a use, for the work space has to live until here
+    work[0][0, 0] = 0.0  # a use: the work space must live until here
 
 
 _run_block, _run_samples = by_address(block_loop, BLOCK_LOOP), by_address(sample_loop, SAMPLE_LOOP)
@@ -96,8 +96,8 @@ def run(functions, table, parameters, settings, kinematics, motions, forces, sta
         motions: (k, 8, n) registers 1 to k, for paths that change the motion.
         forces: (l, n) registers; register 0 holds the result.
         state: flat float64 array, carried.
-        solvers: (m, 6) work space of the series operations; (0, 6) where there is none.
-        trace: (m, n) to receive what each operation changed of the force, or (0, 0).
+        solvers: (m, 6) work space of the series operations; (0, 6) without series.
+        trace: (m, n) receives the change of the force by each operation; or (0, 0).
     """
     if solvers.shape[0] == 0:
         _run_block(functions, table, parameters, settings, kinematics, motions, forces, state, solvers, trace)
@@ -109,14 +109,14 @@ def run(functions, table, parameters, settings, kinematics, motions, forces, sta
 def run_with_resets(
     functions, table, parameters, settings, kinematics, motions, forces, state, series, restart, trace, out
 ):
-    """Runs the program on a block that may hold resets; a force that is not finite resets the state as well.
+    """Runs the program on a block that can contain resets; a non-finite force also resets the state.
 
     Args:
         functions, table, parameters, settings, kinematics, state, trace: as in ``run``.
-        motions, forces: how many registers the program needs.
-        series: whether it has a series operation.
-        restart: (1,) int64, carried: whether the next sample is to be the first after a reset.
-        out: (n,) N, the forces; not finite where the model gave none.
+        motions, forces: numbers of registers of the program.
+        series: whether the program has a series operation.
+        restart: (1,) int64, carried: whether the next sample is the first after a reset.
+        out: (n,) N, the forces; not finite where the model has no finite force.
     """
     size = kinematics.shape[1]
     first, length = 0, size
@@ -142,7 +142,7 @@ def run_with_resets(
             for k in range(trace.shape[0]):
                 trace[k, first + i] = marks[k, i]
             if not np.isfinite(registers[0, i]):
-                # What follows was computed from a lost state: do it again, in growing pieces.
+                # The rest was computed from a lost state: repeat it, in growing pieces.
                 restart[0], last, length = 1, first + i + 1, 1
                 break
         if restart[0] == 0:
@@ -183,7 +183,7 @@ def _operate(functions, table, j, parameters, settings, kinematics, motions, for
 
 @inlined
 def _begin_series(table, j, column, motions, force, state, saved, solver):
-    """Keeps the states from before this sample and tries the deflection to which the last rate leads."""
+    """Saves the states before this sample and tries the deflection that the last rate predicts."""
     first, last = table[j, Z0], table[table[j, PARTNER], Z1]
     for k in range(first, last):
         saved[k] = state[k]
@@ -197,7 +197,7 @@ def _begin_series(table, j, column, motions, force, state, saved, solver):
 
 @inlined
 def _try_deflection(table, j, given, motions, force, saved, solver):
-    """Sets the path's motion to what the trial deflection leaves of the given one, and its force to zero."""
+    """Sets the path's motion to the given one less the trial deflection, and its force to zero."""
     own = motions[table[j, MOTION] - 1]
     for k in range(given.shape[0]):
         own[k, 0] = given[k, 0]
@@ -217,7 +217,8 @@ def _advance_series(
     functions, table, end, parameters, settings, column, motions, force, state, saved, solvers, mark, deflected,
     compliance,
 ):  # fmt: skip
-    """Compares compliance and path at the trial; ``end`` when they balance, else where to run the path again."""
+    """Compares compliance and path at the trial; returns ``end`` if they balance, else the row from which to run the
+    path again."""
     begin = table[end, PARTNER]
     solver = solvers[begin]
     first, last = table[begin, Z0], table[end, Z1]
@@ -263,7 +264,7 @@ def _advance_series(
 
 @inlined
 def _secant_slope(solver, deflection, g, slope):
-    """Slope of the imbalance between this point and the last one; ``slope`` where there is none."""
+    """Slope of the imbalance between this point and the last one; ``slope`` if undefined."""
     if solver[COUNT] > 0.0 and deflection != solver[LAST]:
         secant = (g - solver[G_LAST]) / (deflection - solver[LAST])
         if secant > 0.0:
@@ -273,7 +274,7 @@ def _secant_slope(solver, deflection, g, slope):
 
 @inlined
 def _balanced(solver, g, tolerance, slope):
-    """True when the trial is accepted; otherwise the next trial is proposed."""
+    """True if the trial is accepted; otherwise sets the next trial."""
     if abs(g) <= tolerance or solver[COUNT] >= _ITERATIONS:
         return True
     here = solver[TRIAL]
@@ -287,7 +288,7 @@ def _balanced(solver, g, tolerance, slope):
     step = -g / _secant_slope(solver, here, g, slope)
     bracketed = width < np.inf
     if not bracketed and solver[COUNT] > 1.0:
-        step *= 2.0  # a side is still missing: rather too far than too short
+        step *= 2.0  # one side of the bracket is missing: rather too far than too short
     trial = here + step
     slow = int(solver[COUNT]) % 4 == 3
     if bracketed and (slow or not solver[LOW] < trial < solver[HIGH]):

@@ -1,4 +1,4 @@
-"""A model of one damper: an ordered list of effects, immutable, with verbs that return a changed copy."""
+"""A model of one damper: an immutable, ordered list of effects with methods that return changed copies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Slot:
-    """One number of a model that identification may change.
+    """One number of a model that identification can change.
 
     Attributes:
         address: such as ``coulomb.force``, ``bouc_wen#2.alpha``, ``viscous_curve.force[3]``.
-        value: present value.
+        value: current value.
         parameter: its declaration (unit, bounds, meaning).
         entry: position of its effect in order of ``walk``.
         index: position in a vector parameter, None for a scalar.
-        fixed: whether the model file keeps it from identification.
+        fixed: whether identification leaves it unchanged.
     """
 
     address: str
@@ -46,9 +46,9 @@ class DamperModel:
     Attributes:
         name, source: from the model file.
         effects: entries in order; order is physics (sources, then what acts on their sum).
-        fixed: addresses that identification leaves alone unless told otherwise.
-        notes: what was decided about the published model, and why.
-        fit: what the last identification left: bags, date, cutoff, residual deviation, region, standard errors.
+        fixed: addresses that identification leaves unchanged unless requested otherwise.
+        notes: decisions about the published model, with reasons.
+        fit: results of the last identification: bags, date, cutoff, residual deviation, region, standard errors.
     """
 
     name: str
@@ -60,12 +60,12 @@ class DamperModel:
 
     @cached_property
     def program(self) -> Program:
-        """The model laid out for the chain."""
+        """The compiled model for the chain."""
         return compile_program(self.effects)
 
     @cached_property
     def slots(self) -> tuple[Slot, ...]:
-        """Every number that identification may change, in order."""
+        """Every number that identification can change, in order."""
         slots = []
         for entry, (label, element) in enumerate(labels(self.effects)):
             for parameter in element.effect.parameters:
@@ -79,7 +79,7 @@ class DamperModel:
 
     @property
     def knots(self) -> dict[str, str]:
-        """Where on its curve each entry of a vector parameter stands, such as ``at -0.15 m/s``, by address."""
+        """Position of each entry of a vector parameter on its curve, such as ``at -0.15 m/s``, by address."""
         places, elements = {}, labels(self.effects)
         for slot in self.slots:
             _, element = elements[slot.entry]
@@ -89,23 +89,23 @@ class DamperModel:
         return places
 
     def __repr__(self) -> str:
-        """Its name and the labels of its effects; ``model_yaml`` gives it whole."""
+        """Name and labels of the effects; ``model_yaml`` returns the whole model."""
         return f"DamperModel({self.name}: {', '.join(label for label, _ in labels(self.effects))})"
 
     def __getstate__(self) -> dict[str, object]:
-        """What goes to another process: what was declared; the compiled program is made there anew."""
+        """The declaration, for another process; the compiled program is built again there."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     def stream(self) -> Stream:
-        """A fresh running state."""
+        """A new stream with the initial state."""
         return Stream(self.program)
 
     def force(self, block: np.ndarray) -> np.ndarray:
-        """Forces (n,) in N over a whole block (8, n), from a fresh state."""
+        """Forces (n,) in N over a whole block (8, n), from the initial state."""
         return self.stream().force(block)
 
     def contributions(self, block: np.ndarray) -> dict[str, np.ndarray]:
-        """What each entry contributes to the force, (n,) in N by label; they add up to ``force``."""
+        """Contribution of each entry to the force, (n,) in N by label; the sum is ``force``."""
         _, parts = self.stream().contributions(block)
         return {
             label: part
@@ -114,10 +114,10 @@ class DamperModel:
         }
 
     def with_values(self, values: Mapping[str, float]) -> "DamperModel":
-        """The model with some numbers changed, by address; what it knows of its last fit is dropped.
+        """The model with some numbers changed, by address, without the results of its last fit.
 
         Raises:
-            InputError: names every address that the model does not have.
+            InputError: names every unknown address.
         """
         unknown = [address for address in values if address not in {slot.address for slot in self.slots}]
         if unknown:
@@ -132,21 +132,21 @@ class DamperModel:
         """The model with all numbers changed, in order of ``slots``; reuses the compiled program."""
         by_entry: dict[int, dict[str, float | tuple[float, ...]]] = {}
         for slot, number in zip(self.slots, vector, strict=True):
-            own = by_entry.setdefault(slot.entry, {})
+            values = by_entry.setdefault(slot.entry, {})
             if slot.index is None:
-                own[slot.parameter.name] = float(number)
+                values[slot.parameter.name] = float(number)
             else:
-                own[slot.parameter.name] = (*own.get(slot.parameter.name, ()), float(number))
+                values[slot.parameter.name] = (*values.get(slot.parameter.name, ()), float(number))
         changed = replace(self, effects=_with_entries(self.effects, by_entry, [0]), fit={})
-        # The structure is the same, so the program is refilled; frozen only towards the outside.
+        # The structure is the same, so the program is refilled; the class is frozen only for its users.
         changed.__dict__["program"] = refilled(self.program, changed.effects)
         return changed
 
     def with_effect(self, element: Element) -> "DamperModel":
-        """The model with an entry more, at the place that its kind asks for.
+        """The model with an additional entry at the position that its kind requires.
 
         A source goes before the first modifier of the top level, a modifier or channel effect to the end, an input
-        effect to the front; a series effect wraps all sources that stand before the first modifier.
+        effect to the front; a series effect wraps all sources before the first modifier.
         """
         head = [e for e in self.effects if e.effect.kind in ("source", "path", "series", "input")]
         count = next((i for i, e in enumerate(self.effects) if e not in head), len(self.effects))
@@ -165,17 +165,17 @@ class DamperModel:
         return replace(self, effects=effects, fit={})
 
     def without(self, label: str) -> "DamperModel":
-        """The model less one entry; what a series effect wrapped stays.
+        """The model without one entry; entries that a series effect wrapped remain.
 
         Raises:
-            InputError: where there is no such entry.
+            InputError: for an unknown entry.
         """
         entries = dict(labels(self.effects))
         if label not in entries:
             raise InputError(f"model {self.name}: has no effect {label}; it has {', '.join(entries)}")
         return replace(self, effects=_removed(self.effects, entries[label]), fit={})
 
-    # What exports a model imports this module, so that these two methods import it when they are called.
+    # The exporters import this module, so these two methods import them when called.
     def to_c(self, folder: str | PathLike[str], **options: Any) -> "WrittenC":
         """Writes the model as C99, ``NAME.h`` and ``NAME.c``, into a folder; ``options`` as in `damper_estimator.to_c`.
 
@@ -198,7 +198,7 @@ class DamperModel:
 
     @property
     def channel_effects(self) -> list[str]:
-        """Labels of effects of the measurement chain; a model that is deployed has none."""
+        """Labels of effects of the measurement chain; a deployed model has none."""
         return [label for label, element in labels(self.effects) if element.effect.kind == "channel"]
 
     def uses(self) -> set[str]:

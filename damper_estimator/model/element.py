@@ -31,25 +31,25 @@ class Element:
 
 
 def make_element(effect: Effect, values: Mapping[str, object] | None = None, path: tuple[Element, ...] = ()) -> Element:
-    """An entry from parameter and setting values by name; what is left out takes the default.
+    """An entry from parameter and setting values by name, with defaults for the others.
 
     Raises:
-        InputError: names every culprit: unknown names, wrong lengths, values out of bounds, a path where none belongs.
+        InputError: names all faults: unknown names, wrong lengths, values out of bounds, an unexpected path.
     """
     given = dict(values or {})
     faults = [
-        f"{name!r} is none of its values ({', '.join(_names(effect)) or 'it has none'})"
+        f"{name!r} is unknown (allowed: {', '.join(_names(effect)) or 'none'})"
         for name in given
         if name not in _names(effect)
     ]
     if effect.kind not in ("path", "scaled", "series") and path:
-        faults.append("it takes no path")
+        faults.append("it accepts no path")
     if effect.kind in ("path", "scaled", "series") and not forces_of(path, effect):
         faults.append("its path is empty")
-    if effect.kind == "scaled" and (others := [own.effect.name for own in path if own.effect.kind != "modifier"]):
+    if effect.kind == "scaled" and (others := [entry.effect.name for entry in path if entry.effect.kind != "modifier"]):
         faults.append(f"{', '.join(others)}: only modifiers can scale")
-    if any(own.effect.kind == "scaled" for own in (path[1:] if effect.kind == "series" else path)):
-        faults.append("scaled stands first in the path of a series effect, and nowhere else")
+    if any(entry.effect.kind == "scaled" for entry in (path[1:] if effect.kind == "series" else path)):
+        faults.append("scaled must be first in the path of a series effect")
     settings = {s.name: _checked_setting(s, given.get(s.name, s.default), faults) for s in effect.settings}
     parameters = {
         p.name: _checked_parameter(p, given.get(p.name), p.length(settings), faults) for p in effect.parameters
@@ -60,13 +60,13 @@ def make_element(effect: Effect, values: Mapping[str, object] | None = None, pat
 
 
 def forces_of(path: tuple[Element, ...], effect: Effect) -> tuple[Element, ...]:
-    """What a path holds beside that which scales the series effect that wraps it."""
+    """The entries of a path without the modifiers that scale the wrapping series effect."""
     return path[1:] if effect.kind == "series" and path and path[0].effect.kind == "scaled" else path
 
 
 def new_element(effect: Effect, before: tuple[Element, ...], values: Mapping[str, object] | None = None) -> Element:
-    """An entry that is to be put into a model with the entries ``before``; ``DamperModel.with_effect`` finds its place
-    and, for a series effect, what it wraps.
+    """An entry to be added to a model with the entries ``before``; ``DamperModel.with_effect`` chooses its position
+    and, for a series effect, the wrapped entries.
 
     Raises:
         InputError: as ``make_element``.
@@ -81,7 +81,7 @@ def _names(effect: Effect) -> list[str]:
 
 
 def _numbers(value: object) -> tuple[float, ...] | None:
-    """The value as a tuple of floats; None where it is something else."""
+    """The value as a tuple of floats; None for anything else."""
     items = value if isinstance(value, list | tuple) else (value,)
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
         return None

@@ -1,20 +1,19 @@
-"""A model as force-velocity tables: what it gives at one displacement once the motion is steady.
+"""A model as force-velocity tables: its steady force at one displacement.
 
-Each force is that of a passage at constant velocity through the chosen displacement: friction and hysteresis have slid,
-lags and delays have passed, the acceleration is zero. That is the middle of the model's loops; at velocity 0 it is the
-mean of arriving from either side. A table has no memory: hysteresis, position beyond the chosen one, and heating are
-lost.
+Each force is that of a passage at constant velocity through the chosen displacement: friction and hysteresis are
+sliding, lags and delays have settled, the acceleration is zero. This is the middle of the model's loops; at velocity 0
+it is the mean of both directions of approach. A table has no memory: hysteresis, dependence on position, and heating
+are lost.
 
-Outside the velocities that the model was fitted on the table does not take the model's word: a polynomial soon turns
-round there. It goes on straight from the edge of the region, and level where the force falls at the edge (see
-``model.continuation``). Commands and temperatures outside are the model's.
+Outside the velocities of the fit the table does not use the model, as a polynomial soon reverses there. It continues
+linearly from the edge of the region, or constant if the force falls at the edge (see ``model.continuation``). Outside
+the fit's commands and temperatures it uses the model.
 
-Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n, in_region; our signs, empty where a
-channel plays no part; in_region is 1 inside the region of the fit, 0 outside, empty for a model without one) and for
-every command and temperature a property file of the kind that ADAMS reads for dampers (``.dpr``): plain text, ``$``
-starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force
-on a line each, rising, positive in extension and where the force resists it; between the points the program lays its
-own spline.
+Files: ``force_velocity.csv`` (velocity_m_s, command, temperature_degc, force_n, in_region; our signs, empty for a
+channel without effect; in_region is 1 inside the region of the fit, 0 outside, empty for a model without region) and
+for every command and temperature a property file of the kind that ADAMS reads for dampers (``.dpr``): plain text, ``$``
+starts a comment, ``[UNITS]`` says mm, N and s, and ``[CURVE]`` lists velocity and force on a line each, rising,
+positive in extension and where the force resists it; ADAMS interpolates the points with a spline.
 """
 
 from collections.abc import Sequence
@@ -31,14 +30,14 @@ from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.model.element import Element, make_element, walk
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
 
-APPROACH = 0.02  # m, way at constant velocity: several times what friction slides before it is fully there
-_LONGEST = 5.0  # s that an approach may last
-_HOLD = 0.4  # s in which lags and delays pass
+APPROACH = 0.02  # m, distance at constant velocity: several times the travel that builds up friction
+_LONGEST = 5.0  # s, longest duration of an approach
+_HOLD = 0.4  # s, in which lags and delays settle
 _STEP, _MOST_STEPS = 1e-3, 20_000
 _SHARES = (0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0)
-_EDGE = 0.1  # of the region: over so much of it the slope is taken with which a table goes on
+_EDGE = 0.1  # of the region: its outer part that determines the slope outside
 COLUMNS = ("velocity_m_s", "command", "temperature_degc", "force_n", "in_region")
-_WITHOUT_REGION = COLUMNS[:4]  # a table that is not from here need not say
+_WITHOUT_REGION = COLUMNS[:4]  # tables from elsewhere can lack in_region
 
 
 @dataclass(frozen=True)
@@ -47,10 +46,10 @@ class ForceTable:
 
     Attributes:
         velocity: (k,) m/s, rising.
-        commands, temperatures: (c,), (t,); a single NaN where there is no such channel.
+        commands, temperatures: (c,), (t,); a single NaN without such a channel.
         force: (c, t, k) N.
-        displacement: m, where the motion passes.
-        inside: (c, t, k) bool, whether in the region of the fit; None where the model has none.
+        displacement: m, of the passage.
+        inside: (c, t, k) bool, whether in the region of the fit; None for a model without region.
     """
 
     velocity: np.ndarray
@@ -71,18 +70,18 @@ def force_table(
     """The model's steady force on a grid.
 
     Args:
-        velocity: (k,) m/s; None takes a grid that is fine around zero, over the region of the last fit or to 1 m/s,
-            and the knots of the model's own curves.
-        commands, temperatures: empty takes five over the region of the last fit, or none where it has no such channel.
+        velocity: (k,) m/s; None chooses a grid that is fine around zero, over the region of the last fit or to 1 m/s,
+            with the knots of the model's curves.
+        commands, temperatures: empty chooses five over the region of the last fit, or none without such a channel.
         displacement: m.
 
     Raises:
-        InputError: where the model holds effects of the measurement chain, or gives no finite force somewhere.
+        InputError: if the model contains effects of the measurement chain, or has no finite force at a point.
     """
     if model.channel_effects:
         raise InputError(
-            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; take "
-            "them out before the export"
+            f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; "
+            "remove them before the export"
         )
     v = velocity_grid(model) if velocity is None else np.unique(np.asarray(velocity, float))
     levels = [_levels(model, name, given) for name, given in (("command", commands), ("temperature", temperatures))]
@@ -90,9 +89,8 @@ def force_table(
     if not np.isfinite(force).all():
         c, t, k = np.argwhere(~np.isfinite(force))[0]
         raise InputError(
-            f"model {model.name}: gives no finite force at {v[k]:g} m/s, command {levels[0][c]:g}, temperature "
-            f"{levels[1][t]:g}; "
-            "name currents and temperatures that it needs"
+            f"model {model.name}: has no finite force at {v[k]:g} m/s, command {levels[0][c]:g}, temperature "
+            f"{levels[1][t]:g}; specify the currents and temperatures that it needs"
         )
     return ForceTable(v, levels[0], levels[1], force, displacement, _inside(model, *levels, v))
 
@@ -100,15 +98,15 @@ def force_table(
 def _curve(
     model: DamperModel, velocity: np.ndarray, displacement: float, command: float, temperature: float
 ) -> np.ndarray:
-    """(k,) steady forces; outside the region of the fit they continue those inside."""
+    """(k,) steady forces; outside the region of the fit they continue the inner ones."""
     low, high = _region(model, "velocity") or (-np.inf, np.inf)
     outside = (velocity < low) | (velocity > high)
     if not (outside.any() and low < high):
         return np.array([steady_force(model, v, displacement, command, temperature) for v in velocity])
     ends = [low, low + _EDGE * (high - low), high - _EDGE * (high - low), high]
-    told = np.concatenate([velocity[~outside], ends])
-    force = np.array([steady_force(model, v, displacement, command, temperature) for v in told])
-    inside = told.size - len(ends)
+    computed = np.concatenate([velocity[~outside], ends])
+    force = np.array([steady_force(model, v, displacement, command, temperature) for v in computed])
+    inside = computed.size - len(ends)
     knots = np.concatenate([velocity[velocity < low], ends, velocity[velocity > high]])
     known = np.isin(knots, ends)
     values = np.zeros(knots.size)
@@ -131,7 +129,7 @@ def _inside(model: DamperModel, *axes: np.ndarray) -> np.ndarray | None:
 
 
 def velocity_grid(model: DamperModel) -> np.ndarray:
-    """Velocities at which tables are made by default, m/s, rising."""
+    """Default velocities of tables, m/s, rising."""
     low, high = _region(model, "velocity") or (-1.0, 1.0)
     low, high = min(low, 0.0), max(high, 0.0)
     knots = [k for e in walk(model.effects) for k in _knots(e) if low <= k <= high]
@@ -159,7 +157,7 @@ def _levels(model: DamperModel, name: str, given: Sequence[float]) -> np.ndarray
 def steady_force(
     model: DamperModel, velocity: float, displacement: float, command: float = np.nan, temperature: float = np.nan
 ) -> float:
-    """Force in N with which a passage at constant velocity arrives at a displacement; at rest the mean of both."""
+    """Force in N when a passage at constant velocity reaches a displacement; at rest the mean of both directions."""
     if velocity == 0.0:
         slow = min(APPROACH / _LONGEST, 1e-3)
         arrivals = [_arrival(model, sign * slow, 0.0, displacement, command, temperature) for sign in (1.0, -1.0)]
@@ -177,7 +175,7 @@ def _arrival(
     block[DT, 1 : 1 + steps] = seconds / steps
     block[DT, 1 + steps :] = _STEP
     block[T] = np.cumsum(block[DT])
-    # The way ends at the displacement; there the velocity is held without moving on, until lags have passed.
+    # The passage ends at the displacement; the velocity then stays without further motion until lags have settled.
     block[X] = displacement - approach * np.maximum(seconds - block[T], 0.0)
     block[V, : 1 + steps], block[V, 1 + steps :] = approach, velocity
     block[A] = 0.0
@@ -224,16 +222,16 @@ def read_table(path: Path) -> ForceTable:
     """A table that ``write_tables`` wrote as CSV.
 
     Raises:
-        InputError: where it is none.
+        InputError: if it is not a table.
     """
     try:
         head, *lines = path.read_text(encoding="utf-8").split()
         rows = np.array([[float(cell or "nan") for cell in line.split(",")] for line in lines])
     except (OSError, ValueError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a table; it wants the columns {', '.join(COLUMNS)}") from error
+        raise InputError(f"{path}: cannot be read as a table; it needs the columns {', '.join(COLUMNS)}") from error
     columns = tuple(head.split(","))
     if columns not in (COLUMNS, _WITHOUT_REGION) or rows.ndim != 2 or rows.shape[1] != len(columns):
-        raise InputError(f"{path}: is not a force-velocity table; it wants the columns {', '.join(COLUMNS)}")
+        raise InputError(f"{path}: is not a force-velocity table; it needs the columns {', '.join(COLUMNS)}")
     axes = [np.unique(rows[:, i]) for i in range(3)]
     velocity, commands, temperatures = axes
     shape = commands.size, temperatures.size, velocity.size
@@ -258,12 +256,12 @@ def write_tables(model: DamperModel, table: ForceTable, folder: Path) -> list[Pa
     """Writes the CSV and one property file for every command and temperature into a folder.
 
     Raises:
-        InputError: where it cannot be written.
+        InputError: if it cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
+        raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another folder") from error
     written = [folder / "force_velocity.csv"]
     write_text(written[0], table_csv(table))
     for i, command in enumerate(table.commands):

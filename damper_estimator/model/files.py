@@ -18,7 +18,7 @@ LIBRARY = "config/models"
 
 
 def library_models() -> dict[str, Path]:
-    """Path of every installed model by name, in alphabetical order but for numbers, which count."""
+    """Path of every installed model by name, in alphabetical order with numbers in numerical order."""
     paths = share_path(LIBRARY).glob("*.yaml")
     return {path.stem: path for path in sorted(paths, key=lambda path: _numbers_counting(path.stem))}
 
@@ -28,16 +28,16 @@ def _numbers_counting(name: str) -> list[str]:
 
 
 def load_model(name_or_path: str | Path, damper: str | None = None) -> DamperModel:
-    """Reads a model: a YAML file, a folder with one ``<damper>.yaml`` each, or the name of an installed one.
+    """Reads a model: a YAML file, a folder with one ``<damper>.yaml`` per damper, or the name of an installed model.
 
     Raises:
-        InputError: one line with the file, what is wrong and what to do.
+        InputError: one line with the file, the fault and the remedy.
     """
     path = Path(name_or_path)
     if path.is_dir():
         if damper is None or not (path / f"{damper}.yaml").exists():
-            there = ", ".join(sorted(p.stem for p in path.glob("*.yaml"))) or "none"
-            raise InputError(f"{path}: holds no model for damper {damper}; it has {there}")
+            found = ", ".join(sorted(p.stem for p in path.glob("*.yaml"))) or "none"
+            raise InputError(f"{path}: contains no model for damper {damper}, only for {found}")
         path = path / f"{damper}.yaml"
     elif not path.exists() and path.suffix not in (".yaml", ".yml"):
         library = library_models()
@@ -55,7 +55,7 @@ def parse_model(content: object, where: str) -> DamperModel:
     """A model from the content of its file; ``where`` names the file in errors.
 
     Raises:
-        InputError: one line with the file, what is wrong and what to do.
+        InputError: one line with the file, the fault and the remedy.
     """
     if not isinstance(content, dict) or not isinstance(content.get("effects"), list) or not content["effects"]:
         raise InputError(f"{where}: is not a model file; it needs the keys name, source and a list of effects")
@@ -84,7 +84,7 @@ def _check_fixed(model: DamperModel) -> None:
     known = {slot.address for slot in model.slots} | {slot.address.split("[")[0] for slot in model.slots}
     unknown = [address for address in model.fixed if address not in known]
     if unknown:
-        raise InputError(f"fixed names {', '.join(unknown)}, which the model does not have")
+        raise InputError(f"fixed contains {', '.join(unknown)}, which the model does not have")
 
 
 def _parse_list(entries: object) -> tuple[Element, ...]:
@@ -110,16 +110,16 @@ def _parse_entry(entry: object) -> Element:
 
 
 def save_model(model: DamperModel, path: str | Path) -> None:
-    """Writes a model file in one step.
+    """Writes a model file atomically.
 
     Raises:
-        InputError: where it cannot be written.
+        InputError: if it cannot be written.
     """
     files.write_text(path, model_yaml(model))
 
 
 def model_yaml(model: DamperModel) -> str:
-    """The model as YAML; ``parse_model`` gives the same model back."""
+    """The model as YAML; ``parse_model`` restores the same model."""
     content: dict[str, object] = {"name": model.name, "source": model.source}
     if model.notes:
         content["notes"] = model.notes
@@ -142,7 +142,7 @@ def _entry(element: Element) -> dict[str, object]:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Numbers and lists of numbers on one line, floats with every digit and read back as floats."""
+    """Numbers and lists of numbers on one line, floats with all digits and a decimal point."""
 
 
 def _represent_float(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:

@@ -1,6 +1,6 @@
-"""Kernels and loops as compiled code calls them: by the address of their machine code.
+"""Calls of kernels and loops from compiled code, by the address of their machine code.
 
-What is called so is compiled once for all that call it; a direct call would put a copy into each of its callers.
+A function called by its address is compiled once for all callers; a direct call would copy it into each caller.
 """
 
 from collections.abc import Callable
@@ -10,8 +10,8 @@ import numpy as np
 from damper_estimator.compiled import COMPILED
 
 BLOCK_LOOP, SAMPLE_LOOP, FIRST_KERNEL = range(3)
-"""Places in the list of a program's functions: the loop over operations on blocks, that over samples with a series (0:
-there is no series), and the kernels, one after the other.
+"""Places in the list of a program's functions: the loop over operations on blocks, that over samples with a series (0
+without series), and the kernels in order.
 """
 
 if COMPILED:
@@ -22,12 +22,12 @@ if COMPILED:
 
     _VECTOR, _MATRIX, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
     KERNEL = types.void(_VECTOR, _VECTOR, _MATRIX, _VECTOR, _VECTOR)
-    """How a kernel is called: parameters, settings, kinematics, state, force."""
+    """Signature of a kernel: parameters, settings, kinematics, state, force."""
     LOOP = types.void(int64[::1], int64[:, ::1], _VECTOR, _VECTOR, _MATRIX, _STACK, _MATRIX, _VECTOR, _MATRIX, _MATRIX)
-    """How a loop is called; see ``chain.run``."""
+    """Signature of a loop; see ``chain.run``."""
 
     def _call(context, builder, signature, address, arguments):
-        """Calls the function at an address, in numba's own way; an exception goes on to the caller."""
+        """Calls the function at an address by numba's convention; exceptions propagate to the caller."""
         kinds = signature.args
         code = context.call_conv.get_function_type(signature.return_type, kinds)
         pointer = builder.inttoptr(address, code.as_pointer())
@@ -38,7 +38,7 @@ if COMPILED:
 
     @intrinsic
     def call_kernel(typing, functions, number, parameters, settings, kinematics, state, force):
-        """Calls a kernel by its place in the list of functions."""
+        """Calls a kernel by its position in the list of functions."""
 
         def code(context, builder, signature, arguments):
             listed = context.make_array(signature.args[0])(context, builder, arguments[0])
@@ -49,7 +49,7 @@ if COMPILED:
         return types.void(int64[::1], int64, *KERNEL.args), code
 
     def by_address(function: Callable, number: int) -> Callable:
-        """The loop ``number`` as compiled code calls it."""
+        """The loop ``number`` for calls from compiled code."""
 
         @intrinsic
         def call_loop(
@@ -67,7 +67,7 @@ if COMPILED:
 
     @intrinsic
     def part(typing, array, first, last):
-        """``array[first:last]`` for places that are known to be there; a view that keeps nothing alive."""
+        """``array[first:last]`` for valid indices; a view that does not keep the array alive."""
 
         def code(context, builder, signature, arguments):
             kind = signature.args[0]
@@ -88,7 +88,7 @@ if COMPILED:
 else:
 
     def call_kernel(functions, number, parameters, settings, kinematics, state, force):
-        """Calls a kernel by its place in the list of functions."""
+        """Calls a kernel by its position in the list of functions."""
         functions[FIRST_KERNEL + number](parameters, settings, kinematics, state, force)
 
     def by_address(function: Callable, number: int) -> Callable:
@@ -101,16 +101,17 @@ else:
 
 
 def addresses(loops: list, kernels: list) -> np.ndarray | list:
-    """The functions of a program as the loops call them: their addresses, the functions where nothing is compiled.
+    """The functions of a program for the loops: their addresses, or the functions themselves without compilation.
 
     Args:
         loops: two; the second may be None.
-        kernels: as many as there are.
+        kernels: any number.
     """
     if not COMPILED:
         return [*loops, *kernels]
     return np.array(
-        [0 if loop is None else _address(loop, LOOP) for loop in loops] + [_address(own, KERNEL) for own in kernels]
+        [0 if loop is None else _address(loop, LOOP) for loop in loops]
+        + [_address(kernel, KERNEL) for kernel in kernels]
     )
 
 

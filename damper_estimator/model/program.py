@@ -1,4 +1,4 @@
-"""Lays a model out as the chain's flat program: tables of operations, parameters, settings and states."""
+"""Compiles a model into the chain's flat program: tables of operations, parameters, settings and states."""
 
 from dataclasses import dataclass, replace
 
@@ -15,12 +15,12 @@ class Program:
     """A model ready to run; see ``chain.run``.
 
     Attributes:
-        functions: what ``function_list`` gave.
+        functions: the result of ``function_list``.
         table: (m, 13) int64.
         parameters, settings: flat float64 arrays.
         motions, forces, states: sizes of the registers and of the state.
         rows: for every entry of the model in order of ``walk``, its row in the table.
-        series: whether there is a series operation.
+        series: whether the program has a series operation.
     """
 
     functions: np.ndarray | list
@@ -34,11 +34,11 @@ class Program:
     series: bool
 
     def __reduce__(self) -> str:
-        raise TypeError("a program holds addresses of this process: send the model, which makes its program again")
+        raise TypeError("a program holds addresses of this process: send the model, which compiles it again")
 
 
 class _Layout:
-    """Collects operations; one use."""
+    """Collects the operations of one program."""
 
     def __init__(self):
         self.rows: list[list[int]] = []
@@ -73,7 +73,9 @@ class _Layout:
         for element in elements:
             if element.effect.kind == "scaled":
                 self.entry_rows.append(self.add(chain.ENTER, motion, motion, force, force, None))
-                self.entry_rows += [self.add(chain.SCALE, motion, motion, force, force, own) for own in element.path]
+                self.entry_rows += [
+                    self.add(chain.SCALE, motion, motion, force, force, entry) for entry in element.path
+                ]
                 continue
             if element.effect.kind not in ("path", "series"):
                 self.entry_rows.append(self.add(chain.RUN, motion, motion, force, force, element))
@@ -94,23 +96,24 @@ class _Layout:
         return self.motions
 
     def new_force(self) -> int:
-        """A register for a path's own force."""
+        """A register for the force of a path."""
         self.forces += 1
         return self.forces - 1
 
 
 def function_list(kernels: list, series: bool) -> np.ndarray | list:
-    """What ``chain.run`` calls for a program with these kernels; ``series``: whether it has a series operation."""
+    """The functions that ``chain.run`` calls for a program with these kernels; ``series``: whether it has a series
+    operation."""
     return addresses([chain.block_loop, chain.sample_loop if series else None], kernels)
 
 
 def packed(element: Element) -> np.ndarray:
-    """The parameters of an entry as the kernel takes them: one after the other, vectors laid out flat."""
+    """The parameters of an entry in the kernel's order, vectors flattened."""
     return np.concatenate([np.atleast_1d(value) for value in element.parameters.values()] or [np.zeros(0)])
 
 
 def changes_motion(elements: tuple[Element, ...]) -> bool:
-    """Whether a list needs a motion of its own, because one of its entries rewrites it."""
+    """Whether a list needs a separate motion, because one of its entries rewrites it."""
     return any(element.effect.kind == "input" for element in elements)
 
 
@@ -118,13 +121,13 @@ def compile_program(elements: tuple[Element, ...]) -> Program:
     """The program of a list of entries.
 
     Raises:
-        InputError: where a channel effect stands inside a path, where it would act on a part of the force only.
+        InputError: for a channel effect inside a path, where it would act on only a part of the force.
     """
     inside = [e.effect.name for element in elements for e in walk(element.path) if e.effect.kind == "channel"]
     if inside:
-        raise InputError(f"{', '.join(inside)}: an effect of the measurement chain cannot stand inside a path")
+        raise InputError(f"{', '.join(inside)}: an effect of the measurement chain cannot be inside a path")
     if any(element.effect.kind == "scaled" for element in elements):
-        raise InputError("scaled stands first in the path of a series effect, and nowhere else")
+        raise InputError("scaled must be first in the path of a series effect")
     layout = _Layout()
     if changes_motion(elements):
         motion, force = layout.new_motion(), layout.new_force()
@@ -149,7 +152,7 @@ def compile_program(elements: tuple[Element, ...]) -> Program:
 
 
 def refilled(program: Program, elements: tuple[Element, ...]) -> Program:
-    """The same program with the values of ``elements``, which must have the structure it was compiled from."""
+    """The same program with the values of ``elements``, which must have the structure that it was compiled from."""
     entries = [element for element in walk(elements) if element.effect.kernel is not None]
     parameters = [packed(element) for element in entries]
     settings = [np.asarray(e.effect.prepare(e.parameters, e.settings), float) for e in entries]

@@ -1,4 +1,4 @@
-"""Runs a model on blocks of samples, carrying its state: the one way forces are computed, live and off line."""
+"""Runs a model on blocks of samples with a carried state; the only way to compute forces, live and offline."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ _NO_TRACE = np.zeros((0, 0))
 
 
 class Stream:
-    """The running state of one model. Blocks of any size, also of one sample, give the same forces bit for bit."""
+    """The running state of one model. Blocks of any size, down to one sample, produce the same forces bit for bit."""
 
     def __init__(self, program: Program):
-        """``program`` from ``compile_program``; several streams may share one."""
+        """``program`` from ``compile_program``; several streams can share one."""
         self._program = program
         self._state = np.zeros(program.states)
         self._restart = np.zeros(1, np.int64)
@@ -20,14 +20,14 @@ class Stream:
     def force(self, block: np.ndarray) -> np.ndarray:
         """Forces (n,) in N of the next samples, ``block`` (8, n) in the rows of ``signals.layout``.
 
-        A step of 0 resets the state, and so does a force that is not finite.
+        A step of 0 or a non-finite force resets the state.
         """
         return self._run(block, _NO_TRACE)
 
     def contributions(self, block: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Forces (n,) and what each entry of the model contributed to them, (entries, n) in order of ``walk``.
+        """Forces (n,) and the contribution of each entry of the model, (entries, n) in order of ``walk``.
 
-        They add up to the force; what stands behind a compliance is counted there as a whole.
+        They add up to the force; a compliance includes everything behind it.
         """
         trace = np.zeros((self._program.table.shape[0], block.shape[1]))
         force = self._run(block, trace)

@@ -1,11 +1,11 @@
-"""Simulated dampers: chamber pressures, valves and seals, never the effects' own equations; benches and sensors.
+"""Simulated dampers from chamber pressures, valves and seals, never from the effects' equations; benches and sensors.
 
     drive = bench_drive("random", DAMPERS["passenger_front"], seconds=60.0, seed=1)
     truth = simulate(DAMPERS["passenger_front"], drive)       # noise-free force, pressures, temperature
-    sensed = measure(truth, Sensors(), seed=1)                # what a logger writes down
+    sensed = measure(truth, Sensors(), seed=1)                # the recording of a logger
     case = hidden(("friction",), Setup(damper, Sensors()), (base_drive, fit_drive, unseen_drive), 0.1, seed=1)
 
-``phenomena`` says what can be hidden and what its magnitude means.
+``phenomena`` lists what can be hidden and the meaning of its magnitude.
 """
 
 from damper_estimator.plant.calibration import Calibration, calibrate, relative_difference, strength

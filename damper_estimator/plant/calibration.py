@@ -1,6 +1,6 @@
-"""How much of a phenomenon it takes to change the force by a wanted share.
+"""The magnitude of a phenomenon that changes the force by a wanted share.
 
-Forces are compared below 30 Hz, where models are judged: a rod that rings on its mount at 60 Hz is no part of it.
+Forces are compared below 30 Hz, like models: a rod that rings on its mount at 60 Hz does not count.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ BAND = 30.0
 
 @dataclass(frozen=True)
 class Calibration:
-    """Magnitude of a phenomenon (its sign included) and the strength that it reaches on one record."""
+    """Signed magnitude of a phenomenon and its strength on one record."""
 
     phenomenon: str
     magnitude: float
@@ -53,14 +53,15 @@ def in_band(force: np.ndarray, step: float) -> np.ndarray:
 
 
 def calibrate(name: str, setup: Setup, drive: Drive, wanted: float, sign: float = 1.0) -> Calibration:
-    """Finds the magnitude at which a phenomenon has the ``wanted`` strength on this record, as near as it comes.
+    """Finds the magnitude at which a phenomenon has the ``wanted`` strength on this record, as nearly as possible.
 
-    Strength is taken to grow with magnitude. ``sign`` counts for errors of the measurement chain only. Where the record
-    does not excite the phenomenon enough, the magnitude is the highest that is physical; the reached strength says so.
+    Strength is assumed to grow with magnitude. ``sign`` applies only to errors of the measurement chain. If the record
+    does not excite the phenomenon enough, the magnitude is the highest physical one, and the reached strength is
+    smaller.
 
     Raises:
-        ValueError: where ``wanted`` is not between 0 and 1.
-        KeyError: for a name that is not a phenomenon.
+        ValueError: if ``wanted`` is not between 0 and 1.
+        KeyError: for an unknown phenomenon.
     """
     if not 0.0 < wanted < 1.0:
         raise ValueError(f"strength {wanted:g} is not between 0 and 1")
@@ -72,7 +73,8 @@ def calibrate(name: str, setup: Setup, drive: Drive, wanted: float, sign: float 
 
 
 class _Reach:
-    """Logarithm of the strength over that of the magnitude; the off state is simulated anew only where it changes."""
+    """Logarithm of the strength as a function of that of the magnitude; simulates the off state again only if it
+    changes."""
 
     def __init__(self, phenomenon: Phenomenon, setup: Setup, drive: Drive, factor: float) -> None:
         self._phenomenon, self._setup, self._drive, self._factor = phenomenon, setup, drive, factor
@@ -88,12 +90,12 @@ class _Reach:
 
     def _truth(self, damper: Damper) -> Truth:
         if damper not in self._truths:
-            self._truths = {damper: simulate(damper, self._drive)}  # one at a time: a minute takes 50 MB
+            self._truths = {damper: simulate(damper, self._drive)}  # one at a time: a minute needs 50 MB
         return self._truths[damper]
 
 
 def _search(reach: Callable[[float], float], low: float, high: float, wanted: float) -> tuple[float, float]:
-    """Place and value nearest to ``wanted``: secant steps, and halving where they leave what is still possible."""
+    """Argument and value nearest to ``wanted``: secant steps, with bisection where they leave the bracket."""
     place, slope, top = 0.0, 1.0, high
     tried: list[tuple[float, float]] = []
     for _ in range(MOST_TRIALS):

@@ -1,6 +1,6 @@
-"""Dampers to try things on, as different as dampers are; magnitudes are typical, none is a copy of a product.
+"""Widely different dampers for trials; magnitudes are typical, none is a copy of a product.
 
-| name | what | force at 0.3 m/s, rebound / compression, gas force included |
+| name | type | force at 0.3 m/s, rebound / compression, gas force included |
 | --- | --- | --- |
 | `passenger_front` | adjustable monotube of a family car, clear knee | 540 / -720 N (gas -230 N) |
 | `rally_rear` | long stroke, large bore, strong, nearly linear | 1030 / -1670 N (gas -500 N) |

@@ -1,4 +1,4 @@
-"""A simulated damper as a whole: its parts, what follows from them, and its state at rest."""
+"""A complete simulated damper: its parts, derived areas and volumes, and its state at rest."""
 
 from dataclasses import dataclass, replace
 from math import pi
@@ -25,7 +25,7 @@ class Damper:
     """Physical parameters of one monotube damper; ``parts`` documents each with its unit.
 
     ``adjuster`` is the opening of the bleed needle, 0 (hard) to 1 (soft); it scales ``piston.bleed_area`` from 20 % up.
-    ``inertia`` is the mass in kg that moves with the rod or in long passages, as felt by the gauge.
+    ``inertia`` is the effective mass in kg at the gauge that moves with the rod or in long passages.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Chambers(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """Everything that the compiled equations read."""
+    """All inputs of the compiled equations."""
 
     chambers: Chambers
     oil: Oil
@@ -81,7 +81,7 @@ class Parts(NamedTuple):
 
 
 def parts_of(damper: Damper) -> Parts:
-    """The damper's parts with areas and volumes worked out, every number a float (the compiler wants one type)."""
+    """The damper's parts with computed areas and volumes, all numbers floats (the compiler requires one type)."""
     needle = damper.piston.bleed_area * (0.2 + 0.8 * damper.adjuster)
     parts = Parts(
         chambers=_chambers(damper),
@@ -120,9 +120,9 @@ def _chambers(damper: Damper) -> Chambers:
 
 
 def packed_share(oil: Oil, pressure: float) -> float:
-    """Liquid beyond the chamber's volume, per volume, that holds ``pressure``: p'/B - free_gas p_ambient / p'.
+    """Liquid in excess of the chamber's volume, per volume, at ``pressure``: p'/B - free_gas p_ambient / p'.
 
-    p' is the pressure above vapour pressure, B the bulk modulus: compressed liquid, less what isothermal gas takes.
+    p' is the pressure above vapour pressure, B the bulk modulus: compressed liquid less the volume of isothermal gas.
     """
     above = pressure - oil.vapour_pressure
     return above / oil.bulk_modulus - oil.free_gas * AMBIENT_PRESSURE / above

@@ -1,6 +1,6 @@
-"""What a test bench does to a damper: smooth, band-limited displacements in m, reproducible from a seed.
+"""Excitations of a test bench: smooth, band-limited displacements in m, reproducible from a seed.
 
-Every record starts with two seconds and ends with half a second of rest, so that gauges can be zeroed.
+Every record starts with two seconds and ends with half a second at rest, so that gauges can be zeroed.
 """
 
 from collections.abc import Callable
@@ -11,27 +11,27 @@ from damper_estimator.plant.damper import Damper
 from damper_estimator.plant.simulation import STEP, Drive
 
 REST_BEFORE, REST_AFTER = 2.0, 0.5
-"""s, standing still at either end of every record."""
+"""s, at rest at the start and the end of every record."""
 
 USABLE_STROKE = 0.9
 """Share of the stroke that a bench uses."""
 
-DYNO_BLOCKS = (  # Hz, m: large strokes for the curve, small ones for what depends on frequency
+DYNO_BLOCKS = (  # Hz, m: large strokes for the curve, small ones for frequency dependence
     (0.5, 0.025), (1.0, 0.025), (2.0, 0.025), (3.0, 0.025), (5.0, 0.025),
     (1.5, 0.005), (3.0, 0.005), (6.0, 0.005), (12.0, 0.005), (8.0, 0.002), (15.0, 0.002),
 )  # fmt: skip
 
 
 def bench_drive(name: str, damper: Damper, seconds: float, seed: int, step: float = STEP) -> Drive:
-    """A bench excitation by name (``BENCH_EXCITATIONS``), kept inside the damper's stroke, without current.
+    """A bench excitation by name (``BENCH_EXCITATIONS``), within the damper's stroke, without current.
 
     Raises:
-        KeyError: for another name.
-        ValueError: where ``seconds`` leaves nothing between the rests.
+        KeyError: for an unknown name.
+        ValueError: if ``seconds`` is too short for the rests.
     """
     count = round((seconds - REST_BEFORE - REST_AFTER) / step)
     if count * step < 2.0:
-        raise ValueError(f"{seconds:g} s are too short: {REST_BEFORE + REST_AFTER + 2.0:g} s at least")
+        raise ValueError(f"{seconds:g} s are too short; at least {REST_BEFORE + REST_AFTER + 2.0:g} s are needed")
     limit = USABLE_STROKE * min(damper.geometry.rebound_stroke, damper.geometry.compression_stroke)
     motion = BENCH_EXCITATIONS[name](step * np.arange(count), limit, np.random.default_rng(seed))
     displacement = np.zeros(round(seconds / step))
@@ -55,7 +55,7 @@ def current_steps(seconds: float, seed: int, step: float = STEP, highest: float 
 def band_noise(count: int, step: float, low: float, high: float, corner: float, rng: np.random.Generator) -> np.ndarray:
     """Gaussian noise of unit variance, shape (count,): PSD 1 / (1 + (f/corner)^2) from ``low`` to ``high`` Hz, else 0.
 
-    The same seed and length in seconds give the same noise at every step.
+    The same seed and length in seconds produce the same noise at any step.
     """
     frequency = np.fft.rfftfreq(count, step)
     inside = np.flatnonzero((frequency >= low) & (frequency <= high))
@@ -73,13 +73,13 @@ def fade(time: np.ndarray, length: float, rise: float) -> np.ndarray:
 
 
 def within(displacement: np.ndarray, compression: float, rebound: float) -> np.ndarray:
-    """Keeps a displacement in m between -compression and rebound, smoothly; at 80 % of them it is 0.2 % short."""
+    """Limits a displacement in m smoothly to -compression and rebound; at 80 % of them it is 0.2 % smaller."""
     limit = np.where(displacement > 0.0, rebound, compression)
     return displacement / (1.0 + (displacement / limit) ** 16) ** (1.0 / 16.0)
 
 
 def _length(time: np.ndarray) -> float:
-    """Seconds; the same at every step, which ``time[-1]`` is not."""
+    """Seconds; independent of the step, unlike ``time[-1]``."""
     return time.size * time[1]
 
 
@@ -99,7 +99,7 @@ def _dyno(time: np.ndarray, limit: float, rng: np.random.Generator) -> np.ndarra
     for number, (frequency, amplitude) in enumerate(blocks):
         local = time - number * slot
         cycles = np.floor((slot - 0.15) * frequency)
-        if cycles < 1.0:  # too slow for the time there is: one cycle, faster
+        if cycles < 1.0:  # too slow for the available time: one cycle, faster
             frequency, cycles = 1.0 / (slot - 0.15), 1.0
         inside = (local >= 0.0) & (local < cycles / frequency)
         local = local[inside]

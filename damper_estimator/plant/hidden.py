@@ -10,7 +10,7 @@ from damper_estimator.plant.simulation import Drive, Truth, simulate
 
 @dataclass(frozen=True)
 class Record:
-    """One record of a setup: what happened and what was measured."""
+    """One record of a setup: the truth and the measurement."""
 
     setup: Setup
     truth: Truth
@@ -19,7 +19,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Hidden:
-    """A case; ``calibrations`` are those on the fit record, ``*_strength`` that of all its phenomena together."""
+    """A case; ``calibrations`` refer to the fit record, ``*_strength`` to all phenomena together."""
 
     calibrations: tuple[Calibration, ...]
     fit_strength: float
@@ -45,7 +45,7 @@ def switched(setup: Setup, calibrations: tuple[Calibration, ...]) -> tuple[Setup
 
 
 def without(setup: Setup, names: tuple[str, ...]) -> Setup:
-    """The setup with these phenomena off, at their ordinary magnitude where off depends on it."""
+    """The setup with these phenomena off, at their ordinary magnitude if the off state depends on it."""
     for name in names:
         setup = PHENOMENA[name].off(setup, 1.0)
     return setup
@@ -59,9 +59,10 @@ def hidden(
     seed: int,
     sign: float = 1.0,
 ) -> Hidden:
-    """A case from the drives of its base, fit and unseen record; each phenomenon is ``wanted`` strong on the fit.
+    """A case from the drives of its base, fit and unseen record; each phenomenon has the strength ``wanted`` on the
+    fit.
 
-    Phenomena are calibrated one by one, the others off. Without names nothing is hidden: fit and unseen are further
+    Phenomena are calibrated one by one with the others off. Without names nothing is hidden: fit and unseen are further
     records of the base.
     """
     calibrations = tuple(

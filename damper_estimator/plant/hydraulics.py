@@ -18,13 +18,13 @@ SEAT_PRESSURE = 2000.0
 def liquid_pressure(oil, excess, volume):
     """Pressure of a chamber in Pa from its liquid's excess (m^3 at zero pressure, beyond the volume) and volume.
 
-    Solves p'/B - g p_ambient / p' = excess / volume for p' = p - p_vapour: stiff liquid where it is packed; where it is
-    short of volume the free gas fraction g spreads and the pressure stays at vapour pressure while a void grows.
+    Solves p'/B - g p_ambient / p' = excess / volume for p' = p - p_vapour: stiff liquid where it is compressed; where
+    volume is missing the free gas fraction g expands, and the pressure stays at vapour pressure while a void grows.
     """
     stress = oil.bulk_modulus * excess / volume
     product = oil.bulk_modulus * oil.free_gas * AMBIENT_PRESSURE
     root = sqrt(stress * stress + 4.0 * product)
-    # The small root of the pair is lost to cancellation; it follows from their product.
+    # The smaller root suffers from cancellation; it follows from the product of both.
     above = 0.5 * (stress + root) if stress > 0.0 else 2.0 * product / (root - stress)
     return oil.vapour_pressure + above
 
@@ -33,8 +33,8 @@ def liquid_pressure(oil, excess, volume):
 def gas_pressure(gas, rest_volume, piston_volume, warmth):
     """Polytropic gas in Pa: p = p0 warmth (V0 / (V0 - piston_volume))^n.
 
-    ``warmth`` is the absolute temperature over that at the start. With 3 % of its volume left the floating piston has
-    bottomed, and the pressure rises no more.
+    ``warmth`` is the absolute temperature over that at the start. At 3 % of its volume the floating piston bottoms, and
+    the pressure no longer rises.
     """
     room = max(rest_volume - piston_volume, 0.03 * rest_volume)
     return gas.pressure * warmth * (rest_volume / room) ** gas.exponent
@@ -42,7 +42,7 @@ def gas_pressure(gas, rest_volume, piston_volume, warmth):
 
 @compiled
 def ramp(excess, width):
-    """max(excess, 0) with its corner rounded by a parabola within +-width: shut is quite shut."""
+    """max(excess, 0) with its corner rounded by a parabola within +-width; exactly zero below."""
     if excess <= -width:
         return 0.0
     return excess if excess >= width else (excess + width) ** 2 / (4.0 * width)
@@ -50,7 +50,7 @@ def ramp(excess, width):
 
 @compiled
 def lift_area(valve, pressure):
-    """Flow area in m^2 to which the discs lift at ``pressure`` (Pa, in the valve's own direction), without the port."""
+    """Flow area in m^2 of the discs lifted at ``pressure`` (Pa, in the valve's direction), without the port."""
     main = valve.gradient * ramp(pressure - valve.crack, valve.rounding * valve.crack)
     return main + valve.relief_gradient * ramp(pressure - valve.relief, valve.rounding * valve.relief)
 
@@ -67,7 +67,7 @@ def orifice_flow(area, transition, pressure, viscosity, density):
     """Flow in m^3/s through a short orifice: the root of R Q + K Q |Q| = pressure.
 
     K = density / (2 area^2) is the turbulent drop; the laminar R, proportional to ``viscosity`` (relative to 40 deg C),
-    is such that both are equal at the pressure ``transition``.
+    makes both equal at the pressure ``transition``.
     """
     turbulent = 0.5 * density / (area * area)
     laminar = viscosity * sqrt(0.5 * turbulent * transition)
@@ -76,7 +76,7 @@ def orifice_flow(area, transition, pressure, viscosity, density):
 
 @compiled
 def groove_area(piston, displacement):
-    """Bypass area in m^2 beside the piston: a smooth hump around the groove's centre."""
+    """Bypass area in m^2 around the piston: a smooth hump about the groove's centre."""
     distance = (displacement - piston.groove_centre) / piston.groove_width
     return piston.groove_area * exp(-distance * distance * distance * distance)
 
@@ -86,7 +86,7 @@ def piston_flow(parts, rebound_area, compression_area, pressure, displacement, v
     """Flow in m^3/s from rebound to compression chamber at the pressure difference ``pressure`` (Pa).
 
     Always open: needle, groove, ring gap. Behind checks: the rebound discs for positive pressure, the compression discs
-    for negative; ``*_area`` is how far each is lifted, in m^2.
+    for negative; ``*_area`` is the lifted area of each, in m^2.
     """
     piston, density = parts.piston, parts.oil.density
     flow = pressure * piston.ring_gap / viscosity

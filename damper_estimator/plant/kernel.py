@@ -2,18 +2,18 @@
 
 States u, in the order of the constants below:
 
-    g' = A_reb v - Q                oil that is packed into the rebound chamber, m^3
-    c' = A_com v + A w - Q          room that opens in the compression chamber, m^3
+    g' = A_reb v - Q                oil compressed into the rebound chamber, m^3
+    c' = A_com v + A w - Q          volume that opens in the compression chamber, m^3
     w' = (A (p_com - p_gas) - seal) / m     floating piston's velocity, m/s
     a' = (lift(p) - a) / T          discs' areas, rebound and compression, m^2; only with a lift time
     x', v'                          rod below the mount; only with a mount
 
-with p_reb and p_com from g and c and the volumes at x, and the floating piston's place (c - g - A_rod x) / A. No oil is
-lost or made: whatever leaves one chamber enters the other. The dry elements' sliders and the temperature are held
-during a step and committed after it.
+with p_reb and p_com from g and c and the volumes at x, and the floating piston's position (c - g - A_rod x) / A. Oil is
+conserved: the oil that leaves one chamber enters the other. The sliders of dry elements and the temperature are
+constant during a step and updated after it.
 
 Step: the two-stage Rosenbrock method ROS2 with gamma = 1 - 1/sqrt(2), second order (also with an approximate Jacobian)
-and L-stable; a step is divided where the oil moves too roughly for it. J. G. Verwer et al., A second-order Rosenbrock
+and L-stable; a step is divided if the oil's motion is too fast for it. J. G. Verwer et al., A second-order Rosenbrock
 method applied to photochemical dispersion problems, SIAM J. Sci. Comput. 20 (1999).
 """
 
@@ -35,10 +35,10 @@ PACKED, OPENED, FLOATING, REBOUND_AREA, COMPRESSION_AREA, ROD, ROD_VELOCITY = ra
 TEMPERATURE, FIELD, POWER, SEAL = 7, 8, 9, 10
 GEL, COIL = SEAL + ELEMENTS, SEAL + 2 * ELEMENTS
 MEMORY_SIZE = SEAL + 3 * ELEMENTS
-"""What a damper remembers: seven states, oil temperature, coil's field (A), dissipated power (W), sliders."""
+"""The memory of a damper: seven states, oil temperature, coil's field (A), dissipated power (W), sliders."""
 
 WORK_ROWS, MOVED = 12, 8
-"""Rows of scratch space, 7 wide: Jacobian, then vectors, one of them the states after a step that is being tried."""
+"""Rows of scratch space, 7 wide: Jacobian, then vectors, one of them the states after a trial step."""
 
 ROUGHNESS = 4e4
 """Pa, difference between first and second order at a step of 0.1 ms beyond which the step is divided."""
@@ -52,7 +52,7 @@ _CREEP = 2e-3  # m/s, width over which the floating piston's dry friction change
 
 @compiled
 def state_count(parts):
-    """How many of the states are alive: 3, 5 with a lift time, 7 with a mount."""
+    """Number of active states: 3, 5 with a lift time, 7 with a mount."""
     if parts.mount.stiffness > 0.0:
         return 7
     return 5 if parts.piston.lift_time > 0.0 else 3
@@ -60,7 +60,7 @@ def state_count(parts):
 
 @compiled
 def pressures(parts, memory, u, x):
-    """Pressures (Pa) of rebound chamber, compression chamber and gas, and the floating piston's place (m)."""
+    """Pressures (Pa) of rebound chamber, compression chamber and gas, and the floating piston's position (m)."""
     chambers = parts.chambers
     rod_volume = (chambers.compression_area - chambers.rebound_area) * x
     float_volume = u[OPENED] - u[PACKED] - rod_volume
@@ -75,7 +75,7 @@ def pressures(parts, memory, u, x):
 
 @compiled
 def yield_pressure(parts, memory, u, x):
-    """Pressure in Pa that gelled oil and the coil's field hold back; elastic in the oil's travel until it yields."""
+    """Yield pressure in Pa of gelled oil and the coil's field; elastic over the oil's travel until it yields."""
     gel, coil, held = parts.gel, parts.coil, 0.0
     travel = x - u[PACKED] / parts.chambers.rebound_area
     if gel.pressure > 0.0:
@@ -88,7 +88,7 @@ def yield_pressure(parts, memory, u, x):
 
 @compiled
 def lifted(parts, u, pressure):
-    """Areas in m^2 of the rebound and compression discs: followed at once, or the lagging states."""
+    """Areas in m^2 of the rebound and compression discs: immediate, or the lagging states."""
     if parts.piston.lift_time > 0.0:
         return u[REBOUND_AREA], u[COMPRESSION_AREA]
     return lift_area(parts.rebound, pressure), lift_area(parts.compression, -pressure)
@@ -113,7 +113,7 @@ def rod_force(parts, memory, rebound, compression, x, v):
 
 @compiled
 def through_piston(parts, memory, u, rebound, compression, x):
-    """Flow in m^3/s from rebound to compression chamber, and the pressure in Pa that drives the valves."""
+    """Flow in m^3/s from rebound to compression chamber, and the pressure in Pa at the valves."""
     viscosity = exp(-parts.oil.viscosity_slope * (memory[TEMPERATURE] - 40.0))
     driving = rebound - compression - yield_pressure(parts, memory, u, x)
     rebound_area, compression_area = lifted(parts, u, driving)
@@ -146,7 +146,7 @@ def slopes(parts, memory, u, given_x, given_v, out):
 
 @compiled
 def nudge(parts, number):
-    """Difference by which a state is moved to find the Jacobian: about 1 kPa, 10 um/s, 0.01 mm^2, 10 nm, 10 um/s."""
+    """Difference step of a state for the Jacobian: about 1 kPa, 10 um/s, 0.01 mm^2, 10 nm, 10 um/s."""
     if number == PACKED:
         return 1e3 * parts.chambers.rebound_volume / parts.oil.bulk_modulus
     if number == OPENED:
@@ -158,7 +158,8 @@ def nudge(parts, number):
 
 @compiled
 def factor(matrix, count):
-    """LU factors in place, without pivots: every state damps itself, the diagonal of I - gamma h J stays positive."""
+    """LU factors in place, without pivots: every state is self-damped, so the diagonal of I - gamma h J stays
+    positive."""
     for column in range(count):
         for row in range(column + 1, count):
             matrix[row, column] /= matrix[column, column]
@@ -168,7 +169,7 @@ def factor(matrix, count):
 
 @compiled
 def solve(matrix, vector, count):
-    """Solves in place with the factors."""
+    """Solves in place with these factors."""
     for row in range(1, count):
         for column in range(row):
             vector[row] -= matrix[row, column] * vector[column]
@@ -180,9 +181,9 @@ def solve(matrix, vector, count):
 
 @compiled
 def try_step(parts, memory, work, x0, v0, x1, v1, step):
-    """One Rosenbrock step from (x0, v0) to (x1, v1): the new states are left in ``work[MOVED]``.
+    """One Rosenbrock step from (x0, v0) to (x1, v1): the new states are in ``work[MOVED]``.
 
-    Returns the larger of both chambers' differences, in Pa of packed oil, to what the first stage alone would give.
+    Returns the larger difference of both chambers to the first stage alone, in Pa of compressed oil.
     """
     count = state_count(parts)
     u = memory
@@ -219,10 +220,10 @@ def try_step(parts, memory, work, x0, v0, x1, v1, step):
 
 @compiled
 def move(parts, memory, work, x0, v0, x1, v1, step):
-    """Moves the states on, in fractions of the step where a void opens or closes or a valve cracks too fast for it.
+    """Advances the states, in fractions of the step if a void opens or closes or a valve cracks too fast for it.
 
     Between the ends the displacement is the cubic through both displacements and velocities. The limit falls with the
-    square of smaller steps, so that the order of the method stays.
+    square of the step, which preserves the method's order.
     """
     limit = ROUGHNESS * min(step / 1e-4, 1.0) ** 2
     done, share = 0.0, 1.0
@@ -244,7 +245,7 @@ def move(parts, memory, work, x0, v0, x1, v1, step):
 
 @compiled
 def advance(parts, memory, work, x0, v0, x1, v1, current, step, out):
-    """One step: states, sliders, field and temperature move on; force and pressures at its end go to ``out``."""
+    """One step: advances states, sliders, field and temperature; writes force and pressures at its end to ``out``."""
     if parts.coil.pressure > 0.0:
         memory[FIELD] += (1.0 - exp(-step / parts.coil.time)) * (abs(current) - memory[FIELD])
     move(parts, memory, work, x0, v0, x1, v1, step)
@@ -263,7 +264,8 @@ def advance(parts, memory, work, x0, v0, x1, v1, current, step, out):
 
 @compiled
 def observe(parts, memory, given_x, given_v, out):
-    """Writes force, pressures, temperature, floating piston, rod and field to ``out``; returns the heat made, in W."""
+    """Writes force, pressures, temperature, floating piston, rod and field to ``out``; returns the dissipated power in
+    W."""
     mounted = parts.mount.stiffness > 0.0
     x = memory[ROD] if mounted else given_x
     v = memory[ROD_VELOCITY] if mounted else given_v
@@ -278,7 +280,7 @@ def observe(parts, memory, given_x, given_v, out):
 
 @compiled
 def integrate(parts, memory, work, displacement, velocity, current, step, out):
-    """Runs the whole record; ``out`` (n, OUT_ROWS) gets one row per sample, the first from the state at rest."""
+    """Runs the whole record; ``out`` (n, OUT_ROWS) receives one row per sample, the first from the state at rest."""
     observe(parts, memory, displacement[0], velocity[0], out[0])
     for index in range(1, len(displacement)):
         before = index - 1

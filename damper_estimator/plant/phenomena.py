@@ -1,29 +1,30 @@
-"""Every phenomenon as something physical that can be switched off, and on at any strength.
+"""Every phenomenon as a physical change that can be switched off, or on at any strength.
 
 A phenomenon's magnitude m is a physical number; 1 is ordinary. "Off" and "on" differ in nothing else.
 
 | phenomenon | off | on |
 | --- | --- | --- |
-| `gas_spring` | endless gas column: constant force | column of ordinary length / m: its pressure follows the rod |
-| `friction` | seals without dry friction | m times the seals' force (Stribeck, pre-sliding, pressed on by pressure) |
+| `gas_spring` | infinite gas column: constant force | column of ordinary length / m: its pressure follows the rod |
+| `friction` | seals without dry friction | m times the seals' force (Stribeck, pre-sliding, loaded by pressure) |
 | `oil_compressibility` | stiff oil and walls, 15 GPa | bulk modulus / m, m times the free gas |
 | `blow_off` | relief stages never open | they open at 1/m of their ordinary pressure |
-| `valve_delay` | discs follow the pressure at once | their lift lags, first order, by m ms |
-| `cavitation` | liquid that stands tension | vapour clamps it; charge towards 1.3 bar by 1/m, degassed (off as well) |
-| `temperature_fade` | oil keeps its temperature | dissipated power heats it by 4 m K/kJ; viscosity falls 2.2 % per K |
+| `valve_delay` | discs follow the pressure immediately | their lift lags, first order, by m ms |
+| `cavitation` | liquid that withstands tension | vapour limits it; charge towards 1.3 bar by 1/m, degassed (also off) |
+| `temperature_fade` | constant oil temperature | dissipated power heats it by 4 m K/kJ; viscosity falls 2.2 % per K |
 | `position_dependence` | smooth tube | bypass groove, 16 mm long near mid-stroke, area m times the needle's |
 | `end_stop` | none inside the stroke | rubber from 20 % (bump) and 30 % (rebound) of the stroke, 10 m kN/m |
 | `mount_compliance` | rigid joint | rubber of 2/m MN/m, progressive, 15 % loss factor at 15 Hz |
 | `inertia` | no mass between oil and gauge | m kg move with the rod |
 | `asymmetry` | both directions have the (geometric) mean valve | their ratio is the ordinary one to the power m |
-| `current` | the coil's field does nothing | yield pressure of m bar (saturated) in the piston gap, lagging 18 ms |
-| `hysteresis` | oil flows at once | gelled oil in the piston yields at m bar after some 4 mm of travel |
-| `channel_skew` | channels in step | force m ms late |
+| `current` | the coil's field has no effect | yield pressure of m bar (saturated) in the piston gap, lagging 18 ms |
+| `hysteresis` | oil flows immediately | gelled oil in the piston yields at m bar after some 4 mm of travel |
+| `channel_skew` | synchronous channels | force m ms late |
 | `spring_rate_error` | the stated spring rate is true | the true rate is m kN/m higher |
-| `force_offset` | gauge's zero is right | 10 m N off |
-| `force_gain_error` | gauge's gain is right | m per cent high |
+| `force_offset` | gauge's zero is correct | 10 m N off |
+| `force_gain_error` | gauge's gain is correct | m per cent high |
 
-The last four may be negative. Heating by m = 1 is that of the oil alone; more packs a long drive into one record.
+The last four can be negative. Heating of m = 1 is that of the oil alone; a larger m compresses a long drive into one
+record.
 """
 
 from collections.abc import Callable
@@ -38,7 +39,7 @@ LOWEST_CHARGE = 1.3e5
 """Pa, gas pressure that ``cavitation`` approaches."""
 
 DEGASSED = 2e-4
-"""Share of free gas in the oil where cavitation is to be seen alone."""
+"""Share of free gas in the oil that shows cavitation alone."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Phenomenon:
     off: Callable[[Setup, float], Setup]
     on: Callable[[Setup, float], Setup]
     signed: bool = False
-    """Whether the magnitude may be negative (errors of the measurement chain)."""
+    """Whether the magnitude can be negative (errors of the measurement chain)."""
 
 
 def _damper(change: Callable[[Damper, float], Damper]) -> Callable[[Setup, float], Setup]:
@@ -74,7 +75,7 @@ def _part(part: str, values: Callable[[Damper, float], dict[str, float]]) -> Cal
     return _damper(lambda damper, magnitude: damper.with_part(part, **values(damper, magnitude)))
 
 
-def _as_it_is(setup: Setup, magnitude: float) -> Setup:
+def _unchanged(setup: Setup, magnitude: float) -> Setup:
     return setup
 
 
@@ -89,13 +90,13 @@ def _relief(change: Callable[[Valve, float], Valve]) -> Callable[[Setup, float],
 
 
 def _charged(damper: Damper, magnitude: float) -> Damper:
-    """Little charge, and oil that was degassed: air in it would soften it at such pressures long before it boils."""
+    """Low charge and degassed oil: at such pressures, air would soften it long before it boils."""
     pressure = LOWEST_CHARGE + (damper.gas.pressure - LOWEST_CHARGE) / magnitude
     return damper.with_part("gas", pressure=pressure).with_part("oil", free_gas=DEGASSED)
 
 
 def _skewed(damper: Damper, magnitude: float) -> Damper:
-    """Valves whose every number has the ordinary ratio between the directions, to the power ``magnitude``."""
+    """Valves whose numbers all have the ordinary ratio between the directions, to the power ``magnitude``."""
     pairs = list(zip(damper.rebound, damper.compression, strict=True))
     middle = [sqrt(a * b) for a, b in pairs]
     lean = [(a / b) ** (0.5 * magnitude) if a > 0.0 and b > 0.0 else 1.0 for a, b in pairs]
@@ -175,19 +176,19 @@ PHENOMENA = {
         ),
         Phenomenon(
             "channel_skew", 1e-2, 20.0,
-            _as_it_is, _sensors(lambda s, m: replace(s, skew=s.skew + 1e-3 * m)), True,
+            _unchanged, _sensors(lambda s, m: replace(s, skew=s.skew + 1e-3 * m)), True,
         ),
         Phenomenon(
             "spring_rate_error", 1e-2, 100.0,
-            _as_it_is, _sensors(lambda s, m: replace(s, spring_rate_error=s.spring_rate_error + 1e3 * m)), True,
+            _unchanged, _sensors(lambda s, m: replace(s, spring_rate_error=s.spring_rate_error + 1e3 * m)), True,
         ),
         Phenomenon(
             "force_offset", 1e-2, 100.0,
-            _as_it_is, _sensors(lambda s, m: replace(s, force_offset=s.force_offset + 10.0 * m)), True,
+            _unchanged, _sensors(lambda s, m: replace(s, force_offset=s.force_offset + 10.0 * m)), True,
         ),
         Phenomenon(
             "force_gain_error", 1e-2, 60.0,
-            _as_it_is, _sensors(lambda s, m: replace(s, force_gain=s.force_gain * (1.0 + 1e-2 * m))), True,
+            _unchanged, _sensors(lambda s, m: replace(s, force_gain=s.force_gain * (1.0 + 1e-2 * m))), True,
         ),
     )
 }  # fmt: skip

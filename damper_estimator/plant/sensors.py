@@ -1,4 +1,4 @@
-"""Imperfect sensors: what a logger writes down of a simulated record."""
+"""Imperfect sensors: a logger's recording of a simulated record."""
 
 from dataclasses import dataclass
 
@@ -22,10 +22,10 @@ class Sensors:
     force_offset: float = 0.0  # N
     force_gain: float = 1.0  # 1
     force_drift: float = 2.0  # N, amplitude of a slow wander of the gauge's zero
-    saturation: float = np.inf  # N, the gauge clips here
+    saturation: float = np.inf  # N, the gauge clips at it
     skew: float = 0.0  # s, positive where force is late
-    clock_jitter: float = 4.0e-5  # s rms, unevenness of the sampling, which the stamps know
-    stamp_jitter: float = 1.0e-5  # s rms, which they do not know
+    clock_jitter: float = 4.0e-5  # s rms, unevenness of the sampling, included in the stamps
+    stamp_jitter: float = 1.0e-5  # s rms, error of the stamps
     latency: float = 3.0e-4  # s, mean from stamp to arrival
     drop_out: float = 2.0e-4  # probability that a message is lost
     spring_rate: float = 0.0  # N/m, parallel coil spring in the gauge's force, as the signal map states it
@@ -45,7 +45,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Sensed:
-    """What was recorded; ``true_force`` (N) and ``true_displacement`` (m) are noise-free, at displacement's stamps."""
+    """A recording; ``true_force`` (N) and ``true_displacement`` (m) are noise-free, at displacement's stamps."""
 
     displacement: Channel
     force: Channel
@@ -56,10 +56,10 @@ class Sensed:
 
 
 def ideal_force(truth: Truth, sensors: Sensors) -> np.ndarray:
-    """The damper's force in N, (n,), as a noise-free chain with these errors reports it.
+    """The damper's force in N, (n,), from a noise-free chain with these errors.
 
-    The stated spring is subtracted. Gain and offset, skew and the spring rate's error are in it; noise, drift,
-    quantisation and loss are not.
+    The stated spring is subtracted. It includes gain, offset, skew and the spring rate's error, not noise, drift,
+    quantisation and loss.
     """
     late = np.interp(truth.time - sensors.skew, truth.time, truth.force)
     travel = np.interp(truth.time - sensors.skew, truth.time, truth.drive.displacement)
@@ -69,7 +69,7 @@ def ideal_force(truth: Truth, sensors: Sensors) -> np.ndarray:
 def measure(truth: Truth, sensors: Sensors, seed: int, clock_seed: int | None = None) -> Sensed:
     """Samples a record with imperfect sensors.
 
-    Dampers with one ``clock_seed`` (default: ``seed``) and one length have the same stamps: they can share messages.
+    Dampers with the same ``clock_seed`` (default: ``seed``) and length have the same stamps and can share messages.
     """
     rng = np.random.default_rng([seed, 1])
     clock = np.random.default_rng([seed if clock_seed is None else clock_seed, 2])
@@ -85,7 +85,7 @@ def measure(truth: Truth, sensors: Sensors, seed: int, clock_seed: int | None = 
     noisy = _quantised(travel + sensors.displacement_noise * rng.standard_normal(taken.size), sensors.displacement_step)
     force = _gauge(truth, sensors, force_taken, rng)
     warm = at(slow_taken, truth.temperature) + sensors.temperature_noise * rng.standard_normal(slow_taken.size)
-    held = truth.drive.current[np.searchsorted(truth.time, taken, side="right") - 1]  # a command has steps, not slopes
+    held = truth.drive.current[np.searchsorted(truth.time, taken, side="right") - 1]  # commands change in steps
     return Sensed(
         displacement=Channel(log[kept], stamp[kept], noisy[kept]),
         force=Channel(force_log[force_kept], force_stamp[force_kept], force[force_kept]),

@@ -1,4 +1,4 @@
-"""Drives a damper through a displacement and records what no sensor sees."""
+"""Drives a damper through a displacement and records the true quantities."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,12 +11,12 @@ from damper_estimator.plant.parts import AMBIENT_PRESSURE
 from damper_estimator.plant.solids import ELEMENTS
 
 STEP = 1e-4
-"""s, internal step of a simulation; its error is far below the sensors' noise (a test measures it)."""
+"""s, internal step of a simulation; its error is far below the sensors' noise (a test verifies it)."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What is done to a damper: displacement (m) and coil current (A), shape (n,), every ``step`` seconds."""
+    """Input of a damper: displacement (m) and coil current (A), shape (n,), every ``step`` seconds."""
 
     name: str
     step: float
@@ -44,9 +44,9 @@ class Drive:
 class Truth:
     """A simulated record, noise-free, at the internal step; all arrays have shape (n,).
 
-    ``force`` (N) is what a perfect gauge between rod and body reads, without a parallel spring. Pressures in Pa,
+    ``force`` (N) is the reading of a perfect gauge between rod and body, without a parallel spring. Pressures in Pa,
     absolute; ``temperature`` in deg C; ``rod`` is the displacement below the mount (m), ``floating_piston`` that of the
-    floating piston (m, into the gas); ``field`` the coil's current as the magnetic field follows it (A).
+    floating piston (m, into the gas); ``field`` the lagged coil current of the magnetic field (A).
     """
 
     damper: Damper
@@ -72,7 +72,7 @@ class Truth:
 
     @property
     def rebound_void(self) -> np.ndarray:
-        """Room in the rebound chamber that free gas and vapour fill, m^3."""
+        """Volume of free gas and vapour in the rebound chamber, m^3."""
         parts = parts_of(self.damper)
         volume = parts.chambers.rebound_volume - parts.chambers.rebound_area * self.rod
         above = self.rebound_pressure - parts.oil.vapour_pressure
@@ -83,7 +83,7 @@ def simulate(damper: Damper, drive: Drive) -> Truth:
     """The damper's response to a drive, from rest at its first displacement.
 
     Raises:
-        ValueError: where the displacement leaves the damper's stroke or the drive is not finite.
+        ValueError: if the displacement leaves the damper's stroke or the drive is not finite.
     """
     _check(damper, drive)
     parts = parts_of(damper)
@@ -98,12 +98,12 @@ def simulate(damper: Damper, drive: Drive) -> Truth:
 
 
 def rest(parts: Parts, displacement: float, current: float = 0.0) -> np.ndarray:
-    """Memory of a damper that has stood still: one pressure everywhere, no friction, shape (MEMORY_SIZE,)."""
+    """Memory of a damper at rest: uniform pressure, no friction, shape (MEMORY_SIZE,)."""
     memory = np.zeros(kernel.MEMORY_SIZE)
     memory[kernel.TEMPERATURE] = parts.heat.start
     memory[kernel.FIELD] = abs(current)
     rod = displacement
-    for _ in range(60 if parts.mount.stiffness else 1):  # the mount gives way a little to the gas force
+    for _ in range(60 if parts.mount.stiffness else 1):  # the mount deflects a little under the gas force
         _settle(parts, memory, rod)
         rod = displacement - _mount_deflection(parts, memory, rod)
     memory[kernel.ROD] = rod
@@ -118,12 +118,12 @@ def rest(parts: Parts, displacement: float, current: float = 0.0) -> np.ndarray:
 
 
 def _settle(parts: Parts, memory: np.ndarray, rod: float) -> None:
-    """Finds the floating piston's place at which oil and gas have one pressure; writes the packed and opened oil."""
+    """Finds the floating piston's position with equal pressure of oil and gas; writes the oil states."""
     chambers = parts.chambers
     rod_volume = (chambers.compression_area - chambers.rebound_area) * rod
     rebound_volume = chambers.rebound_volume - chambers.rebound_area * rod
     low, high = -0.95 * chambers.compression_volume, 0.95 * chambers.gas_volume
-    for _ in range(100):  # bisection to the last bit: more room behind the piston, less oil pressure, more gas pressure
+    for _ in range(100):  # bisection to the last bit: more oil volume, less oil pressure, more gas pressure
         moved = 0.5 * (low + high)
         share = packed_share(parts.oil, kernel.gas_pressure(parts.gas, chambers.gas_volume, moved, 1.0))
         compression_volume = chambers.compression_volume + chambers.compression_area * rod + moved
@@ -137,7 +137,7 @@ def _settle(parts: Parts, memory: np.ndarray, rod: float) -> None:
 
 
 def _mount_deflection(parts: Parts, memory: np.ndarray, rod: float) -> float:
-    """Deflection in m at which the rubber carries the gas force."""
+    """Deflection in m at which the rubber balances the gas force."""
     if not parts.mount.stiffness:
         return 0.0
     rebound, compression, _, _ = kernel.pressures(parts, memory, memory, rod)
@@ -153,7 +153,7 @@ def _check(damper: Damper, drive: Drive) -> None:
     geometry, travel = damper.geometry, drive.displacement
     if travel.shape != drive.current.shape or travel.ndim != 1 or travel.size < 5:
         shapes = f"{travel.shape} and {drive.current.shape}"
-        raise ValueError(f"displacement and current need one shape (n >= 5,), not {shapes}")
+        raise ValueError(f"displacement and current must have one shape (n >= 5,), not {shapes}")
     if not (np.isfinite(travel).all() and np.isfinite(drive.current).all()):
         raise ValueError("displacement and current must be finite")
     if travel.max() > geometry.rebound_stroke or travel.min() < -geometry.compression_stroke:
@@ -164,7 +164,7 @@ def _check(damper: Damper, drive: Drive) -> None:
 
 
 def _derivative(values: np.ndarray, step: float) -> np.ndarray:
-    """Fourth-order central differences; second-order at the two samples of either end."""
+    """Fourth-order central differences; second-order at the two outermost samples of each end."""
     slope = np.gradient(values, step, edge_order=2)
     slope[2:-2] = (8.0 * (values[3:-1] - values[1:-3]) - (values[4:] - values[:-4])) / (12.0 * step)
     return slope

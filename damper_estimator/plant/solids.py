@@ -1,4 +1,4 @@
-"""Forces of what is not liquid: elasto-plastic elements, seals, rubber stops, rubber mount (compiled)."""
+"""Forces of solid parts: elasto-plastic elements, seals, rubber stops, rubber mount (compiled)."""
 
 from damper_estimator.compiled import compiled
 from damper_estimator.plant.parts import AMBIENT_PRESSURE
@@ -9,15 +9,15 @@ ELEMENTS = 5
 
 @compiled
 def element_reach(reach, number):
-    """Travel in m after which one element of a stack slips: evenly spread from 0.2 to 1.8 times the mean."""
+    """Travel in m after which one element of a stack slips: evenly distributed from 0.2 to 1.8 times the mean."""
     return reach * (0.2 + 1.6 * number / (ELEMENTS - 1))
 
 
 @compiled
 def stack_share(position, sliders, first, reach):
-    """Share (-1 to 1) of its strength that a stack of parallel spring-slider elements holds (Iwan, 1966).
+    """Force of a stack of parallel spring-slider elements as a share (-1 to 1) of its strength (Iwan, 1966).
 
-    ``sliders[first + i]`` is where slider i stands (m), ``position`` where the free end is now. Rate-independent: the
+    ``sliders[first + i]`` is the position of slider i (m), ``position`` that of the free end. Rate-independent: the
     share is a function of the position and of the sliders at the last committed step.
     """
     share = 0.0
@@ -29,7 +29,7 @@ def stack_share(position, sliders, first, reach):
 
 @compiled
 def drag_sliders(position, sliders, first, reach):
-    """Commits a step: sliders whose element has slipped follow."""
+    """Completes a step: sliders of slipped elements follow."""
     for number in range(ELEMENTS):
         travel = element_reach(reach, number)
         slider = sliders[first + number]
@@ -38,7 +38,7 @@ def drag_sliders(position, sliders, first, reach):
 
 @compiled
 def seal_strength(seal, rebound_pressure, velocity):
-    """Force in N at which the seals slide: grows with the pressure that presses them on, falls from stiction."""
+    """Sliding force of the seals in N: grows with the pressure on them, falls from stiction."""
     pressed = seal.force + seal.per_pressure * max(rebound_pressure - AMBIENT_PRESSURE, 0.0)
     speed = velocity / seal.stribeck_velocity
     return pressed * (1.0 + seal.stiction / (1.0 + speed * speed))
@@ -46,7 +46,7 @@ def seal_strength(seal, rebound_pressure, velocity):
 
 @compiled
 def stop_force(stops, displacement, velocity):
-    """Force in N (positive resists extension) of the rubber stops; they push, they never pull."""
+    """Force in N (positive resists extension) of the rubber stops; they only push."""
     bump, end = stops.compression - displacement, displacement - stops.rebound
     if bump > 0.0:
         stretch = bump / stops.progression

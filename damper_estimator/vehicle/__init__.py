@@ -1,4 +1,4 @@
-"""Vehicles around dampers: a quarter car on roads, with a simulated damper and a controller in the loop; a whole car.
+"""Vehicles with dampers: a quarter car on roads with a simulated damper and a controller in the loop; a whole car.
 
 record = drive("road", DAMPERS["passenger_front"], seconds=60.0, seed=1)     # class C at 20 m/s
 run = on_posts(load_car("compact_car"), {"front": model, "rear": model}, four_posts(sweep(0.003)))

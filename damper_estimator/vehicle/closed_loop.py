@@ -1,8 +1,8 @@
 """A quarter car with a simulated semi-active damper, sensors and a controller in the loop.
 
-The plant runs at its own fine step. Once per sample of the sensors the controller is told the displacement (noisy,
-quantised, through the estimator's filter) and the body's acceleration (noisy, with an offset); its current reaches the
-coil's driver a latency later, and the coil's field follows with the plant's own lag, which no controller sees.
+The plant runs at a fine step. At each sample of the sensors the controller receives the displacement (noisy, quantised,
+through the estimator's filter) and the body's acceleration (noisy, with an offset); its current reaches the coil's
+driver after a latency, and the coil's field follows with the plant's lag, which is hidden from controllers.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from damper_estimator.vehicle.quarter_car import BODY_ACCELERATION, FORCE, TRAVE
 
 @dataclass(frozen=True)
 class CornerSensors:
-    """What the controller sees, and when its answer arrives."""
+    """Errors of the controller's inputs, and the latency of its output."""
 
     rate: float = 500.0  # Hz
     displacement_noise: float = 1.2e-5  # m, rms
@@ -32,12 +32,12 @@ class CornerSensors:
 
 @dataclass(frozen=True)
 class Ride:
-    """A run; arrays (n,) every ``step`` s. Forces in N as of the damper alone, its gas force included.
+    """A run; arrays (n,) every ``step`` s. Forces in N are those of the damper alone, with its gas force.
 
     Attributes:
         travel: m, positive in extension.
         force: of the damper.
-        wanted: the desired force, held from the sample on at which it was made.
+        wanted: the desired force, held from sample to sample.
         current: A, as set by the driver.
         body_acceleration: m/s^2.
         tyre_force: N, change from the static load.
@@ -61,13 +61,13 @@ class Ride:
 
 @dataclass(frozen=True)
 class Sensed:
-    """What the controller is told at one moment.
+    """The controller's inputs at one moment.
 
     Attributes:
         stamp: ns since the start of the ride.
         travel: m, of the displacement sensor.
         felt: m/s^2, of the body's accelerometer.
-        current: A, that the driver holds.
+        current: A, of the driver.
     """
 
     stamp: int
@@ -77,7 +77,7 @@ class Sensed:
 
 
 class RunningRide:
-    """A ride from sample to sample of the sensors: whoever controls asks `sense` and answers with `act`; final."""
+    """A ride from sample to sample of the sensors: a controller calls `sense` and answers with `act`; final."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class RunningRide:
         self._wanted[self._index : self._index + self._between] = action.wanted
 
     def ride(self) -> Ride:
-        """What has been driven."""
+        """The completed part of the ride."""
         running = self._running
         return Ride(
             self._step,
@@ -153,7 +153,7 @@ def ride(
     """Drives over a road of height ``road`` (n,) in m, from rest at a coil current.
 
     Args:
-        estimator: fresh; filters the displacement and makes the kinematics that the controller sees.
+        estimator: a new one; filters the displacement and computes the controller's kinematics.
         seed: of the sensors' noise.
         current: A, before the controller's first answer.
     """
@@ -165,10 +165,10 @@ def ride(
 
 
 def attainable(damper: Damper, travel: np.ndarray, limits: tuple[float, float], step: float) -> np.ndarray:
-    """Lowest and highest force (2, n) in N that the damper could have given on this motion (m, (n,)).
+    """Lowest and highest attainable force (2, n) in N of the damper on this motion (m, (n,)).
 
-    It is run through the whole motion with its coil steadily at the lower, and at the upper current: the lag is not
-    counted, which no controller can go round.
+    It is run through the whole motion with its coil constantly at the lower, and at the upper current: the lag, which
+        no controller can avoid, does not count.
     """
     drive = Drive("given", step, travel, np.zeros_like(travel))
     forces = []

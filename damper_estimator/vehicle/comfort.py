@@ -1,7 +1,7 @@
-"""The comfort simulation: a car on four posts that move together, swept at several amplitudes, with any damper models.
+"""The comfort simulation: a car on four posts in phase, swept at several amplitudes, with any damper models.
 
-Source: Gao et al., section 5 (0.5 to 6 Hz; the amplitude is not published, so several are run, from where friction
-holds the suspension to where the valves work).
+Source: Gao et al., section 5 (0.5 to 6 Hz; several amplitudes, as it is not published: from a suspension locked by
+friction to working valves).
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ AXLES = ("front", "rear")
 
 @dataclass(frozen=True)
 class Loops:
-    """A left damper in a stretch of the sweep: travel (m), velocity (m/s) and force (N, less that at rest), (n,)."""
+    """A left damper in a part of the sweep: travel (m), velocity (m/s) and force (N, less that at rest), (n,)."""
 
     travel: np.ndarray
     velocity: np.ndarray

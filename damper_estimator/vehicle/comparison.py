@@ -1,4 +1,4 @@
-"""One drive, several ways to set the current: what each makes of the same road, desired force and sensors."""
+"""Comparison of several ways to set the current, with the same road, desired force and sensors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ CUTOFF, MAX_GAP = 60.0, 0.1
 
 @dataclass(frozen=True)
 class Trial:
-    """A ride, what the damper could have given on its motion ((2, n) N), and its measures."""
+    """A ride, the attainable forces on its motion ((2, n) N), and its measures."""
 
     ride: Ride
     attainable: np.ndarray
@@ -38,16 +38,16 @@ def compare_commands(
     """Drives the corner over the surface once with each command, by name; all from the same seed.
 
     Args:
-        commands: fresh ones; they remember.
-        seconds: of the drive, its first second at rest and not judged.
-        law: instead of the corner's own.
+        commands: new ones; they have memory.
+        seconds: of the drive; its first second is at rest and not measured.
+        law: replaces the corner's law.
     """
     road = surface_height(surface, seconds, seed, step)
     found = {}
     for name, command in commands.items():
         rest_force = RunningRide(corner.car, corner.damper, road, step=step).rest_force
         controller = CornerController(law or corner.law, command, rest_force)
-        # Only the filter in it is used here: every controller sees the same kinematics.
+        # Only its filter is used: all controllers receive the same kinematics.
         estimator = DamperEstimator(deployed(load_model("linear_viscous"), CUTOFF, MAX_GAP))
         run = ride(corner.car, corner.damper, road, controller, estimator, seed=seed, step=step)
         limits = attainable(corner.damper, run.travel, LIMITS, step)
@@ -56,5 +56,5 @@ def compare_commands(
 
 
 def tracking_ratio(trials: Mapping[str, Trial], one: str = "model", other: str = "table") -> float:
-    """The tracking error of one command over that of another."""
+    """Ratio of the tracking errors of two commands."""
     return trials[one].measures.tracking_n / trials[other].measures.tracking_n

@@ -1,4 +1,4 @@
-"""Every way to drive a damper: the benches of the plant, and roads and bumps under a quarter car."""
+"""All drives of a damper: the benches of the plant, and roads and bumps under a quarter car."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from damper_estimator.vehicle.quarter_car import CORNERS, QuarterCar, suspension
 from damper_estimator.vehicle.road import bump_height, road_height
 
 SPEEDS = {"A": 30.0, "B": 25.0, "C": 20.0, "D": 10.0, "E": 4.0}
-"""m/s, at which cars are driven on each ISO 8608 class without leaving their stroke."""
+"""m/s, speed on each ISO 8608 class at which cars stay within their stroke."""
 
 ROADS = {"road": "C"} | {f"road_{letter.lower()}": letter for letter in SPEEDS}
 """ISO 8608 class by the excitation's name."""
@@ -28,12 +28,12 @@ def drive(
     car: QuarterCar | None = None,
     step: float = STEP,
 ) -> Drive:
-    """A drive by name. On roads the damper works in its corner (``car``, or its own of ``CORNERS``).
+    """A drive by name. On roads the damper works in a corner of a car (``car``, by default from ``CORNERS``).
 
-    ``current`` (A, shape (seconds / step,)) acts on the damper and is recorded; none is zero.
+    ``current`` (A, shape (seconds / step,)) acts on the damper and is recorded; zero by default.
 
     Raises:
-        KeyError: for a name that is not in ``EXCITATIONS``, or a damper without a corner.
+        KeyError: for an unknown name, or a damper without a corner.
         ValueError: for a record that is too short.
     """
     count = round(seconds / step)
@@ -42,7 +42,7 @@ def drive(
         return replace(bench_drive(name, damper, seconds, seed, step), current=coil)
     corner = CORNERS[damper.name] if car is None else car
     travel = suspension_travel(corner, damper, _surface(name, seconds, count, step, seed), coil, step)
-    # The ends stand still, so that rest can be found; the rod's slow creep into the gas is not motion.
+    # Both ends are at rest, so that rest can be detected; the rod's slow creep into the gas is no motion.
     travel = travel * fade(step * np.arange(count), count * step, 0.5)
     stroke = damper.geometry
     travel = within(travel, 0.97 * stroke.compression_stroke, 0.97 * stroke.rebound_stroke)
@@ -54,7 +54,7 @@ def _surface(name: str, seconds: float, count: int, step: float, seed: int) -> n
     time = step * np.arange(count)
     length = seconds - REST_BEFORE - REST_AFTER - 1.0  # the car needs a second to come to rest
     if length < 2.0:
-        raise ValueError(f"{seconds:g} s are too short: {REST_BEFORE + REST_AFTER + 3.0:g} s at least")
+        raise ValueError(f"{seconds:g} s are too short; at least {REST_BEFORE + REST_AFTER + 3.0:g} s are needed")
     if name == "bump":
         rng = np.random.default_rng([seed, 5])
         starts = np.arange(REST_BEFORE, REST_BEFORE + length - 1.0, 2.5)

@@ -1,7 +1,7 @@
 """A car on four posts: its motion with any damper models, and the transfer functions from post to body.
 
-Springs, tyres and bars are linear; with the posts' heights straight between samples, their part of a step is exact
-(matrix exponential). The dampers' forces of this sample and the one before are carried on over the step (second order).
+Springs, tyres and bars are linear; with post heights linear between samples, their part of a step is exact (matrix
+exponential). The dampers' forces are extrapolated over the step from this sample and the previous one (second order).
 """
 
 from collections.abc import Mapping
@@ -52,11 +52,11 @@ def on_posts(car: FullCar, models: Mapping[str, DamperModel], post: np.ndarray, 
     """The car's motion from rest.
 
     Args:
-        models: by axle, ``front`` and ``rear``, at their own temperature and without a command.
+        models: by axle, ``front`` and ``rear``, at their reference temperature and without a command.
         post: (4, n) m, heights of the posts every ``step`` s; the first is rest.
 
     Raises:
-        FloatingPointError: where a model gives no finite force, or its stiffness is too much for the step.
+        FloatingPointError: if a model has no finite force, or is too stiff for the step.
     """
     machines = [_machine(models[name]) for name in ("front", "rear")]
     states = [np.zeros((2, model.program.states)) for model in (models["front"], models["rear"])]
@@ -66,12 +66,12 @@ def on_posts(car: FullCar, models: Mapping[str, DamperModel], post: np.ndarray, 
     with np.errstate(over="ignore", invalid="ignore"):
         _drive(*machines[0], *machines[1], *states, *_step_matrices(car, step), extension, post, step, motion, damper)
     if not np.isfinite(motion[:, -1]).all():
-        raise FloatingPointError(f"no finite motion at a step of {step:g} s; take a smaller one or another model")
+        raise FloatingPointError(f"no finite motion at a step of {step:g} s; use a smaller step or another model")
     return PostRun(step, post, car.body_heights @ motion[:7], motion[3:7], damper)
 
 
 def _machine(model: DamperModel) -> tuple:
-    """What ``chain.run`` needs besides states, for one sample."""
+    """Arguments of ``chain.run`` besides states, for one sample."""
     program = model.program
     return (
         program.functions, program.table, program.parameters, program.settings,
@@ -90,7 +90,7 @@ def _step_matrices(car: FullCar, step: float) -> tuple[np.ndarray, np.ndarray, n
     push = np.concatenate([still, -inverse * (car.over("damper_ratio")[:, None] * car.extensions).T])
     height = np.concatenate([still, inverse * wheels * car.over("tyre_rate")])
     rate = np.concatenate([still, inverse * wheels * car.over("tyre_damping")])
-    # One exponential gives the transition, the integral over a constant input and that over a ramp.
+    # One exponential contains the transition and the integrals over a constant input and over a ramp.
     big = np.zeros((42, 42))
     big[:14, :14], big[:14, 14:28], big[14:28, 28:] = system * step, np.eye(14) * step, np.eye(14)
     exponential = expm(big)
@@ -152,7 +152,7 @@ def sweep(
 ) -> np.ndarray:
     """A sine of ``amplitude`` m whose frequency rises evenly from ``low`` to ``high`` Hz, (n,) m.
 
-    It fades in and out within a second and is followed by ``still`` s of rest.
+    It fades in and out within a second; ``still`` s of rest follow.
     """
     count = round(seconds / step)
     time = step * np.arange(count)
@@ -185,11 +185,11 @@ def transfer(
 ) -> Transfer:
     """Body over post from one run that begins and ends at rest, (n,) m each; averaged over bands of ``width`` Hz.
 
-    A band's frequency is the mean of its lines, weighed by their power. Where the car is not linear this is the linear
-    system that comes nearest in each band (H1).
+    A band's frequency is the power-weighted mean of its lines. For a non-linear car this is the best linear
+    approximation in each band (H1).
 
     Args:
-        low, high: Hz between which there is a value.
+        low, high: Hz, range of the values.
     """
     frequency = np.fft.rfftfreq(post.size, step)
     given, found = np.fft.rfft(post), np.fft.rfft(body)

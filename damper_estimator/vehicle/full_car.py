@@ -8,7 +8,7 @@ With z upwards, everything measured from the loaded rest, wheels in order front 
     m_w w_i'' = S_i + k_t (p_i - w_i) + c_t (p_i' - w_i')
 
 with the nose and the left side up for positive angles, p_i the post under the wheel, F_i the damper's force less that
-at rest, at its own travel r e_i.
+at rest, at its travel r e_i.
 """
 
 from dataclasses import dataclass, fields
@@ -44,9 +44,9 @@ class Axle:
     track: float  # m
     wheel_mass: float  # kg
     spring_rate: float  # N/m
-    anti_roll_rate: float  # N/m, may be 0
+    anti_roll_rate: float  # N/m, 0 is allowed
     tyre_rate: float  # N/m
-    tyre_damping: float  # N s/m, may be 0
+    tyre_damping: float  # N s/m, 0 is allowed
     damper_ratio: float  # 1, damper travel over wheel travel
 
 
@@ -87,8 +87,8 @@ class FullCar:
     @property
     def masses(self) -> np.ndarray:
         """(7,) kg and kg m^2."""
-        own = self.body
-        return np.concatenate([[own.mass, own.pitch_inertia, own.roll_inertia], self.over("wheel_mass")])
+        body = self.body
+        return np.concatenate([[body.mass, body.pitch_inertia, body.roll_inertia], self.over("wheel_mass")])
 
     @property
     def stiffness(self) -> np.ndarray:
@@ -107,21 +107,21 @@ def library_vehicles() -> dict[str, Path]:
 
 
 def load_car(name_or_path: str | Path) -> FullCar:
-    """Reads a car: a YAML file, or the name of an installed one.
+    """Reads a car: a YAML file, or the name of an installed car.
 
     Raises:
-        InputError: one line with the file, all that is wrong and what to do.
+        InputError: one line with the file, all faults and the remedy.
     """
     path = Path(name_or_path)
     if not path.exists() and path.suffix not in (".yaml", ".yml"):
         library = library_vehicles()
         if str(name_or_path) not in library:
-            near = did_you_mean(str(name_or_path), library) or f"; there is {', '.join(library)}"
+            near = did_you_mean(str(name_or_path), library) or f"; available: {', '.join(library)}"
             raise InputError(f"{name_or_path}: is neither a file nor a car's name{near}")
         path = library[str(name_or_path)]
     content = read_yaml(path)
     if not isinstance(content, dict):
-        raise InputError(f"{path}: is no car's file; it needs the keys {', '.join(get_type_hints(FullCar))}")
+        raise InputError(f"{path}: is not a file of a car; it needs the keys {', '.join(get_type_hints(FullCar))}")
     faults: list[str] = []
     car = FullCar(
         str(content.get("name", path.stem)),
@@ -130,20 +130,20 @@ def load_car(name_or_path: str | Path) -> FullCar:
         _part(Axle, "front", content, faults),
         _part(Axle, "rear", content, faults),
     )
-    faults += [f"{key} is no key of a car's file" for key in content if key not in get_type_hints(FullCar)]
+    faults += [f"{key} is an unknown key" for key in content if key not in get_type_hints(FullCar)]
     if faults:
         raise InputError(f"{path}: {'; '.join(faults)}; correct the file ({LIBRARY}/compact_car.yaml is an example)")
     return car
 
 
 def _part(kind: type, key: str, content: dict, faults: list[str]):
-    """A part from the file's mapping under ``key``; what is wrong goes to ``faults``."""
+    """A part from the file's mapping under ``key``; appends its faults to ``faults``."""
     given = content.get(key)
     if not isinstance(given, dict):
         faults.append(f"{key} is missing or not a mapping")
         given = {}
     names = [field.name for field in fields(kind)]
-    faults += [f"{key}.{name} is none of {', '.join(names)}" for name in given if name not in names]
+    faults += [f"{key}.{name} is unknown (allowed: {', '.join(names)})" for name in given if name not in names]
     values = {}
     for name in names:
         value = given.get(name)

@@ -5,9 +5,9 @@ With z upwards, x = z_body - z_wheel (extension) and everything measured from th
     m_body z_body'' = -k x - F - stops(x)
     m_wheel z_wheel'' = k x + F + stops(x) + tyre,     tyre = max(k_t (z_road - z_wheel) + c_t (..)', -static load)
 
-F is the damper's force less its force at rest. The tyre can leave the road. Car and damper take turns: the car moves
-with the damper's last force, the damper follows. That is accurate to the first order of the step, and at 0.1 ms far
-better than a road is known.
+F is the damper's force less its force at rest. The tyre can lift off the road. Car and damper alternate: the car moves
+with the damper's last force, then the damper follows. This is accurate to first order in the step; at 0.1 ms the error
+is far below the uncertainty of any road.
 """
 
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ CORNERS = {
     "light_car": QuarterCar(220.0, 28.0, 15000.0, 160000.0, 80.0),
     "semi_active": QuarterCar(480.0, 48.0, 30000.0, 250000.0, 150.0),
 }
-"""The corner that each damper of the catalogue was made for."""
+"""The corner of each damper of the catalogue."""
 
 
 def suspension_travel(
@@ -62,20 +62,20 @@ def suspension_travel(
 
 
 TRAVEL, FORCE, BODY_ACCELERATION, TYRE_FORCE = range(4)
-"""Columns of what is recorded: m, N (the damper's, with its gas), m/s^2, N (change from the static load)."""
+"""Columns of the record: m, N (the damper's, with its gas), m/s^2, N (change from the static load)."""
 
 
 class RunningCar:
-    """A quarter car on its way over a road, in stretches, so that a controller can act between them; final.
+    """A quarter car that drives over a road in stretches, so that a controller can act between them; final.
 
     Attributes:
         record: (n, 4), columns as above; valid up to ``index``.
-        index: of the last sample that is known; 0 is rest.
+        index: of the last valid sample; 0 is rest.
         rest_force: of the damper, N.
     """
 
     def __init__(self, car: QuarterCar, damper: Damper, road: np.ndarray, step: float, current: float):
-        """``road`` (n,) in m every ``step`` s; ``current`` in A in which the damper has stood."""
+        """``road`` (n,) in m every ``step`` s; ``current`` in A of the damper at rest."""
         stroke = damper.geometry
         limits = (-0.7 * stroke.compression_stroke, 0.7 * stroke.rebound_stroke)
         self._parts = parts_of(damper)
@@ -93,15 +93,15 @@ class RunningCar:
         self.index = 0
 
     def advance(self, end: int, current: np.ndarray) -> None:
-        """Runs up to sample ``end`` (not included); ``current`` (n,) in A over the whole road, read where needed."""
+        """Runs up to sample ``end`` (not included); ``current`` (n,) in A over the whole road."""
         _drive(
             self._parts, self._memory, self._work, self._seen, self.rest_force, self._numbers, self._motion, self._road,
             self._slope, current, self._step, self.index + 1, end, self.record,
         )  # fmt: skip
         self.index = end - 1
 
-    def go_on(self, road: np.ndarray) -> None:
-        """Begins the next stretch of road, from the last height of the one before; the record restarts."""
+    def continue_on(self, road: np.ndarray) -> None:
+        """Starts the next stretch of road at the last height of the previous one; the record restarts."""
         last = self.record[self.index]
         self._road, self._slope = road, np.gradient(road, self._step)
         self.record = np.zeros((road.size, 4))

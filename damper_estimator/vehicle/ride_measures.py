@@ -1,4 +1,4 @@
-"""What a ride was like, in numbers."""
+"""Numerical measures of a ride."""
 
 from dataclasses import dataclass
 
@@ -10,16 +10,16 @@ from damper_estimator.vehicle.weighting import wk_weighted
 
 @dataclass(frozen=True)
 class RideMeasures:
-    """Over the judged part of a ride.
+    """Over the measured part of a ride.
 
     Attributes:
-        tracking_n: rms of the damper's force less the desired force, that cut to what the damper could have given, N.
-        tracking_raw_n: the same with the desired force as it was.
-        wanted_n: rms of the cut desired force about its mean, N.
+        tracking_n: rms difference of the damper's force and the desired force limited to the attainable range, N.
+        tracking_raw_n: the same with the unlimited desired force.
+        wanted_n: rms of the limited desired force about its mean, N.
         weighted_acceleration: of the body, Wk, m/s^2 rms.
         acceleration: m/s^2 rms, unweighted.
         tyre_load: rms change of the tyre's load over the static load, 1.
-        lowest_tyre_load: over the static load, 1; 0 is off the ground.
+        lowest_tyre_load: over the static load, 1; 0 is lifted off.
         stroke, peak_stroke: rms about the mean and largest, m.
     """
 
@@ -34,15 +34,15 @@ class RideMeasures:
     peak_stroke: float
 
 
-def ride_measures(ride: Ride, attainable: np.ndarray, start: float, wish: np.ndarray | None = None) -> RideMeasures:
+def ride_measures(ride: Ride, attainable: np.ndarray, start: float, desired: np.ndarray | None = None) -> RideMeasures:
     """Measures from ``start`` s on.
 
     Args:
         attainable: (2, n) N, lowest and highest force on this motion.
-        wish: (n,) N where the ride's own desired force is not meant.
+        wish: (n,) N, replaces the ride's desired force.
     """
     part = slice(round(start / ride.step), None)
-    raw = (ride.wanted if wish is None else wish)[part]
+    raw = (ride.wanted if desired is None else desired)[part]
     wanted = np.clip(raw, attainable[0, part], attainable[1, part])
     force, travel = ride.force[part], ride.travel[part]
     tyre = ride.tyre_force[part] / ride.static_load

@@ -1,4 +1,4 @@
-"""Where controllers are compared: semi-active dampers in their corners, on roads and single events."""
+"""Scenarios for comparisons of controllers: semi-active dampers in their corners, on roads and single events."""
 
 from dataclasses import dataclass, replace
 
@@ -15,12 +15,12 @@ LIMITS = (0.0, 2.0)
 """A, of the coil's driver."""
 
 REST = 1.0
-"""s, standing at the start of every run; what follows is judged."""
+"""s, at rest at the start of every run; the rest of the run is measured."""
 
 
 @dataclass(frozen=True)
 class Corner:
-    """A semi-active damper in its corner, and the law that suits it."""
+    """A semi-active damper in its corner, with a suitable law."""
 
     damper: Damper
     car: QuarterCar
@@ -44,14 +44,14 @@ CORNER_CASES = {
         mixed(2900.0, 0.76),
     ),
 }
-"""By name: the catalogue's magneto-rheological damper; the same on a soft mount with gassy oil; a light car's damper
-with a coil that is slow and saturates early. The skyhook's damping is 0.6 of the critical one of body on spring,
-the groundhook's 0.16 of that of wheel on tyre."""
+"""By name: the catalogue's magneto-rheological damper; the same on a soft mount with aerated oil; a light car's damper
+with a slow coil that saturates early. The skyhook's damping is 0.6 of the critical one of body on spring, the
+groundhook's 0.16 of that of wheel on tyre."""
 
 
 @dataclass(frozen=True)
 class Surface:
-    """What is driven over: an ISO 8608 class (``kind`` A to E), ``bump`` or ``pothole``, at a speed in m/s."""
+    """A road: an ISO 8608 class (``kind`` A to E), ``bump`` or ``pothole``, at a speed in m/s."""
 
     kind: str
     speed: float
@@ -64,7 +64,7 @@ class Surface:
 
 
 SURFACES = (Surface("B", 30.0), Surface("C", 20.0), Surface("D", 10.0), Surface("bump", 8.0), Surface("pothole", 14.0))
-"""Roads at the speeds that are driven on them, and single events."""
+"""Roads at typical speeds, and single events."""
 
 
 def surface_height(surface: Surface, seconds: float, seed: int, step: float = STEP) -> np.ndarray:

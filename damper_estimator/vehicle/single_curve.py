@@ -1,8 +1,7 @@
-"""The single curve of a damper: force over velocity alone, taken from any model as from a damper on a test bench.
+"""The single curve of a damper: force over velocity alone, measured on any model like on a damper on a test bench.
 
-Sines of one frequency and rising amplitude; the force where the speed is largest, in rebound and in compression, is a
-point of the curve. What the model remembers, gas and spring about the middle position are lost in it. Source: Gao et
-al., section 3.1.1.
+Sines of one frequency and rising amplitude; the forces at the largest rebound and compression speed are points of the
+curve. It excludes memory, and gas and spring forces away from the middle position. Source: Gao et al., section 3.1.1.
 """
 
 import numpy as np
@@ -17,13 +16,13 @@ FREQUENCY = 1.5
 """Hz."""
 
 LARGEST = 0.05
-"""m, amplitude beyond which a sine is made faster instead."""
+"""m, largest amplitude; beyond it the frequency rises instead."""
 
 _CYCLES, _PER_CYCLE = 3, 2000
 
 
 def single_curve(model: DamperModel) -> DamperModel:
-    """A model that is the curve and nothing else, ``viscous_curve``; straight between its points."""
+    """A model of only the curve, ``viscous_curve``; straight between its points."""
     points = [_peaks(model, speed) for speed in SPEEDS]
     rest = float(model.force(_sine(0.0, FREQUENCY))[-1])
     velocity = [*(-speed for speed in reversed(SPEEDS)), 0.0, *SPEEDS]

@@ -1,4 +1,4 @@
-"""How strongly people feel vertical vibration when seated: the frequency weighting Wk of ISO 2631-1.
+"""Sensitivity of seated people to vertical vibration: the frequency weighting Wk of ISO 2631-1.
 
     H(p) = H_h(p) H_l(p) H_t(p) H_s(p),      p = j 2 pi f,  w_i = 2 pi f_i
 
@@ -28,7 +28,7 @@ _SECTIONS = (
     ([1.0, _W5 / _Q5, _W5**2], [1.0, _W6 / _Q6, _W6**2]),
 )
 LOWEST_RATE = 500.0
-"""Hz; below it the filter's upper end would be bent by the sampling."""
+"""Hz; a lower rate would distort the upper end of the filter."""
 
 
 def wk_gain(frequency: np.ndarray) -> np.ndarray:
@@ -44,7 +44,7 @@ def wk_weighted(acceleration: np.ndarray, step: float) -> np.ndarray:
         ValueError: below 500 samples per second.
     """
     if step > 1.0 / LOWEST_RATE:
-        raise ValueError(f"{1.0 / step:g} samples per second are too few for Wk; {LOWEST_RATE:g} at least")
+        raise ValueError(f"{1.0 / step:g} samples per second are too few for Wk; at least {LOWEST_RATE:g} are needed")
     zeros = np.concatenate([np.roots(b) for b, _ in _SECTIONS])
     poles = np.concatenate([np.roots(a) for _, a in _SECTIONS])
     gain = np.prod([b[0] for b, _ in _SECTIONS])

@@ -27,7 +27,7 @@ def python_line(damper: Damper, given: np.ndarray) -> LineOutput:
     felt = given["acceleration_arrived"] != 0
     arrived.acceleration[:, 0] = last_come(given["acceleration"], felt)
     arrived.acceleration_stamp[:, 0] = last_come(given["acceleration_stamp"], felt, 0)
-    return DamperEstimator(damper.own).line.run(arrived)
+    return DamperEstimator(damper.deployed).line.run(arrived)
 
 
 def last_come(values: np.ndarray, came: np.ndarray, before=np.nan) -> np.ndarray:

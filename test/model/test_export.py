@@ -115,7 +115,7 @@ def test_a_file_that_is_no_table_is_refused(tmp_path):
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["export", "bouc_wen", "--tables", str(tmp_path / "file" / "x"), "--velocity=0.1"]) == 1
-    assert "cannot be made" in capsys.readouterr().err
+    assert "cannot be created" in capsys.readouterr().err
 
 
 REGION = {"region": {"velocity": [-0.4, 0.6], "command": [0.0, 2.0]}}

@@ -65,9 +65,9 @@ def test_without_the_series_element_its_scale_goes_too():
 @pytest.mark.parametrize(
     ("effects", "said"),
     [
-        ([{"scaled": [GAIN]}, "viscous"], "stands first in the path of a series effect"),
-        ([{"path": ["viscous", {"scaled": [GAIN]}]}], "stands first in the path of a series effect"),
-        ([{"dashpot": {"path": ["viscous", {"scaled": [GAIN]}]}}], "stands first in the path of a series effect"),
+        ([{"scaled": [GAIN]}, "viscous"], "must be first in the path of a series effect"),
+        ([{"path": ["viscous", {"scaled": [GAIN]}]}], "must be first in the path of a series effect"),
+        ([{"dashpot": {"path": ["viscous", {"scaled": [GAIN]}]}}], "must be first in the path of a series effect"),
         ([{"dashpot": {"path": [{"scaled": ["viscous"]}, "viscous"]}}], "only modifiers can scale"),
         ([{"dashpot": {"path": [{"scaled": [GAIN]}]}}], "its path is empty"),
     ],

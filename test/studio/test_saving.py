@@ -35,7 +35,7 @@ def test_neither_file_of_an_export_is_replaced_without_asking(session, folder):
 
 
 def test_a_name_that_c_does_not_take_is_refused(session):
-    with pytest.raises(InputError, match="is no name in C"):
+    with pytest.raises(InputError, match="is not a C name"):
         save(session, "c", "front-left.c", replace=False)
 
 

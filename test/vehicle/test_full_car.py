@@ -144,8 +144,8 @@ def car_file(tmp_path: Path) -> Callable[[str, str], Path]:
     [
         ("mass: 1160.0", "mass: -3.0", "body.mass = -3.0 is not a number above 0"),
         ("mass: 1160.0", "mass: .inf", "body.mass = inf is not a number above 0"),
-        ("roll_inertia", "rolling", "body.rolling is none of"),
-        ("rear:", "back:", "rear is missing or not a mapping; back is no key"),
+        ("roll_inertia", "rolling", "body.rolling is unknown"),
+        ("rear:", "back:", "rear is missing or not a mapping; back is an unknown key"),
         ("front:", "front: 3\nx:", "front is missing or not a mapping"),
     ],
 )
@@ -162,5 +162,5 @@ def test_a_file_gives_what_is_in_it(car_file: Callable[[str, str], Path]) -> Non
     changed = load_car(car_file("anti_roll_rate: 5000.0", "anti_roll_rate: 0.0"))
     assert changed.rear.anti_roll_rate == 0.0
     assert replace(changed, rear=CAR.rear) == CAR
-    with pytest.raises(InputError, match="there is compact_car"):
+    with pytest.raises(InputError, match="available: compact_car"):
         load_car("hovercraft")

@@ -111,7 +111,7 @@ def test_a_road_in_stretches_is_the_road_as_a_whole() -> None:
     running = RunningCar(CORNERS["semi_active"], DAMPERS["semi_active"], road[:2001], STEP, 0.5)
     running.advance(2001, current)
     first = running.column(TRAVEL)
-    running.go_on(road[2000:])
+    running.continue_on(road[2000:])
     running.advance(road[2000:].size, current)
     joined = np.concatenate([first, running.column(TRAVEL)[1:]])
     assert joined.size == whole.size

@@ -1,5 +1,5 @@
 /*
- * FMI 2.0 for co-simulation. The declarations are written from the standard (version 2.0.4, section 2 and 4); no file
+ * FMI 2.0 for co-simulation. The declarations follow the standard (version 2.0.4, sections 2 and 4); no file
  * of the standard is copied.
  */
 #include "unit.h"
@@ -121,7 +121,7 @@ EXPORT fmi2Status fmi2FreeFMUstate(void *c, void **state)
     return fmi2OK;
 }
 
-/* What this unit does not have. */
+/* Functions that this unit does not support. */
 #define REFUSED { return fmi2Error; }
 EXPORT fmi2Status fmi2GetString(void *c, const fmi2ValueReference r[], size_t n, fmi2String value[]) REFUSED
 EXPORT fmi2Status fmi2SetInteger(void *c, const fmi2ValueReference r[], size_t n, const int value[]) REFUSED

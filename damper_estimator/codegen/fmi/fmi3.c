@@ -1,5 +1,5 @@
 /*
- * FMI 3.0 for co-simulation. The declarations are written from the standard (version 3.0, section 2 and 4); no file of
+ * FMI 3.0 for co-simulation. The declarations follow the standard (version 3.0, sections 2 and 4); no file of
  * the standard is copied.
  */
 #include "unit.h"
@@ -128,7 +128,7 @@ EXPORT fmi3Status fmi3FreeFMUState(void *c, void **state)
     return fmi3OK;
 }
 
-/* What this unit does not have. */
+/* Functions that this unit does not support. */
 #define REFUSED { return fmi3Error; }
 #define REFUSED_TYPE(name, type) \
     EXPORT fmi3Status fmi3Get##name(void *c, const fmi3ValueReference r[], size_t n, type value[], size_t m) REFUSED \

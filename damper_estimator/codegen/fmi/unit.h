@@ -1,9 +1,8 @@
 /*
  * One instance of the damper behind both versions of FMI: values by reference, and one step.
  *
- * A step from t takes the inputs as the sample at t; what comes out are the estimates at t. Everything is refused, with
- * the instance unchanged, that a damper cannot follow: numbers that are not finite, parameters beyond their bounds, a step
- * back in time.
+ * A step from t uses the inputs as the sample at t; the outputs are the estimates at t. Non-finite numbers, parameters
+ * beyond their bounds and steps back in time are refused and leave the instance unchanged.
  */
 #ifndef UNIT_H
 #define UNIT_H
@@ -28,7 +27,7 @@
 enum { FIRST_INPUT = 1, FIRST_OUTPUT = 100, FIRST_INTEGER = 200, REACHED = 300, FIRST_PARAMETER = 1000 };
 enum { DISPLACEMENT = 0, COMMAND, TEMPERATURE, PRESSURE, DESIRED_FORCE, INPUTS };
 enum { OUTPUTS = 11, INTEGERS = 3 };
-#define LATEST 2.0e9 /* s, what a stamp in ns can hold several times over */
+#define LATEST 2.0e9 /* s, well within the range of a stamp in ns */
 
 typedef struct {
     damper_state state;
@@ -38,7 +37,7 @@ typedef struct {
     int32_t integers[INTEGERS];
     bool reached;
     bool begun;   /* a sample was taken */
-    bool stepped; /* and not by the initialization alone */
+    bool stepped; /* by a step, not only by the initialization */
     int64_t last;
     double start;
 } unit;
@@ -75,14 +74,14 @@ static unit *unit_new(const char *token)
     return own;
 }
 
-/* A saved instance becomes this one; it keeps its own parameters' place. */
+/* Restores a saved instance; the pointer to the parameters remains that of this instance. */
 static void unit_restore(unit *own, const unit *saved)
 {
     *own = *saved;
     own->state.parameters = own->parameters;
 }
 
-/* Values of reals by reference; false where there is none of that reference. */
+/* Value of a real by reference; false for an unknown reference. */
 static bool unit_get(const unit *own, uint32_t reference, double *value)
 {
     if ((reference >= FIRST_INPUT) && (reference < FIRST_INPUT + INPUTS)) {
@@ -103,7 +102,7 @@ static bool unit_set(unit *own, uint32_t reference, double value)
 {
     const size_t parameter = (size_t)reference - FIRST_PARAMETER;
     if ((reference >= FIRST_INPUT) && (reference < FIRST_INPUT + INPUTS)) {
-        own->inputs[reference - FIRST_INPUT] = value; /* judged by the step that uses it */
+        own->inputs[reference - FIRST_INPUT] = value; /* checked by the step that uses it */
         return true;
     }
     if ((reference < FIRST_PARAMETER) || (parameter >= PARAMETERS) || !TUNABLE[parameter]) {
@@ -125,7 +124,7 @@ static bool unit_get_integer(const unit *own, uint32_t reference, int32_t *value
     return true;
 }
 
-/* Takes the inputs as the sample at a time in s; false where they cannot be one. */
+/* Processes the inputs as the sample at a time in s; false for invalid inputs. */
 static bool unit_sample(unit *own, double time)
 {
     damper_input in = { 0 };
@@ -175,13 +174,13 @@ static bool unit_sample(unit *own, double time)
     return true;
 }
 
-/* A communication step of so many s from a time. */
+/* A communication step of a length in s from a time. */
 static bool unit_step(unit *own, double time, double length)
 {
     if (!((length >= 0.0) && (length < LATEST))) {
         return false;
     }
-    if (own->begun && !own->stepped) { /* the initialization's sample gives way to that of the first step */
+    if (own->begun && !own->stepped) { /* the sample of the first step replaces that of the initialization */
         damper_reset(&own->state);
     }
     if (!unit_sample(own, time)) {
