@@ -1,7 +1,7 @@
-"""How long the first command after an installation takes, and the second: each verb and the node in an empty cache.
+"""Duration of the first and the second command after an installation: each verb and the node with an empty cache.
 
 Prints a table: compare, fit and diagnose from start to end, the node from its start to the first force on its topic.
-Where there is no ROS the node is left out. Usage: python benchmarks/bench_cold_start.py
+Without ROS the node is skipped. Usage: python benchmarks/bench_cold_start.py
 """
 
 import os
@@ -20,7 +20,7 @@ COMMANDS = {
     "fit": "fit hidden_base.mcap -m viscous_curve -o again.yaml",
     "diagnose": "diagnose hidden_fit.mcap --validate hidden_unseen.mcap -m mine.yaml",
 }
-RATE = 100.0  # Hz of the displacement that the node is sent
+RATE = 100.0  # Hz of the displacement messages to the node
 LONGEST = 600.0  # s to the first force
 
 
@@ -58,7 +58,7 @@ def seconds(place: Path, command: str, cache: Path) -> float:
 
 
 def first_force(model: Path, cache: Path) -> float:
-    """From the start of the node to its first force, with displacements sent all the time."""
+    """Time from the start of the node to its first force, while displacements are sent."""
     import rclpy
     from damper_msgs.msg import DamperForces
     from sensor_msgs.msg import JointState
@@ -85,7 +85,7 @@ def first_force(model: Path, cache: Path) -> float:
         while not answers:
             rclpy.spin_once(node, timeout_sec=0.1)
             if process.poll() is not None or monotonic() - begun > LONGEST:
-                raise SystemExit("the node gave no force")
+                raise SystemExit("the node published no force")
         return monotonic() - begun
     finally:
         rclpy.shutdown()

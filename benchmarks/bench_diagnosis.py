@@ -1,13 +1,13 @@
-"""Does `diagnose` name what was hidden in dampers that nobody has seen, and does `improve` repair the model?
+"""Does `diagnose` name the effect hidden in unknown dampers, and does `improve` correct the model?
 
-    python benchmarks/bench_diagnosis.py                       # 150 new cases; goes on where it was interrupted
+    python benchmarks/bench_diagnosis.py                       # 150 new cases; continues an interrupted run
     python benchmarks/bench_diagnosis.py --seed 7              # the cases of another run again
-    python benchmarks/bench_diagnosis.py --seed 7 --again      # judge them again: recordings and models are kept
+    python benchmarks/bench_diagnosis.py --seed 7 --again      # judge them again with the saved recordings and models
     python benchmarks/bench_diagnosis.py --only friction --cases 10 --no-improve
 
 Dampers, effects, drives, sensors and users' models are drawn at random (benchmarks/population). Every case runs in a
-process of its own and is one line in OUT/SEED/results.jsonl; without ``--seed`` a run that was interrupted goes on, and
-a new one draws a new seed. FULL=1 runs 600 cases.
+separate process and is one line in OUT/SEED/results.jsonl; without ``--seed`` an interrupted run continues, and a new
+one draws a new seed. FULL=1 runs 600 cases.
 """
 
 import argparse
@@ -24,11 +24,11 @@ from population.work import Order, done, results
 
 OUT = Path("out/population")
 CASES, FULL_CASES = 150, 600
-LIMIT = 600.0  # s of the processor, per case
+LIMIT = 600.0  # s of processor time per case
 
 
 def chosen(seed: int, arguments: argparse.Namespace) -> list[Card]:
-    """The first cards of the deck that are wanted."""
+    """The first selected cards of the deck."""
     wanted = set(arguments.only)
 
     def fits(card: Card) -> bool:
@@ -39,7 +39,7 @@ def chosen(seed: int, arguments: argparse.Namespace) -> list[Card]:
 
 
 def seed_of(arguments: argparse.Namespace) -> int:
-    """The one given, that of a run that was interrupted, or a new one."""
+    """The given seed, that of an interrupted run, or a new one."""
     unfinished = arguments.out / "unfinished.txt"
     if arguments.seed is not None:
         return arguments.seed
@@ -49,7 +49,7 @@ def seed_of(arguments: argparse.Namespace) -> int:
 
 
 def main() -> None:
-    """Runs what is not done yet and prints the tables."""
+    """Runs the remaining cases and prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     full = os.environ.get("FULL", "") not in ("", "0")
     parser.add_argument("--cases", type=int, default=FULL_CASES if full else CASES, metavar="N")
@@ -57,12 +57,12 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=PHENOMENA, default=[], metavar="PHENOMENON")
     parser.add_argument("--kind", nargs="+", choices=("hidden", "nothing", "pair", "real"),
                         default=("hidden", "nothing", "pair", "real"))  # fmt: skip
-    parser.add_argument("--no-improve", action="store_true", help="diagnose alone")
-    parser.add_argument("--again", action="store_true", help="judge again what was judged before")
+    parser.add_argument("--no-improve", action="store_true", help="only diagnose")
+    parser.add_argument("--again", action="store_true", help="judge all cases again")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), metavar="N")
-    parser.add_argument("--limit", type=float, default=LIMIT, metavar="S", help="processor's time of a case")
+    parser.add_argument("--limit", type=float, default=LIMIT, metavar="S", help="processor time of a case")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of cases and results")
-    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page that gets the tables")
+    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page to write the tables to")
     arguments = parser.parse_args()
     seed = seed_of(arguments)
     folder = arguments.out / str(seed)
@@ -72,7 +72,7 @@ def main() -> None:
     cards = chosen(seed, arguments)
     print(f"seed {seed}: {len(cards)} cases in {folder}", flush=True)
     if not there():
-        print("no real recordings (DAMPER_SHARED_DATA): their cases are left out", flush=True)
+        print("no real recordings (DAMPER_SHARED_DATA): their cases are skipped", flush=True)
     known = {} if arguments.again else done(place)
     records = {card.name: known[card.name] for card in cards if card.name in known}
     order = Order(seed, folder / "cases", not arguments.no_improve, arguments.limit)

@@ -1,7 +1,7 @@
-"""Generated C on this machine: time of a step over an hour of road and of the inverse, mean and worst; sizes.
+"""Generated C on this machine: mean and worst time of a step over an hour of road and of the inverse; sizes.
 
-The mean is processor time. The worst step is timed with a clock around every call, which costs some 30 ns itself; the
-same hour is run three times and the smallest of the three times of each step counts, as the system interrupts.
+The mean is processor time. The worst step is timed with a clock around every call, which itself costs about 30 ns; the
+same hour runs three times and the smallest of the three times of each step counts, to exclude interrupts.
 """
 
 import ctypes
@@ -62,7 +62,7 @@ void each(int64_t n, const NAME_input *in, const REAL *wanted, int32_t inverts, 
 
 
 def road(seconds: int) -> np.ndarray:
-    """Displacement (n,) in m of a damper on a road: noise of a falling spectrum, 15 mm rms, up to 30 Hz."""
+    """Displacement (n,) in m of a damper on a road: noise with a falling spectrum, 15 mm rms, up to 30 Hz."""
     random = np.random.default_rng(1)
     n = seconds * RATE
     frequency = np.fft.rfftfreq(n, 1.0 / RATE)
@@ -109,7 +109,7 @@ def measure(damper: Damper, given: np.ndarray, wanted: np.ndarray, folder: Path)
 def main() -> None:
     """Prints a row per model."""
     if find_compiler() is None:
-        sys.exit("there is no C compiler")
+        sys.exit("no C compiler is installed")
     seconds = int(sys.argv[1]) if len(sys.argv) > 1 else SECONDS
     x = road(seconds)
     stamp = np.arange(x.size, dtype=np.int64) * (10**9 // RATE)

@@ -1,22 +1,21 @@
-"""How right a model is outside the region that it was fitted on (status EXTRAPOLATING), on simulated dampers.
+"""Accuracy of a model outside the region of its fit (status EXTRAPOLATING), on simulated dampers.
 
     python benchmarks/bench_extrapolation.py [--quick]
 
 Dampers of the catalogue with valves, bleed and gas pressure drawn at random are driven gently (up to 0.25 to 0.55 m/s,
-current up to 1 A), each model is fitted to that, and judged where the same damper is driven 2.2 times as hard (current
-up to 2 A). A sample's excess is how many times as far as the region some channel goes. Shown are, for each
-model over all dampers:
+current up to 1 A), each model is fitted to that and judged on the same damper driven 2.2 times as hard (current up to 2
+A). A sample's excess is the largest ratio of a channel to its region. The table shows for each model over all dampers:
 
     sign      share of the samples whose force has the right sign (where the true one is above a tenth of its rms)
     corr      correlation of the modelled with the true force
-    slope     of the modelled over the true force, 1 is right
+    slope     of the modelled over the true force, 1 is perfect
     error     rms error over the rms force
     worst     largest error of a single damper
     turned    fits whose force at a steady speed of 1.5 or 2 times the region, in either direction, has the wrong sign
-    level     error where the velocity is held at the region's edge instead: what extrapolation must beat
-    straight  error where the steady force goes on straight from there, as exported tables do
+    level     error with the velocity limited to the region's edge: extrapolation must be better
+    straight  error with the steady force continued linearly from there, as in exported tables
 
-and in the last line for the inside of the region.
+and the last line shows the inside of the region.
 """
 
 import argparse
@@ -52,9 +51,9 @@ class Judged:
     """One model on one damper.
 
     Attributes:
-        force, modelled, level, straight: (n,) N of the rough drive; the last two with the velocity held at the
+        force, modelled, level, straight: (n,) N of the rough drive; the last two with the velocity limited to the
             region's edge, and the steady force continued from there.
-        excess: (n,) of the channel that is farthest out.
+        excess: (n,) of the channel with the largest excess.
         turned: whether a steady force outside has the wrong sign.
     """
 
@@ -67,21 +66,21 @@ class Judged:
 
 
 def some_damper(name: str, seed: int) -> Damper:
-    """A damper of the catalogue with other valves, bleed and gas."""
-    own, rng = DAMPERS[name], np.random.default_rng([seed, 5])
+    """A damper of the catalogue with modified valves, bleed and gas."""
+    damper, rng = DAMPERS[name], np.random.default_rng([seed, 5])
     for part in ("rebound", "compression"):
-        valve = getattr(own, part)
+        valve = getattr(damper, part)
         changed = {field: getattr(valve, field) * rng.uniform(0.7, 1.4) for field in valve._fields[:4]}
-        own = own.with_part(part, **changed)
-    own = own.with_part("piston", bleed_area=own.piston.bleed_area * rng.uniform(0.7, 1.4))
-    return own.with_part("gas", pressure=own.gas.pressure * rng.uniform(0.8, 1.2))
+        damper = damper.with_part(part, **changed)
+    damper = damper.with_part("piston", bleed_area=damper.piston.bleed_area * rng.uniform(0.7, 1.4))
+    return damper.with_part("gas", pressure=damper.gas.pressure * rng.uniform(0.8, 1.2))
 
 
 def driven(damper: Damper, seed: int, scale: float, current: float) -> Measurement:
     """The damper under a random drive; with a coil, the current steps up to ``current`` A."""
-    own = bench_drive("random10", damper, SECONDS, seed)
-    steps = current_steps(SECONDS, seed, highest=current) if damper.coil.pressure > 0.0 else own.current
-    drive = Drive(own.name, own.step, scale * own.displacement, steps, seed)
+    drive_10mm = bench_drive("random10", damper, SECONDS, seed)
+    steps = current_steps(SECONDS, seed, highest=current) if damper.coil.pressure > 0.0 else drive_10mm.current
+    drive = Drive(drive_10mm.name, drive_10mm.step, scale * drive_10mm.displacement, steps, seed)
     sensed = measurement(damper, drive, int(SECONDS / RATE_STEP) - 2, RATE_STEP, seed)
     if damper.coil.pressure > 0.0:
         time = sensed.kinematics.time
@@ -94,22 +93,22 @@ def model_of(name: str) -> DamperModel:
     if not name.startswith("wide"):
         return load_model(name)
     effect, axes = ("viscous_curve", {}) if name == "wide knots" else ("force_surface", {"acceleration": STEEP})
-    return DamperModel(name, "made here", (make_element(find_effect(effect), {"velocity": WIDE, **axes}),))
+    return DamperModel(name, "this benchmark", (make_element(find_effect(effect), {"velocity": WIDE, **axes}),))
 
 
 def judged(model: DamperModel, damper: Damper, gentle: Measurement, rough: Measurement) -> Judged:
-    """A model that is fitted to the gentle drive, on the rough one."""
+    """A model fitted to the gentle drive, judged on the rough one."""
     fitted = fit(model, [gentle]).model
     region, block = fitted.fit["region"], rough.kinematics.block
     excess = np.zeros(block.shape[1])
     for name, row in (("displacement", X), ("velocity", V), ("acceleration", A), ("command", COMMAND)):
         if name in region:
             low, high = region[name]
-            own = np.where(block[row] < low, block[row] / min(low, -1e-9), block[row] / max(high, 1e-9))
-            excess = np.fmax(excess, own)
-    held = block.copy()
-    held[V] = np.clip(block[V], *region["velocity"])
-    level = fitted.force(held)
+            ratio = np.where(block[row] < low, block[row] / min(low, -1e-9), block[row] / max(high, 1e-9))
+            excess = np.fmax(excess, ratio)
+    limited = block.copy()
+    limited[V] = np.clip(block[V], *region["velocity"])
+    level = fitted.force(limited)
     straight = level + _beyond(fitted, region["velocity"], block)
     use = rough.judged
     return Judged(
@@ -123,7 +122,7 @@ def judged(model: DamperModel, damper: Damper, gentle: Measurement, rough: Measu
 
 
 def _beyond(fitted: DamperModel, region: list[float], block: np.ndarray) -> np.ndarray:
-    """(n,) what the continued steady force adds outside the region of the velocity."""
+    """(n,) change by continuing the steady force outside the region of the velocity."""
     command = float(np.mean(block[COMMAND]))
     added = np.zeros(block.shape[1])
     for edge in region:
@@ -135,7 +134,7 @@ def _beyond(fitted: DamperModel, region: list[float], block: np.ndarray) -> np.n
 
 def _turned(fitted: DamperModel, damper: Damper, region: dict) -> bool:
     command = 0.5 * CURRENT if damper.coil.pressure > 0.0 else np.nan
-    speeds = [share * own for share in (1.5, 2.0) for own in region["velocity"]]
+    speeds = [share * edge for share in (1.5, 2.0) for edge in region["velocity"]]
     return any(steady_force(fitted, v, 0.0, command) * v < 0.0 for v in speeds)
 
 
@@ -151,14 +150,14 @@ def cases(kinds: tuple[str, ...], seeds: int) -> Iterator[tuple[Damper, Measurem
 
 def row(found: list[Judged], low: float, high: float) -> str:
     """The figures of a model between two excesses."""
-    picked = [(own, (own.excess > low) & (own.excess <= high)) for own in found]
+    picked = [(case, (case.excess > low) & (case.excess <= high)) for case in found]
     names = ("force", "modelled", "level", "straight")
     force, modelled, level, straight = (np.concatenate([getattr(o, name)[use] for o, use in picked]) for name in names)
     rms = np.sqrt(np.mean(force**2))
     large = np.abs(force) > 0.1 * rms
     sign = np.mean(np.sign(force[large]) == np.sign(modelled[large]))
     slope = np.polyfit(force, modelled, 1)[0]
-    worst = max(_error(own.modelled[use], own.force[use]) for own, use in picked)
+    worst = max(_error(case.modelled[use], case.force[use]) for case, use in picked)
     return (
         f"{100 * sign:6.1f} %{np.corrcoef(force, modelled)[0, 1]:7.3f}{slope:7.2f}"
         f"{100 * _error(modelled, force):7.0f} %{100 * worst:6.0f} %{100 * _error(level, force):6.0f} %"
@@ -178,19 +177,19 @@ def show(title: str, kinds: tuple[str, ...], models: tuple[str, ...], seeds: int
     for name in models:
         found = [judged(model_of(name), *case) for case in every]
         for low, high in (*EXCESS, (0.0, 1.0)):
-            turned = f"{sum(own.turned for own in found):9d}" if low == 1.5 else ""
+            turned = f"{sum(case.turned for case in found):9d}" if low == 1.5 else ""
             label = "inside" if low == 0.0 else f"{low:g} to {high:g}"
             print(f"{name if low == 1.0 else '':22}{label:>12}{row(found, low, high)}{turned}", flush=True)
 
 
 def main() -> None:
-    """Runs everything; --quick takes one damper of each kind."""
+    """Runs everything; --quick uses one damper of each kind."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="one damper of each kind instead of four")
     seeds = 1 if parser.parse_args().quick else 4
-    plain = tuple(name for name, own in DAMPERS.items() if own.coil.pressure == 0.0)
+    plain = tuple(name for name, damper in DAMPERS.items() if damper.coil.pressure == 0.0)
     show("passive dampers", plain, PLAIN, seeds)
-    show("semi-active dampers, current outside as well", ("semi_active",), SEMI_ACTIVE, seeds)
+    show("semi-active dampers, also current outside", ("semi_active",), SEMI_ACTIVE, seeds)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
     python benchmarks/bench_fleet.py           # a few minutes
     python benchmarks/bench_fleet.py --full    # 2000 recordings of 10 s, 20000 empty tasks, an hour of 1 kHz; 30 min
 
-Bars: two workers at least 1.7 times as fast as one; overhead below 5 % of a task on 60 s; memory flat. Measure on a
+Limits: two workers at least 1.7 times as fast as one; overhead below 5 % of a task on 60 s; memory flat. Measure on a
 quiet machine: workers share its cores with everything else.
 """
 
@@ -40,7 +40,7 @@ SPEED_UP, OVERHEAD = 1.7, 0.05
 
 
 def write_recordings(folder: Path, count: int, seconds: float) -> None:
-    """So many recordings of one damper on a road, each with noise of its own."""
+    """``count`` recordings of one damper on a road, each with different noise."""
     damper, sensors = DAMPERS["passenger_front"], Sensors(rate=RATE, drop_out=0.0)
     sensed = measure(simulate(damper, drive("road", damper, seconds + 0.5, 3)), sensors, 3, clock_seed=3)
     motion, force = sensed.true_displacement.value, sensed.true_force.value
@@ -61,7 +61,7 @@ def write_recordings(folder: Path, count: int, seconds: float) -> None:
 
 @dataclass(frozen=True)
 class Run:
-    """What one run took: wall time in s, and the tally with the workers' own seconds."""
+    """Cost of one run: wall time in s, and the tally with the workers' seconds."""
 
     seconds: float
     tally: Tally
@@ -72,11 +72,11 @@ class Run:
         return self.tally.done / self.seconds
 
 
-def run(client: Client, folder: Path, output: Path, tell=lambda tally: None) -> Run:
-    """``fleet compare`` with pages over a folder, from nothing; the table at its end included."""
+def run(client: Client, folder: Path, output: Path, show_progress=lambda tally: None) -> Run:
+    """``fleet compare`` with pages over a folder, from scratch, including the table at its end."""
     rmtree(output, ignore_errors=True)
     recordings = find_recordings([str(folder / "**" / "*.mcap")])
-    fleet = Fleet(Asked(Compare(), MODEL, output), recordings, work, tell)
+    fleet = Fleet(Asked(Compare(), MODEL, output), recordings, work, show_progress)
     began = time.perf_counter()
     fleet.run(client)
     write_rows(output, "compare", fleet.tasks)
@@ -86,12 +86,12 @@ def run(client: Client, folder: Path, output: Path, tell=lambda tally: None) -> 
 
 
 def warmed(client: Client, folder: Path, workers: int) -> None:
-    """Every worker has its code loaded and compiled."""
+    """Lets every worker load and compile its code."""
     (path, *_) = sorted(folder.rglob("*.mcap"))
     for number in range(2):
         futures = [
-            client.submit(_warm, str(path), f"{folder}/warm_{number}_{own}", workers=address, pure=False)
-            for own, address in enumerate(client.nthreads())
+            client.submit(_warm, str(path), f"{folder}/warm_{number}_{number_of_worker}", workers=address, pure=False)
+            for number_of_worker, address in enumerate(client.nthreads())
         ]
         client.gather(futures)
     assert len(client.nthreads()) == workers
@@ -107,45 +107,46 @@ def _warm(path: str, folder: str) -> None:
 
 
 def throughput(folder: Path, count: int) -> None:
-    """Two workers over one on recordings of 60 s, and the overhead of a task."""
+    """Speed-up of two workers on recordings of 60 s, and the overhead of a task."""
     write_recordings(folder / "bags", count, 60.0)
     runs = {}
     for workers in (1, 2):
         with connected(None, workers, CLUSTER) as client:
             warmed(client, folder / "bags", workers)
             runs[workers] = run(client, folder / "bags", folder / "out")
-        own = runs[workers]
+        result = runs[workers]
         print(
-            f"{workers} worker(s): {own.rate:.3g} recordings of 60 s a second, {1e3 * own.seconds / count:.0f} ms each"
+            f"{workers} worker(s): {result.rate:.3g} recordings of 60 s a second, "
+            f"{1e3 * result.seconds / count:.0f} ms each"
         )
-    told(f"two workers over one: {runs[2].rate / runs[1].rate:.2f} x (bar {SPEED_UP})")
+    report(f"two workers over one: {runs[2].rate / runs[1].rate:.2f} x (bar {SPEED_UP})")
     lost = 1.0 - runs[1].tally.seconds / runs[1].seconds
-    told(
+    report(
         f"overhead per task: {100 * lost:.1f} % of {1e3 * runs[1].seconds / count:.0f} ms (bar {100 * OVERHEAD:.0f} %)"
     )
 
 
 def many(folder: Path, count: int) -> None:
-    """Memory of the workers and of this process over many short recordings, and what travels for each."""
+    """Memory of the workers and of this process over many short recordings, and the traffic of each."""
     write_recordings(folder / "bags", count, 10.0)
     seen: list[tuple[int, float]] = []
     with connected(None, 2, CLUSTER) as client:
         warmed(client, folder / "bags", 2)
         before = loopback_bytes()
 
-        def tell(tally: Tally) -> None:
+        def show_progress(tally: Tally) -> None:
             if tally.done % max(count // 40, 1) == 0 and (not seen or seen[-1][0] != tally.done):
                 seen.append((tally.done, sum(client.run(resident).values()) + resident()))
 
-        own = run(client, folder / "bags", folder / "out", tell)
+        result = run(client, folder / "bags", folder / "out", show_progress)
         travelled = (loopback_bytes() - before) / count
     quarter = max(len(seen) // 4, 1)
     early, late = (float(np.median([mb for _, mb in part])) for part in (seen[quarter : 2 * quarter], seen[-quarter:]))
-    told(f"{count} recordings of 10 s: {own.rate:.3g} a second on two workers, {own.tally.failed} failed")
-    told(f"resident memory of all processes: {early:.0f} MB in the second quarter, {late:.0f} MB in the last")
-    task = own.fleet.tasks[0]
+    report(f"{count} recordings of 10 s: {result.rate:.3g} a second on two workers, {result.tally.failed} failed")
+    report(f"resident memory of all processes: {early:.0f} MB in the second quarter, {late:.0f} MB in the last")
+    task = result.fleet.tasks[0]
     sent = len(pickle.dumps((carry_out, task, work, __version__)))
-    told(f"a task is {sent} bytes; over the loopback went {travelled / 1e3:.1f} kB per recording, heartbeats included")
+    report(f"a task is {sent} bytes; loopback traffic {travelled / 1e3:.1f} kB per recording, heartbeats included")
 
 
 def resident() -> float:
@@ -155,7 +156,7 @@ def resident() -> float:
 
 
 def loopback_bytes() -> int:
-    """Sent over the loopback device since the machine was started."""
+    """Bytes sent over the loopback device since the machine was started."""
     for line in Path("/proc/net/dev").read_text().splitlines():
         if line.strip().startswith("lo:"):
             return int(line.split(":")[1].split()[8])
@@ -163,7 +164,7 @@ def loopback_bytes() -> int:
 
 
 def scheduler_load(count: int) -> None:
-    """Seconds of the scheduler's processor per task that does nothing, in a process of its own."""
+    """Processor time of the scheduler, in a separate process, per task that does nothing."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "scheduler.json"
         dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0"]
@@ -179,19 +180,19 @@ def scheduler_load(count: int) -> None:
                 empty(client, 200)
                 before, began = processor(scheduler.pid), time.perf_counter()
                 empty(client, count)
-                own, seconds = processor(scheduler.pid) - before, time.perf_counter() - began
+                worked, seconds = processor(scheduler.pid) - before, time.perf_counter() - began
         finally:
             for process in (worker, scheduler):
                 process.terminate()
                 process.wait()
-    told(
-        f"{count} empty tasks: {count / seconds:.0f} a second; the scheduler works {1e6 * own / count:.0f} us for "
-        f"each, so one scheduler bears {count / own:.0f} tasks a second at the most"
+    report(
+        f"{count} empty tasks: {count / seconds:.0f} a second; the scheduler needs {1e6 * worked / count:.0f} us for "
+        f"each, so one scheduler handles at most {count / worked:.0f} tasks a second"
     )
 
 
 def empty(client: Client, count: int) -> None:
-    """Tasks that do nothing, as many under way as ``Fleet`` has."""
+    """Tasks that do nothing, with as many pending as in ``Fleet``."""
     from distributed import as_completed
 
     begun = 0
@@ -221,7 +222,7 @@ def hour(folder: Path) -> None:
         with connected(None, 1, CLUSTER) as client:
             fleet = Fleet(
                 Asked(options, MODEL, folder / "out"),
-                [replace(own, dampers=("front_left",)) for own in find_recordings([str(path)])],
+                [replace(recording, dampers=("front_left",)) for recording in find_recordings([str(path)])],
                 work,
                 lambda tally: None,
             )
@@ -229,25 +230,25 @@ def hour(folder: Path) -> None:
             (peak,) = client.run(peak_memory).values()
         assert fleet.tally.failed == 0
         written = sum(path.stat().st_size for path in fleet.asked.output.rglob(f"*.{options.verb}.*")) / 1e6
-        told(
+        report(
             f"{options.verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.tally.seconds:.0f} s, "
             f"peak {peak:.0f} MB, {written:.1f} MB written"
         )
 
 
 def peak_memory() -> float:
-    """MB, the most that this process has held."""
+    """MB, peak memory of this process."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 
-def told(text: str) -> None:
+def report(text: str) -> None:
     print(text, flush=True)
 
 
 def main() -> None:
     """Prints one line per figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--full", action="store_true", help="the numbers of the bars")
+    parser.add_argument("--full", action="store_true", help="the sizes that the limits refer to")
     full = parser.parse_args().full
     with TemporaryDirectory() as folder:
         throughput(Path(folder) / "speed", 40 if full else 12)

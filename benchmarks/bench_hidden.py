@@ -1,12 +1,12 @@
-"""The hidden-effect bench: does `diagnose` name what was hidden in a damper, and does `improve` repair the model?
+"""The hidden-effect bench: does `diagnose` name the effect hidden in a damper, and does `improve` correct the model?
 
     python benchmarks/bench_hidden.py                        # 120 hidden, 60 nothing, 20 pairs, 20 skews
-    FULL=1 python benchmarks/bench_hidden.py                 # everything that the plant can be made to do
-    python benchmarks/bench_hidden.py --phenomenon friction  # a quick look; also --strength, --kind, --only, --limit
+    FULL=1 python benchmarks/bench_hidden.py                 # all cases of the plant
+    python benchmarks/bench_hidden.py --phenomenon friction  # a quick check; also --strength, --kind, --only, --limit
 
-Every case is one line on the screen and one in out/bench_hidden/results.jsonl; a run goes on where the last one
-stopped, unless the code has changed since; ``--fresh`` judges again. Recordings and calibrations stay in
-out/bench_hidden and are made once.
+Every case is one line on the screen and one in out/bench_hidden/results.jsonl; a run continues the last one, unless the
+code has changed since; ``--fresh`` judges again. Recordings and calibrations are created once and stay in
+out/bench_hidden.
 """
 
 import argparse
@@ -37,11 +37,11 @@ LEVELS = {"medium": MEDIUM, "weak": WEAK, "strong": STRONG}
 JUDGING = ("diagnosis", "effects", "identification", "model", "numerics", "signals", "validation")
 NOTHING, PAIRS = 60, 20
 AHEAD = 6
-"""Plans that are worked out at a time."""
+"""Plans computed at a time."""
 
 
 def planning(full: bool, chosen: argparse.Namespace) -> list[Callable[[], list[Plan]]]:
-    """What must be worked out to know the cases, the medium strength first; each takes up to a minute."""
+    """The computations of the cases, medium strength first; each takes up to a minute."""
     cache, tasks = OUT / "calibrations", []
     if "hidden" in chosen.kind:
         for wanted in (LEVELS[name] for name in LEVELS if name in chosen.strength):
@@ -86,7 +86,7 @@ def planned(
 
 
 def run(plan: Plan) -> dict[str, Any]:
-    """Makes or loads one case and judges it."""
+    """Creates or loads one case and judges it."""
     try:
         return judged(make_case(plan, OUT))
     except Exception as fault:  # one broken case must not end the run; it is printed and counted
@@ -94,7 +94,7 @@ def run(plan: Plan) -> dict[str, Any]:
 
 
 def judged_by() -> str:
-    """Fingerprint of the code that a verdict follows from."""
+    """Fingerprint of the code that determines a verdict."""
     package = Path(__file__).resolve().parents[1] / "damper_estimator"
     sources = [source for room in JUDGING for source in sorted((package / room).rglob("*.py"))]
     sources.append(Path(__file__).with_name("hidden_verdicts.py"))
@@ -106,11 +106,11 @@ def kept_results(place: Path, judge: str) -> dict[str, dict[str, Any]]:
     if not place.exists():
         return {}
     records = (json.loads(text) for text in place.read_text(encoding="utf-8").splitlines() if text.strip())
-    return {own["name"]: own for own in records if "failed" not in own and own.get("judged_by") == judge}
+    return {record["name"]: record for record in records if "failed" not in record and record.get("judged_by") == judge}
 
 
 def results(pool: ProcessPoolExecutor, plans: Iterable[Plan], place: Path, judge: str) -> Iterator[dict[str, Any]]:
-    """Records of cases as they become ready, written to ``place`` one by one."""
+    """Records of cases on completion, written to ``place`` one by one."""
     futures = [pool.submit(run, plan) for plan in plans]
     for future in as_completed(futures):
         record = future.result() | {"judged_by": judge}
@@ -120,29 +120,29 @@ def results(pool: ProcessPoolExecutor, plans: Iterable[Plan], place: Path, judge
 
 
 def check_recordings(remake: bool) -> None:
-    """Stops where the recordings that are kept were made by another plant, or throws them away."""
-    mark, own = OUT / "made_by.txt", made_by()
-    if mark.exists() and mark.read_text() != own:
+    """Stops if another version of the plant made the saved recordings, or deletes them."""
+    mark, fingerprint = OUT / "made_by.txt", made_by()
+    if mark.exists() and mark.read_text() != fingerprint:
         if not remake:
-            raise SystemExit(f"{OUT}: its recordings were made by another plant; --remake makes them again")
+            raise SystemExit(f"{OUT}: its recordings are from another plant; --remake creates them again")
         for name in ("cases", "bags", "calibrations"):
             rmtree(OUT / name, ignore_errors=True)
         (OUT / "results.jsonl").unlink(missing_ok=True)
-    mark.write_text(own)
+    mark.write_text(fingerprint)
 
 
 def main() -> None:
-    """Runs what is not done yet and prints the tables."""
+    """Runs the remaining cases and prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kind", choices=KINDS, nargs="+", default=KINDS)
     parser.add_argument("--phenomenon", choices=PHENOMENA, nargs="+", default=list(PHENOMENA))
     parser.add_argument("--strength", choices=LEVELS, nargs="+", default=list(LEVELS))
-    parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name has this in it")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only cases with this in their names")
     parser.add_argument("--limit", type=int, default=float("inf"), metavar="N", help="at most so many cases")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes (all cores)")
-    parser.add_argument("--fresh", action="store_true", help="judge again what was judged before")
-    parser.add_argument("--remake", action="store_true", help="throw away recordings that an older plant made")
-    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page that gets the tables")
+    parser.add_argument("--fresh", action="store_true", help="judge all cases again")
+    parser.add_argument("--remake", action="store_true", help="delete recordings of an older plant")
+    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page to write the tables to")
     arguments = parser.parse_args()
     full = os.environ.get("FULL", "") not in ("", "0")
     OUT.mkdir(parents=True, exist_ok=True)

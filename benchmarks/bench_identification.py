@@ -1,9 +1,9 @@
-"""Time of identifications on simulated dampers of the papers' kind; the public alternative beside them where installed.
+"""Duration of identifications on simulated dampers like those of the papers, and of a public alternative if installed.
 
     python benchmarks/bench_identification.py [--quick]
 
 The damper is simulated from chamber pressures (random displacement of 5 and 10 mm rms, 0.1 to 20 Hz, 30722 samples at
-1.95 ms each). The first fit of each kind warms the compile cache up and is not counted.
+1.95 ms each). The first fit of each kind fills the compile cache and does not count.
 """
 
 import argparse
@@ -40,7 +40,7 @@ PEER_EVALUATIONS = 400
 
 
 def measurement(damper: Damper, drive: Drive, samples: int, step: float, seed: int = 0) -> Measurement:
-    """What good sensors record of a simulated damper, every ``step`` seconds."""
+    """A recording of a simulated damper by good sensors, every ``step`` seconds."""
     truth = simulate(damper, drive)
     time = np.arange(samples) * step
     x, force = (np.interp(time, truth.time, values) for values in (drive.displacement, truth.force))
@@ -70,7 +70,7 @@ def sine(damper: Damper, frequency: float, speed: float) -> Measurement:
 
 
 def timed(work: Callable[[], object]) -> tuple[float, object]:
-    """Seconds that ``work`` takes, and what it gives."""
+    """Duration in s and result of ``work``."""
     began = perf_counter()
     value = work()
     return perf_counter() - began, value
@@ -94,15 +94,17 @@ def black_boxes(samples: int) -> None:
     """All twelve on three dampers."""
     dampers = [random_pair(DAMPERS[name], samples) for name in list(DAMPERS)[:3]]
     for name in BLACK_BOXES:
-        fit(load_model(name), [own.part(0, 3000) for own in dampers[0]])
-    seconds, errors = timed(lambda: [[fit(load_model(n), own).esr for n in BLACK_BOXES] for own in dampers])
-    best = ", ".join(f"{BLACK_BOXES[int(np.argmin(own))]} esr {min(own):.2g}" for own in errors)
+        fit(load_model(name), [recordings.part(0, 3000) for recordings in dampers[0]])
+    seconds, errors = timed(
+        lambda: [[fit(load_model(n), recordings).esr for n in BLACK_BOXES] for recordings in dampers]
+    )
+    best = ", ".join(f"{BLACK_BOXES[int(np.argmin(recordings))]} esr {min(recordings):.2g}" for recordings in errors)
     line(f"twelve black boxes, three dampers, 2 x {samples} samples", seconds, 30.0, f"best {best}")
 
 
 def front(generations: int) -> None:
     """NSGA-II: three objectives, 13 excitations of 500 samples, population 100."""
-    series = [sine(DAMPERS["passenger_front"], *own) for own in SERIES]
+    series = [sine(DAMPERS["passenger_front"], *settings) for settings in SERIES]
     groups = {
         "LVLF": tuple(m.recording for m in series[:6]),
         "LVHF": tuple(m.recording for m in series[6:9]),
@@ -122,20 +124,20 @@ def front(generations: int) -> None:
 
 
 def on_mount() -> None:
-    """A semi-active damper behind a mount, 17 s at 3 kHz with a current that steps; and what a series costs."""
-    own = moving_current(17.0)
+    """A semi-active damper behind a mount, 17 s at 3 kHz with a stepped current; and the cost of a series element."""
+    recording = moving_current(17.0)
     model = load_model("semi_active_on_mount")
-    model.force(own.kinematics.block[:, :100].copy())
+    model.force(recording.kinematics.block[:, :100].copy())
     began = process_time()
-    result = fit(model, [own])
-    seconds = process_time() - began  # of one core, whatever else the machine does
+    result = fit(model, [recording])
+    seconds = process_time() - began  # of one core, independent of the machine's load
     line("semi_active_on_mount, 17 s at 3 kHz", seconds, 10.0, f"esr {result.esr:.2g}, {result.evaluations} runs")
-    block = own.kinematics.block
+    block = recording.kinematics.block
     base = [{"rubber_mount": {"path": ["viscous"]}}]
     times = [per_sample(base, block), per_sample([*base, *["viscous"] * 5], block)]
     plain = (times[1] - times[0]) / 5.0
     ratio = (times[0] - plain) / plain
-    print(f"{'a series element, in plain effects run sample by sample':<58}{ratio:8.1f}     bar     5")
+    print(f"{'a series element over plain effects run sample by sample':<58}{ratio:8.1f}     bar     5")
 
 
 def moving_current(seconds: float) -> Measurement:
@@ -147,7 +149,7 @@ def moving_current(seconds: float) -> Measurement:
     time = np.arange(round(seconds * rate)) / rate
     random = np.random.default_rng(1)
     x, force = (np.interp(time, truth.time, values) for values in (drive.displacement, truth.force))
-    x, force = (own + share * random.standard_normal(time.size) for own, share in ((x, 1e-6), (force, 5.0)))
+    x, force = (signal + share * random.standard_normal(time.size) for signal, share in ((x, 1e-6), (force, 5.0)))
     command = current[np.minimum((time / drive.step).astype(int), current.size - 1)]
     kinematics, counts = differentiate_recording(np.round(time * 1e9).astype(np.int64), x, 60.0, 0.1, command=command)
     delayed, judged = low_pass(60.0, kinematics.dt, force), kinematics.warm()
@@ -163,7 +165,7 @@ def per_sample(effects: list, block: np.ndarray) -> float:
 
 
 def bouc_wen_force(values: dict[str, float], x: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Bouc-Wen as one writes it in Python: explicit Euler over the displacement."""
+    """Bouc-Wen as commonly written in Python: explicit Euler over the displacement."""
     force, z = np.zeros(x.size), 0.0
     for i in range(1, x.size):
         move = x[i] - x[i - 1]
@@ -177,20 +179,20 @@ def bouc_wen_force(values: dict[str, float], x: np.ndarray, v: np.ndarray) -> np
 def against_lmfit(samples: int) -> None:
     """The same Bouc-Wen fit: lmfit with a Python loop, and ours."""
     model = load_model("bouc_wen")
-    own = bouc_wen_data(model, samples)
-    fit(model, [own])
+    recording = bouc_wen_data(model, samples)
+    fit(model, [recording])
     values = {slot.address: slot.value for slot in model.slots}
     moved = ("bouc_wen.alpha", "bouc_wen.beta", "linear_motion.damping")
     start = model.with_values({address: 1.3 * values[address] for address in moved})
-    seconds, result = timed(lambda: fit(start, [own]))
+    seconds, result = timed(lambda: fit(start, [recording]))
     print(f"{'Bouc-Wen, ours':<58}{seconds:8.2f} s   esr {result.esr:.2g}, {result.evaluations} runs", flush=True)
     try:
         import lmfit
     except ImportError:
         print("Bouc-Wen with lmfit and a Python loop: lmfit is not installed; pip install lmfit to compare")
         return
-    x, v = own.kinematics.displacement, own.kinematics.velocity
-    target = rows_of(own)
+    x, v = recording.kinematics.displacement, recording.kinematics.velocity
+    target = rows_of(recording)
     parameters = lmfit.Parameters()
     for name, value, low, high in (
         ("c", 1300.0, 0.0, 1e5), ("k", 250.0, -1e5, 1e5), ("f0", 0.0, -5e3, 5e3), ("alpha", 156.0, 0.0, 2e4),
@@ -211,7 +213,7 @@ def against_lmfit(samples: int) -> None:
 
 
 def bouc_wen_data(model: DamperModel, samples: int) -> Measurement:
-    """A recording of the model itself: the ratio is of speed, not of agreement."""
+    """A recording of the model itself, to compare speed and not agreement."""
     drive = bench_drive("random", DAMPERS["passenger_front"], samples * STEP + 0.01, 1)
     time = np.arange(samples) * STEP
     x = np.interp(time, drive.time, drive.displacement)

@@ -1,9 +1,9 @@
-"""What latency costs in force, and what prediction or an accelerometer give back, on a simulated damper.
+"""Force error due to latency, and its reduction by prediction or an accelerometer, on a simulated damper.
 
 The force of an estimator that knows the damper (a map of the simulated force over velocity and displacement) is
 compared with the true force *at the same instant*, on a road that was not used for the map: rms error as a share of the
-rms force, and the delay at which the estimate fits best. Three ways to come from displacement to velocity: the node's
-filter, the same with part of its delay predicted away (`compensation`), and the signal map's `fusion` with the relative
+rms force, and the delay at which the estimate fits best. Three ways from displacement to velocity: the node's filter,
+the same with part of its delay predicted (`compensation`), and `fusion` in the signal map with the relative
 acceleration (0.3 m/s^2 noise, 0.2 m/s^2 offset).
 """
 
@@ -53,7 +53,7 @@ def main() -> None:
     truth = simulate(DAMPERS[DAMPER], drive("road", DAMPERS[DAMPER], SECONDS, 2))
     velocity = np.gradient(truth.drive.displacement, truth.time)
     true_acceleration = np.gradient(velocity, truth.time)
-    print(f"{DAMPER}, road, {RATE:g} Hz; with the true motion the map errs by ", end="")
+    print(f"{DAMPER}, road, {RATE:g} Hz; the error of the map with the true motion is ", end="")
     print(f"{100 * judged(truth.time * 1e9, force(truth.drive.displacement, velocity), truth)[0]:.1f} %")
     for noise in (1.2e-5, 1e-4):
         sensed = measure(truth, Sensors(rate=RATE, displacement_noise=noise), 3).displacement

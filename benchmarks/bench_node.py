@@ -1,16 +1,16 @@
 """The node against a relay that only republishes the same message: losses, round trip, CPU; from separate processes.
 
 Node and relay run in turns, each alone with the process that measures: it publishes JointState at a fixed rate, best
-effort, and takes the time until the answer with the same stamp is back. The relay is the least that a node in Python
-can do: it subscribes, and publishes what came, on the same executor. Each run of the node is divided by the run of the
-relay next to it, and printed are the medians of these ratios, which what else the machine does disturbs least. Beside
-plain estimation (which has bars) the node is measured while it inverts a model, while its parameters are changed, and
-while it raises an alarm: what else it is sent then, the relay's run is sent as well, but nobody takes it there.
+effort, and measures the time until the answer with the same stamp returns. The relay is the minimum of a node in
+Python: it subscribes and republishes on the same executor. Each run of the node is divided by the adjacent run of the
+relay; the medians of these ratios are printed, which other load on the machine disturbs least. Besides plain estimation
+(with limits) the node is measured while it inverts a model, while its parameters change, and while it raises an alarm:
+the relay's run receives the same additional messages, but ignores them.
 
-By default a look of some minutes; ``--full`` is 60 s a run and five pairs where there are bars, 20 s and three pairs
-elsewhere: 25 minutes. At the end come the rows of the table of docs/real_time.md. On a machine that does other things
-as well, begin with ``chrt -f 5`` or ``nice -n -15``. The node's memory is out of the garbage collector's sight
-(`node.process`), and the collector of the process that measures is off.
+The default takes some minutes; ``--full`` takes 25 minutes: 60 s a run and five pairs for cases with limits, 20 s and
+three pairs for others. The rows of the table of docs/real_time.md are printed at the end. On a machine with other load,
+start with ``chrt -f 5`` or ``nice -n -15``. The node's memory is excluded from garbage collection (`node.process`), and
+the collector of the measuring process is off.
 """
 
 import argparse
@@ -31,8 +31,8 @@ from bench_node_cases import CASES, Case
 
 EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
 TOPIC = "/suspension/displacement"
-WARM_UP = 1.0  # s at the same rate that are not judged
-DRAIN = 0.5  # s after the last message in which answers are waited for
+WARM_UP = 1.0  # s at the same rate that do not count
+DRAIN = 0.5  # s to wait for answers after the last message
 START = 120.0  # s
 PERCENTILES = {"p50": 50.0, "p99": 99.0, "p99.9": 99.9, "max": 100.0}
 BARS = {"p50": 1.15, "p99": 1.2, "cpu": 1.3}
@@ -43,8 +43,8 @@ HEAD = """| dampers, rate | round trip, median | 99 % | 99.9 % | longest | proce
 
 @dataclass(frozen=True)
 class Run:
-    """What one run gave: messages sent and answered, round trips in ms by ``PERCENTILES``, CPU of the answering process
-    in cores as ``cpu``."""
+    """The result of one run: messages sent and answered, round trips in ms by ``PERCENTILES``, CPU of the answering
+    process in cores as ``cpu``."""
 
     sent: int
     answered: int
@@ -52,7 +52,7 @@ class Run:
 
 
 def relay() -> None:
-    """The process that only republishes; the executor's name is the argument."""
+    """The relay process; the executor's name is the argument."""
     import rclpy
     from rclpy.executors import ExternalShutdownException
     from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -131,12 +131,12 @@ def _drive(process: subprocess.Popen, kind: str, case: Case, seconds: float) -> 
 
 
 def _await(executor: object, process: subprocess.Popen, is_there: Callable[[], object]) -> None:
-    """Waits for the other side, and a second more."""
+    """Waits for the other side, and one more second."""
     end = time.monotonic() + START
     while not is_there():
         executor.spin_once(timeout_sec=0.05)
         if process.poll() is not None or time.monotonic() > end:
-            raise SystemExit("the process did not come up")
+            raise SystemExit("the process did not start")
     settle = time.monotonic() + 1.0
     while time.monotonic() < settle:
         executor.spin_once(timeout_sec=0.05)
@@ -146,7 +146,7 @@ def _send(
     executor: object, process: subprocess.Popen, publish: Callable, messages: list[bytes], rate: float,
     beside: Callable[[int], None],
 ) -> tuple[np.ndarray, float]:  # fmt: skip
-    """Sends at the rate; when each message left (n,) in s, and the CPU of the process in cores."""
+    """Sends at the rate; returns the times of sending (n,) in s, and the CPU of the process in cores."""
     sent, start, cpu, begin = np.zeros(len(messages)), time.perf_counter() + 0.01, 0.0, 0.0
     for i, message in enumerate(messages):
         due = start + i / rate
@@ -171,7 +171,7 @@ def _cpu(pid: int) -> float:
 
 
 def compare(executor: str, case: Case, seconds: float, pairs: int) -> str:
-    """Runs both in turns, and prints medians and the medians of their ratios.
+    """Runs both alternately, and prints medians and the medians of their ratios.
 
     Returns:
         The node's medians and these ratios as a row of a table.
@@ -192,30 +192,30 @@ def compare(executor: str, case: Case, seconds: float, pairs: int) -> str:
         lost = int(np.median([run.sent - run.answered for run in done]))
         trips = ", ".join(f"{name} {middle[name]:.3f}" for name in PERCENTILES)
         print(f"  {kind:5s} lost {lost:5d} of {done[0].sent}   round trip ms {trips}   CPU {100 * middle['cpu']:.1f} %")
-    told, ratios = [], {}
+    sentences, ratios = [], {}
     for name in names:
         pairs_of = zip(runs["node"], runs["relay"], strict=True)
         ratio = ratios[name] = float(np.median([node.values[name] / relay.values[name] for node, relay in pairs_of]))
         bar = BARS.get(name) if case.has_bars else None
         verdict = "" if bar is None else f" (bar {bar:g}{'' if ratio <= bar else ', MISSED'})"
-        told.append(f"{name} {ratio:.2f} x{verdict}")
-    print(f"  node / relay: {', '.join(told)}", flush=True)
+        sentences.append(f"{name} {ratio:.2f} x{verdict}")
+    print(f"  node / relay: {', '.join(sentences)}", flush=True)
     rate = f"{case.rate / 1e3:g} kHz" if case.rate >= 1e3 else f"{case.rate:g} Hz"
     title = "" if case.title == "estimation" else f"{case.title}, "
-    own = medians["node"]
-    trips = [f"{own[name]:.2f} ms, {ratios[name]:.2f} x" for name in PERCENTILES]
-    cells = [f"{title}{len(case.names)}, {rate}", *trips, f"{100 * own['cpu']:.0f} %, {ratios['cpu']:.2f} x"]
+    middle_of_node = medians["node"]
+    trips = [f"{middle_of_node[name]:.2f} ms, {ratios[name]:.2f} x" for name in PERCENTILES]
+    cells = [f"{title}{len(case.names)}, {rate}", *trips, f"{100 * middle_of_node['cpu']:.0f} %, {ratios['cpu']:.2f} x"]
     return f"| {' | '.join(cells)} |"
 
 
 def main() -> None:
     """Every case."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--full", action="store_true", help="longer runs, and five pairs where there are bars")
-    parser.add_argument("--seconds", type=float, help="of one run (default: 8; with --full 60 with bars, else 20)")
-    parser.add_argument("--pairs", type=int, help="of node and relay (default: 3; with --full 5 with bars)")
+    parser.add_argument("--full", action="store_true", help="longer runs, and five pairs for cases with limits")
+    parser.add_argument("--seconds", type=float, help="of one run (default: 8; with --full 60 with limits, else 20)")
+    parser.add_argument("--pairs", type=int, help="of node and relay (default: 3; with --full 5 with limits)")
     parser.add_argument("--executor", default="events", choices=("events", "single"))
-    parser.add_argument("--only", metavar="TITLE", default="", help="the cases whose title begins so")
+    parser.add_argument("--only", metavar="TITLE", default="", help="only cases whose title begins with this")
     arguments = parser.parse_args()
     from damper_estimator.node.playback.domain import free_ros_domain
 

@@ -1,4 +1,4 @@
-"""What the node does while `bench_node` measures it, and what it is sent for that."""
+"""Cases of `bench_node`: the work of the node while it is measured, and the messages for it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -22,13 +22,13 @@ def _nothing(node: object, is_node: bool) -> Callable[[int], None]:
 
 @dataclass(frozen=True)
 class Case:
-    """One thing that is measured.
+    """One measured case.
 
     Attributes:
         rate: Hz of the displacement.
-        make: from a folder, the node's parameters.
-        sends: from the driver's rclpy node, and whether the estimator answers, what is done before message i.
-        has_bars: whether the ratios are held against bars.
+        make: returns the node's parameters, for a folder.
+        sends: returns the action before message i, for the driver's rclpy node and whether the estimator answers.
+        has_bars: whether the ratios have limits.
     """
 
     title: str
@@ -44,11 +44,11 @@ class Case:
         return tuple(f"damper_{i}" for i in range(self.dampers))
 
     def parameters(self, folder: Path) -> dict[str, object]:
-        """The node's, beside those of all cases."""
+        """Parameters of the node in addition to the common ones."""
         return dict(self.make(folder))
 
     def beside(self, node: object, is_node: bool) -> Callable[[int], None]:
-        """What is done before message i."""
+        """The action before message i."""
         return self.sends(node, is_node)
 
 
@@ -59,7 +59,7 @@ def _semi_active(folder: Path) -> dict[str, object]:
 
 
 def _desires(node: object, is_node: bool) -> Callable[[int], None]:
-    """A current that flows with every second message, and a desired force with every fifth."""
+    """A current with every second message, and a desired force with every fifth."""
     from sensor_msgs.msg import JointState
     from std_msgs.msg import Float64
 
@@ -78,7 +78,7 @@ def _desires(node: object, is_node: bool) -> Callable[[int], None]:
 
 
 def _changes(node: object, is_node: bool) -> Callable[[int], None]:
-    """The model is loaded again every ``CHANGE_EVERY`` s."""
+    """Loads the model again every ``CHANGE_EVERY`` s."""
     from rcl_interfaces.srv import SetParameters
     from rclpy.parameter import Parameter
 
@@ -93,7 +93,7 @@ def _changes(node: object, is_node: bool) -> Callable[[int], None]:
 
 
 def _gauge(node: object, is_node: bool) -> Callable[[int], None]:
-    """A gauge that the estimate is further and further away from, so that the alarm is raised."""
+    """A gauge that deviates more and more from the estimate, so that the alarm is raised."""
     from sensor_msgs.msg import JointState
 
     names = [f"damper_{i}" for i in range(4)]

@@ -1,13 +1,13 @@
-"""Does a planned test break the ties that a diagnosis leaves, as often as it says?
+"""Does a planned test break the ties of a diagnosis as often as predicted?
 
-    python benchmarks/bench_plan.py --ties 6                 # until six ties were judged; goes on where it stopped
+    python benchmarks/bench_plan.py --ties 6                 # until six ties were judged; continues the last run
     python benchmarks/bench_plan.py --seed 7 --ties 60 --workers 2
 
-Dampers, effects, drives, sensors and users' models are drawn at random (benchmarks/population). Where a diagnosis of
-one recording ends in a tie that holds the truth, a test is planned on a servo-hydraulic rig, driven on the plant with
-the effect and diagnosed together with the old recording; so is a random road of the same length. Where the plan says
-that nothing within the limits separates, several random roads are tried. Every case runs in a process of its own, one
-line in OUT/SEED/results.jsonl.
+Dampers, effects, drives, sensors and users' models are drawn at random (benchmarks/population). If a diagnosis of one
+recording ends in a tie with the hidden effect, a test is planned on a servo-hydraulic rig, simulated with the effect
+and diagnosed together with the old recording, and likewise a random road of the same length. If the plan finds no
+separating test within the limits, several random roads are tried. Every case runs in a separate process and is one line
+in OUT/SEED/results.jsonl.
 """
 
 import argparse
@@ -31,7 +31,7 @@ Record = dict[str, Any]
 
 
 def judged(card: Card, seed: int, folder: Path, random_drives: int, limit: float) -> Record:
-    """The record of one card; what fails is a record as well."""
+    """The record of one card; a failure is a record as well."""
     resource.setrlimit(resource.RLIMIT_CPU, (round(limit), round(limit) + 60))
     from population.ties import record
 
@@ -44,7 +44,7 @@ def judged(card: Card, seed: int, folder: Path, random_drives: int, limit: float
 def done(place: Path) -> dict[str, Record]:
     """Records of an earlier run by name."""
     lines = place.read_text(encoding="utf-8").splitlines() if place.exists() else []
-    return {own["name"]: own for own in (json.loads(text) for text in lines if text.endswith("}"))}
+    return {record["name"]: record for record in (json.loads(text) for text in lines if text.endswith("}"))}
 
 
 def share(hits: int, count: int) -> str:
@@ -57,50 +57,51 @@ def share(hits: int, count: int) -> str:
 
 def report(records: Sequence[Record], seed: int) -> str:
     """The tables, as Markdown."""
-    ties = [own for own in records if own["tie"]]
-    able = [own for own in ties if own["best"] >= 0.5]
-    hopeless = [own for own in ties if own["best"] < 0.5]
-    failed = sum("failed" in own for own in records)
+    ties = [record for record in records if record["tie"]]
+    able = [record for record in ties if record["best"] >= 0.5]
+    hopeless = [record for record in ties if record["best"] < 0.5]
+    failed = sum("failed" in record for record in records)
     rows = ["| test | right | wrong | tie stays |", "|---|---|---|---|"]
-    said = {"planned": [own["planned"]["said"] for own in able],
-            "random road": [one["said"] for own in able for one in own["random"][:1]]}  # fmt: skip
-    for name, own in said.items():
-        counts = [sum(one in kinds for one in own) for kinds in (("right",), ("wrong",), ("tied", "nothing"))]
-        rows.append(f"| {name} | {' | '.join(share(count, len(own)) for count in counts)} |")
+    said = {"planned": [record["planned"]["said"] for record in able],
+            "random road": [one["said"] for record in able for one in record["random"][:1]]}  # fmt: skip
+    for name, outcomes in said.items():
+        counts = [sum(one in kinds for one in outcomes) for kinds in (("right",), ("wrong",), ("tied", "nothing"))]
+        rows.append(f"| {name} | {' | '.join(share(count, len(outcomes)) for count in counts)} |")
     lines = [
-        f"Seed {seed}: {len(records)} cases, {len(ties)} ties that hold the truth, {failed} failed.", "",
-        f"Ties that the plan says can be broken ({len(able)}):", "", *rows, "",
+        f"Seed {seed}: {len(records)} cases, {len(ties)} ties with the hidden effect, {failed} failed.", "",
+        f"Ties that the plan predicts to be separable ({len(able)}):", "", *rows, "",
         "| predicted P(right) | mean | achieved |", "|---|---|---|",
     ]  # fmt: skip
     for low, high in zip(BINS, BINS[1:], strict=False):
-        own = [one for one in ties if low <= one["right"] < high]
-        if own:
-            hits = sum(one["planned"]["said"] == "right" for one in own)
-            mean = float(np.mean([one["right"] for one in own]))
-            lines.append(f"| {low:.2f} to {min(high, 1.0):.2f} | {mean:.2f} | {share(hits, len(own))} |")
-    broken = sum(any(one["said"] == "right" for one in (own["planned"], *own["random"])) for own in hopeless)
-    tried = sum(len(own["random"]) for own in hopeless)
-    lines += ["", f"Said to be inseparable: {len(hopeless)}; no drive separated (the plan's and {tried} random roads): "
+        inside = [one for one in ties if low <= one["right"] < high]
+        if inside:
+            hits = sum(one["planned"]["said"] == "right" for one in inside)
+            mean = float(np.mean([one["right"] for one in inside]))
+            lines.append(f"| {low:.2f} to {min(high, 1.0):.2f} | {mean:.2f} | {share(hits, len(inside))} |")
+    broken = sum(any(one["said"] == "right" for one in (record["planned"], *record["random"])) for record in hopeless)
+    tried = sum(len(record["random"]) for record in hopeless)
+    lines += ["", f"Predicted inseparable: {len(hopeless)}; no drive separated (the plan's, {tried} random roads): "
               f"{share(len(hopeless) - broken, len(hopeless))}."]  # fmt: skip
     if ties:
-        longest = max(own["plan_seconds"] for own in ties)
+        longest = max(record["plan_seconds"] for record in ties)
         lines.append(
             f"A plan took {np.median([o['plan_seconds'] for o in ties]):.0f} s (median), {longest:.0f} s at most."
         )
     return "\n".join(lines)
 
 
-def line(own: Record) -> str:
+def line(record: Record) -> str:
     """A case in one line."""
-    if "failed" in own:
-        return f"{own['name']}: FAILED {own['failed']}"
-    if not own["tie"]:
-        return f"{own['name']}: no tie ({own['old']}), {own['all_seconds']:.0f} s"
-    random = "/".join(one["said"] for one in own["random"])
+    if "failed" in record:
+        return f"{record['name']}: FAILED {record['failed']}"
+    if not record["tie"]:
+        return f"{record['name']}: no tie ({record['old']}), {record['all_seconds']:.0f} s"
+    random = "/".join(one["said"] for one in record["random"])
     return (
-        f"{own['name']} ({own['family']}, {own['model']}): {own['old'][0]}, predicted {own['right']:.2f} right "
-        f"{own['wrong']:.3f} wrong in {own['minutes']:.1f} min; planned {own['planned']['said']} "
-        f"{own['planned']['groups']}; random {random}; plan {own['plan_seconds']:.0f} s, all {own['all_seconds']:.0f} s"
+        f"{record['name']} ({record['family']}, {record['model']}): {record['old'][0]}, predicted "
+        f"{record['right']:.2f} right {record['wrong']:.3f} wrong in {record['minutes']:.1f} min; "
+        f"planned {record['planned']['said']} {record['planned']['groups']}; random {random}; "
+        f"plan {record['plan_seconds']:.0f} s, all {record['all_seconds']:.0f} s"
     )
 
 
@@ -110,12 +111,12 @@ def main() -> None:
     parser.add_argument("--ties", type=int, default=60, metavar="N", help="to be judged (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="+", default=[], metavar="PHENOMENON")
-    parser.add_argument("--random-drives", type=int, default=20, metavar="N", help="where nothing is said to separate")
+    parser.add_argument("--random-drives", type=int, default=20, metavar="N", help="random roads if no test separates")
     parser.add_argument("--workers", type=int, default=1, metavar="N")
-    parser.add_argument("--limit", type=float, default=1800.0, metavar="S", help="processor's time of a case")
+    parser.add_argument("--limit", type=float, default=1800.0, metavar="S", help="processor time of a case")
     parser.add_argument("--out", type=Path, default=OUT)
-    parser.add_argument("--report", action="store_true", help="only the tables of what is there")
-    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page that gets the tables")
+    parser.add_argument("--report", action="store_true", help="only the tables of the existing results")
+    parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page to write the tables to")
     arguments = parser.parse_args()
     folder = arguments.out / str(arguments.seed)
     folder.mkdir(parents=True, exist_ok=True)
@@ -125,18 +126,18 @@ def main() -> None:
     cards = (card for card in cards if not arguments.only or card.hidden[0] in arguments.only)
     left = (card for card in cards if card.name not in records)
     context = get_context("spawn")
-    while not arguments.report and sum(own["tie"] for own in records.values()) < arguments.ties:
+    while not arguments.report and sum(record["tie"] for record in records.values()) < arguments.ties:
         batch = list(islice(left, arguments.workers))
         with ProcessPoolExecutor(arguments.workers, mp_context=context) as pool:
             waiting = [
                 pool.submit(judged, card, arguments.seed, folder, arguments.random_drives, arguments.limit)
                 for card in batch
             ]
-            for own in (future.result() for future in as_completed(waiting)):
-                records[own["name"]] = own
+            for record in (future.result() for future in as_completed(waiting)):
+                records[record["name"]] = record
                 with place.open("a", encoding="utf-8") as stream:
-                    stream.write(json.dumps(own) + "\n")
-                print(line(own), flush=True)
+                    stream.write(json.dumps(record) + "\n")
+                print(line(record), flush=True)
     text = report(list(records.values()), arguments.seed)
     print(text)
     if arguments.output:

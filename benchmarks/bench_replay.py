@@ -1,9 +1,10 @@
-"""Replay of a long recording against the mcap library that reads its raw messages and writes as many: time, memory.
+"""Time and memory of a replay of a long recording, compared with the mcap library reading and writing as many raw
+messages.
 
     python benchmarks/bench_replay.py          # 10 minutes against 3
-    python benchmarks/bench_replay.py --full   # an hour against 10 minutes, as the bars want it
+    python benchmarks/bench_replay.py --full   # an hour against 10 minutes, as the limits require
 
-Four dampers in one message at 1 kHz. Both run one after the other in processes of their own, on the same file.
+Four dampers in one message at 1 kHz. Both run one after the other in separate processes, on the same file.
 """
 
 import argparse
@@ -40,7 +41,7 @@ with open(source, "rb") as file, open(target, "wb") as out:
 
 
 def timed(words: list[str]) -> tuple[float, float]:
-    """Wall time in s and the most memory in MB of a process."""
+    """Wall time in s and peak memory in MB of a process."""
     watch = (
         "import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL);"
         "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3)"
@@ -51,7 +52,7 @@ def timed(words: list[str]) -> tuple[float, float]:
 
 
 def messages(path: Path) -> int:
-    """How many messages a recording has."""
+    """Number of messages of a recording."""
     from damper_estimator.recordings import open_bag
 
     with open_bag(path) as bag:
@@ -64,7 +65,7 @@ def replayed(bag: Path, out: Path) -> tuple[float, float]:
 
 
 def compare(folder: Path, seconds: float, shorter: float) -> None:
-    """Prints both times, their share, and the memory of both lengths."""
+    """Prints both times, their ratio, and the memory for both lengths."""
     long, short, out, raw = (folder / f"{name}.mcap" for name in ("long", "short", "out", "raw"))
     write_hour(short, shorter)
     replayed(short, out)  # compiles
@@ -77,12 +78,12 @@ def compare(folder: Path, seconds: float, shorter: float) -> None:
     what = f"{messages(long)} messages of {DAMPERS} dampers, {seconds / 60.0:g} min at 1 kHz"
     print(f"{what}: {alone:.0f} s to read them raw and write {messages(raw)} with the mcap library alone")
     print(f"  replay: {took:.0f} s, {share:.2f} x (bar {SHARE:g}{'' if share <= SHARE else ', MISSED'})")
-    told = "" if memory <= MEMORY else ", MISSED"
-    print(f"  memory at most {memory:.0f} MB (bar {MEMORY:.0f}{told}), of {shorter / 60.0:g} min {little:.0f} MB")
+    verdict = "" if memory <= MEMORY else ", MISSED"
+    print(f"  memory at most {memory:.0f} MB (bar {MEMORY:.0f}{verdict}), of {shorter / 60.0:g} min {little:.0f} MB")
 
 
 def main() -> None:
-    """Times one length, and looks at the memory of two."""
+    """Measures the time of one length and the memory of two."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--full", action="store_true", help="an hour against ten minutes")
     seconds, shorter = (3600.0, 600.0) if parser.parse_args().full else (600.0, 180.0)

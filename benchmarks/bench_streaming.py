@@ -1,5 +1,5 @@
-"""Time of one live sample: model alone, and the whole line from stamp to estimate, for one damper and four in one call;
-compiled and as plain Python."""
+"""Time of one live sample: the model alone, and the whole line from stamp to estimate, for one damper and for four in
+one call; compiled and in plain Python."""
 
 import os
 import subprocess
@@ -30,9 +30,9 @@ def model_time(name: str) -> float:
 
 def line_time(name: str, dampers: int) -> float:
     """The same for the whole line of so many dampers: admission, filter, model, status."""
-    line, own = Line(), deployed(load_model(name), 60.0, 0.1)
+    line, model = Line(), deployed(load_model(name), 60.0, 0.1)
     for number in range(dampers):
-        line.add(str(number), own)
+        line.add(str(number), model)
     displacement = np.repeat(0.02 * np.sin(np.arange(SAMPLES) * 0.01)[:, None], dampers, axis=1)
     present, counter = np.ones(dampers, bool), iter(range(10**9))
     return timed(lambda i: line.step(next(counter) * 1_000_000, displacement[i], present))
@@ -51,7 +51,7 @@ def timed(step) -> float:
 
 
 def main() -> None:
-    """Prints a row per model; the plain-Python rows come from a process of their own."""
+    """Prints a row per model; the plain-Python rows come from a separate process."""
     kind = "numba" if COMPILED else "plain Python"
     for name in MODELS:
         print(

@@ -1,7 +1,7 @@
 """The studio on an hour at 1 kHz with four dampers: seconds to the first picture, redraws, memory of the server.
 
-The recording is made once (some minutes) and kept in out/. Redraws are counted from the zoom in a real browser to the
-figures that show it; without a browser the server's share alone is measured.
+The recording is created once (some minutes) and kept in out/. Redraws are measured from the zoom in a real browser to
+the updated figures; without a browser only the server is measured.
 """
 
 import argparse
@@ -29,13 +29,13 @@ MODEL = "linear_viscous"
 
 
 def memory(pid: int | str) -> float:
-    """The most memory that a process has had, GB."""
+    """Peak memory of a process, GB."""
     text = Path(f"/proc/{pid}/status").read_text()
     return int(text.split("VmHWM:")[1].split()[0]) / 1e6
 
 
 def server_alone(folder: Path, name: str) -> None:
-    """Opening and drawing without a browser; processor time beside the clock, for machines that do other work."""
+    """Opening and drawing without a browser; with processor time, for machines with other load."""
     session = Session(Folder(folder))
     began, worked = perf_counter(), process_time()
     session.open(Choice((name,)), [MODEL])
@@ -52,8 +52,8 @@ def server_alone(folder: Path, name: str) -> None:
         drawn(session, View(0, start, start + width))
         clock.append(perf_counter() - began)
         processor.append(process_time() - worked)
-    told = [f"{1e3 * np.median(v):.0f} ms median, {1e3 * np.max(v):.0f} ms most" for v in (clock, processor)]
-    print(f"server: redraw of all four figures {told[0]}; processor {told[1]}")
+    durations = [f"{1e3 * np.median(v):.0f} ms median, {1e3 * np.max(v):.0f} ms maximum" for v in (clock, processor)]
+    print(f"server: redraw of all four figures {durations[0]}; processor {durations[1]}")
     began, worked = perf_counter(), process_time()
     session.comparison(session.shown(session.model))
     print(f"server: regions and map {perf_counter() - began:.1f} s, processor {process_time() - worked:.1f} s")
@@ -61,49 +61,49 @@ def server_alone(folder: Path, name: str) -> None:
 
 
 def drawn(session: Session, view: View) -> dict:
-    """The figures as they go to the page."""
+    """The figures for the page."""
     scene = Scene([session.shown(session.model)], [MODEL], view)
     clouds = {motion: cloud_figure(scene, motion) for motion in MOTIONS}
-    return {name: painted(own, "light") for name, own in ({"time": time_figure(scene)} | clouds).items()}
+    return {name: painted(figure, "light") for name, figure in ({"time": time_figure(scene)} | clouds).items()}
 
 
 def in_browser(folder: Path, name: str) -> None:
-    """The same as a user sees it."""
-    with served(folder) as (process, url), hand(url) as own:
-        own.choose("recordings", name)
-        own.choose("models", MODEL)
+    """The same in a browser."""
+    with served(folder) as (process, url), hand(url) as user:
+        user.choose("recordings", name)
+        user.choose("models", MODEL)
         began = perf_counter()
-        own.page.click("#open")
-        own.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
+        user.page.click("#open")
+        user.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
         print(f"browser: first picture {perf_counter() - began:.1f} s")
-        own.until(lambda: own.told("regions"))
+        user.until(lambda: user.told("regions"))
         print(f"browser: regions, map and quality {perf_counter() - began:.1f} s")
-        took = [redraw(own, start, start + width) for start, width in ((100, 1800), (500, 300), (2000, 20), (3000, 2))]
+        took = [redraw(user, start, start + width) for start, width in ((100, 1800), (500, 300), (2000, 20), (3000, 2))]
         for what, i in (("the figure that is zoomed", 0), ("all four figures", 1)):
             print(f"browser: redraw of {what} {', '.join(f'{1e3 * seconds[i]:.0f}' for seconds in took)} ms")
         print(f"browser: memory of the server at most {memory(process.pid):.2f} GB")
 
 
-def redraw(own: Hand, start: float, stop: float) -> tuple[float, float]:
-    """Seconds from a zoom until the figure over time, and the last of all, show what the server sent for it."""
+def redraw(user: Hand, start: float, stop: float) -> tuple[float, float]:
+    """Seconds from a zoom until the figure over time, and the last of all, show the server's data for it."""
     zoom = """([start, stop]) => new Promise((done) => {
         const figures = [...document.querySelectorAll("#left .js-plotly-plot")].filter((own) => own.data.length);
         const began = performance.now();
         const before = figures.map((figure) => figure.data[0].x), took = {};
         figures.forEach((figure, i) => figure.on("plotly_afterplot", () => {
-            // First the browser draws what it has; what the server sent has other points.
+            // First the browser redraws its present data; the server's data have other points.
             if (figure.data[0].x !== before[i]) took[i] ??= (performance.now() - began) / 1000;
             if (Object.keys(took).length === figures.length) done([took[0], Math.max(...Object.values(took))]);
         }));
         Plotly.relayout(figures[0], { "xaxis.range[0]": start, "xaxis.range[1]": stop });
     })"""
-    return tuple(own.page.evaluate(zoom, [start, stop]))
+    return tuple(user.page.evaluate(zoom, [start, stop]))
 
 
 def main() -> None:
-    """Makes the recording where it is missing, then measures."""
+    """Creates the recording if it is missing, then measures."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("-o", "--output", type=Path, default=Path("out/studio"), help="where the recording is kept")
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/studio"), help="folder of the recording")
     folder = parser.parse_args().output
     folder.mkdir(parents=True, exist_ok=True)
     if not (folder / "hour.mcap").exists():

@@ -1,7 +1,7 @@
-"""Fuzzing of everything that takes in what others wrote: bags, bench files, YAML, messages, the node's parameters.
+"""Fuzzing of all readers of external input: bags, bench files, YAML, messages, the node's parameters.
 
-Coverage-guided (atheris, where it is installed), else by random mutation of good examples. Whatever comes in may be
-refused with an `InputError`; anything else is a finding, is kept in out/fuzz with its traceback, and the run goes on.
+Coverage-guided (atheris, if installed), else by random mutation of valid examples. Any input can be refused with an
+`InputError`; any other exception is a finding that is saved in out/fuzz with its traceback, and the run continues.
 
     python benchmarks/fuzz.py TARGET SECONDS
 """
@@ -27,29 +27,29 @@ try:
 except ImportError:
     atheris = None
 
-SLOW = 20.0  # s for one input is a finding
+SLOW = 20.0  # s, a longer duration for one input is a finding
 LONGEST = 60_000  # bytes
-TELL = 10.0  # s
+PROGRESS_EVERY = 10.0  # s
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "out" / "fuzz"
 
 
 class Findings:
-    """Runs a target on inputs and keeps what it should not have raised, once per place; final."""
+    """Runs a target on inputs and saves unexpected exceptions, once per source line; final."""
 
     def __init__(self, target: str, run: Callable[[bytes], None]) -> None:
         self._target, self._run = target, run
         self.kinds: dict[str, str] = {}
-        self._inputs, self._told = 0, 0.0
+        self._inputs, self._reported = 0, 0.0
 
     def take(self, data: bytes) -> None:
-        """One input."""
+        """Runs one input."""
         from damper_estimator.errors import InputError
 
         self._inputs += 1
         begin = time.monotonic()
-        if begin > self._told + TELL:
-            self._told = begin
+        if begin > self._reported + PROGRESS_EVERY:
+            self._reported = begin
             print(f"{self._target}: {self._inputs} inputs, {len(self.kinds)} findings", flush=True)
         try:
             self._run(data)
@@ -58,8 +58,8 @@ class Findings:
                 self._keep(data, "an error of several lines", str(error))
         except Exception as error:
             frames = traceback.extract_tb(error.__traceback__)
-            own = [frame for frame in frames if "damper_estimator" in frame.filename] or frames
-            self._keep(data, f"{type(error).__name__} at {own[-1].filename}:{own[-1].lineno}", traceback.format_exc())
+            last = ([frame for frame in frames if "damper_estimator" in frame.filename] or frames)[-1]
+            self._keep(data, f"{type(error).__name__} at {last.filename}:{last.lineno}", traceback.format_exc())
         if time.monotonic() - begin > SLOW:
             self._keep(data, f"slow: {time.monotonic() - begin:.0f} s", "")
 
@@ -75,7 +75,7 @@ class Findings:
 
 
 def small_bag(folder: Path, compressed: bool) -> bytes:
-    """A short recording, with chunks that a mutation can reach where it is not compressed."""
+    """A short recording whose chunks a mutation can reach unless compressed."""
     from mcap.writer import CompressionType, Writer
 
     from damper_estimator.recordings import BagWriter, joint_states
@@ -131,7 +131,7 @@ def yaml_examples(folder: str) -> list[bytes]:
 
 
 def models(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
-    """Model files; what is accepted must run and give numbers or a degraded status."""
+    """Model files; an accepted model must run with finite forces or a degraded status."""
     from damper_estimator.model import load_model
     from damper_estimator.model.files import model_yaml, parse_model
     from damper_estimator.runtime import Line, deployed
@@ -148,7 +148,7 @@ def models(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         line.add("one", deployed(model, 60.0, 0.1))
         for i in range(4):
             line.step(i * 1_000_000, np.array([0.01 * i]), np.ones(1, bool))
-            assert np.isfinite(line.output.numbers[0, 3]).all(), "a force that is no number"
+            assert np.isfinite(line.output.numbers[0, 3]).all(), "a non-finite force"
 
     return run, yaml_examples("models")
 
@@ -171,9 +171,9 @@ def maps(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         import yaml
 
         again = parse_signal_map(yaml.safe_load(signal_map_yaml(signal_map)), signal_map.where)
-        assert again == signal_map, "the map does not survive being written"
+        assert again == signal_map, "the map changes when written and read"
 
-    own = b"""filter: {cutoff: 60.0, band: none, fusion: {displacement_noise: 1.0e-5, offset_drift: 0.1}}
+    example = b"""filter: {cutoff: 60.0, band: none, fusion: {displacement_noise: 1.0e-5, offset_drift: 0.1}}
 dampers:
   a:
     displacement: {topic: /x, field: "position[a]", scale: 2.0, offset: 0.1, skew: 0.001}
@@ -181,7 +181,7 @@ dampers:
     command: {table: {raw: [0, 1], value: [0.0, 2.0]}, unit: A, limits: [0.0, 1.8]}
 use: [{from: 0.0, to: 9.0}]
 """
-    return run, [own, *yaml_examples("signals"), *yaml_examples("columns")]
+    return run, [example, *yaml_examples("signals"), *yaml_examples("columns")]
 
 
 def bench(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
@@ -216,7 +216,7 @@ def bench(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
 
 
 def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
-    """Messages as the node takes them, with names that come and go."""
+    """Messages of the node, with changing names."""
     from damper_estimator.model import load_model
     from damper_estimator.node.displacement import Arrival, DisplacementInput, Estimator, names_in
     from damper_estimator.recordings import joint_states
@@ -224,10 +224,10 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     from damper_estimator.runtime import deployed
     from damper_estimator.signals import default_signals
 
-    own = deployed(load_model("coulomb"), 60.0, 0.1)
+    model = deployed(load_model("coulomb"), 60.0, 0.1)
     rules = SimpleNamespace(safe_current=0.0, desired_force_timeout=0.1, command_extrapolating=False, command_lag=0.0,
                             horizon=0.02, lead=0.0)  # fmt: skip
-    source = DisplacementInput([Estimator(name, default_signals(name), own) for name in ("a", "b")], rules)
+    source = DisplacementInput([Estimator(name, default_signals(name), model) for name in ("a", "b")], rules)
 
     def run(data: bytes) -> None:
         try:
@@ -236,7 +236,7 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
         except MalformedMessage:
             return
         force = source.line.output.numbers[0, 3]
-        assert np.isfinite(force[source.line.output.verdict[0] == 0]).all(), "a force that is no number"
+        assert np.isfinite(force[source.line.output.verdict[0] == 0]).all(), "a non-finite force"
 
     stamps = np.arange(3) * 10**6
     seeds = joint_states(["a", "b"], stamps, position=np.ones((3, 2)))
@@ -245,7 +245,7 @@ def wire(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
 
 
 def parameters(_: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
-    """Parameters set on a running node: each request is taken or refused with a reason."""
+    """Parameters set on a running node: each request is accepted or refused with a reason."""
     import rclpy
     from rclpy.parameter import Parameter
 
@@ -287,7 +287,7 @@ WORDS = (b"nan", b"-1", b"1e309", b"{", b"[", b"null", b": ", b"\xff" * 8, b"0x"
 
 
 def mutated(seeds: list[bytes], chance: random.Random) -> bytes:
-    """A good example with bytes flipped, cut, doubled or mixed with another."""
+    """A valid example with bytes flipped, cut, doubled or mixed with another."""
     data = bytearray(chance.choice(seeds))
     for _ in range(chance.choice((1, 1, 2, 5, 30))):
         place = chance.randrange(len(data) + 1)
@@ -308,7 +308,7 @@ def mutated(seeds: list[bytes], chance: random.Random) -> bytes:
 
 
 def fuzz(target: str, seconds: float) -> int:
-    """Runs one target; the number of findings."""
+    """Runs one target; returns the number of findings."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if atheris is not None:

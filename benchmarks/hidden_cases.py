@@ -1,7 +1,8 @@
-"""Makes the cases of the hidden-effect bench: recordings as a user has them, the user's model, and what truth knows.
+"""Creates the cases of the hidden-effect bench: the user's recordings and model, and the true quantities.
 
 Simulated by the plant, sampled by imperfect sensors, written as bags and read back. The user's model is a good one: the
-structure that a careful engineer would choose for the damper without what is hidden, identified on the base recording.
+structure that a careful engineer would choose for the damper without the hidden effect, identified on the base
+recording.
 """
 
 import os
@@ -40,13 +41,13 @@ from damper_estimator.signals import Measurement, SignalMap, default_signals, me
 from damper_estimator.vehicle import drive
 
 SPEEDS = (0.004, 0.01, 0.02, 0.035, 0.055, 0.08, 0.11, 0.15, 0.2, 0.27, 0.36, 0.5, 0.7, 1.0)
-"""m/s, knots of the user's curve on either side, as far as the base recording goes."""
+"""m/s, knots of the user's curve in both directions, within the range of the base recording."""
 
 RECORDS = ("base", "fit", "unseen", "twin")
 
 
 def made_by() -> str:
-    """Fingerprint of the plant: what it does with every phenomenon at its ordinary magnitude."""
+    """Fingerprint of the plant: its strength with every phenomenon at its ordinary magnitude."""
     digest = sha256()
     for number, (name, phenomenon) in enumerate(PHENOMENA.items()):
         setup = Setup(DAMPERS[BENCHED[number % len(BENCHED)]], Sensors())
@@ -59,12 +60,13 @@ def made_by() -> str:
 
 
 def make_case(plan: Plan, folder: Path) -> dict[str, Any]:
-    """A case, from ``folder`` where it is there already.
+    """A case, from ``folder`` if it exists there.
 
     The keys: ``name``, ``kind``, ``phenomena``, ``damper``, ``excitation``, ``unseen_excitation``, ``calibrations``,
     ``strengths`` (on fit and unseen recording), ``base``, ``fit``, ``unseen`` and ``twin`` (the unseen recording
-    without what is hidden), all Measurements, ``bags``, ``signals`` (signal map), ``model`` (the user's), ``base_rmse``
-    (on the base recording), ``twin_rmse`` and ``floor`` in N, with the gauge's zero and straight drift taken out.
+    without the hidden effect), all Measurements, ``bags``, ``signals`` (signal map), ``model`` (the user's),
+    ``base_rmse`` (on the base recording), ``twin_rmse`` and ``floor`` in N, with the gauge's zero and linear drift
+    removed.
     """
     place = folder / "cases" / f"{plan.name}.pkl"
     if place.exists():
@@ -124,7 +126,7 @@ def make_case(plan: Plan, folder: Path) -> dict[str, Any]:
 
 
 class _Pickler(pickle.Pickler):
-    """Keeps models as their files' text: compiled programs cannot be kept, and effects change."""
+    """Saves models as the text of their files: compiled programs cannot be saved, and effects change."""
 
     def reducer_override(self, one: object) -> Any:
         if isinstance(one, DamperModel):
@@ -133,14 +135,14 @@ class _Pickler(pickle.Pickler):
 
 
 def signal_map(plan: Plan) -> SignalMap:
-    """The user's: default topics, and the stated spring where the gauge carries one."""
+    """The user's map: default topics, and the stated spring if the gauge carries one."""
     sensors = plan.setup.sensors
     signals = replace(default_signals(plan.damper), spring_rate=sensors.spring_rate, preload=sensors.preload)
     return SignalMap(dampers={plan.damper: signals})
 
 
 def with_decoys(one: Record, plan: Plan) -> Record:
-    """The record with a temperature that warms up beside the damper, where the oil's does not change."""
+    """The record with a rising temperature next to the damper, if that of the oil is constant."""
     if "temperature_fade" in plan.phenomena or plan.seed % 2 == 0:
         return one
     warm = one.sensed.temperature
@@ -152,7 +154,7 @@ def with_decoys(one: Record, plan: Plan) -> Record:
 
 
 def measured(one: Record, bag: Path, chain: SignalMap, with_current: bool) -> Measurement:
-    """The record as a bag, and what the product reads from it."""
+    """The record as a bag, read back as a measurement."""
     name = one.setup.damper.name
     write_record(bag, {name: one}, with_current)
     with open_bag(bag) as opened:
@@ -160,12 +162,12 @@ def measured(one: Record, bag: Path, chain: SignalMap, with_current: bool) -> Me
 
 
 def user_model(plan: Plan, damper: Damper, base: Measurement) -> DamperModel:
-    """What an honest user would have: identified on the base recording, without what is hidden.
+    """The model of an honest user: identified on the base recording, without the hidden effect.
 
     A force-velocity curve, the gas force with its charge from the data sheet, pre-sliding friction, and a lag of a few
-    tenths of a millisecond for the oil's compliance (its first-order form: a series spring would cost 200 times as
-    long and is no better here). Where the valves' lag is hidden, the compliance is the track paper's constant times
-    acceleration instead, and where the oil's compliance is hidden there is none.
+    tenths of a millisecond for the oil's compliance (its first-order form: a series spring would take 200 times as long
+    and is no better here). If the valves' lag is hidden, the compliance is the track paper's constant times
+    acceleration instead; if the oil's compliance is hidden, the model has none.
     """
     rod = np.pi / 4.0 * damper.geometry.rod**2
     charge = round((damper.gas.pressure - AMBIENT_PRESSURE) * rod, 1)
@@ -214,13 +216,13 @@ def without_zero(values: np.ndarray) -> np.ndarray:
 
 
 def error(model: DamperModel, measurement: Measurement, zero_free: bool = True) -> float:
-    """RMS of the residual in N; with the gauge's zero and drift taken out, or as `compare` prints it."""
+    """RMS of the residual in N; with the gauge's zero and drift removed, or as `compare` prints it."""
     left = residual(model, measurement)
     return float(np.sqrt(np.mean((without_zero(left) if zero_free else left) ** 2)))
 
 
 def floor(one: Record, measurement: Measurement) -> float:
-    """RMS error in N that a perfect model would still show behind the user's filter.
+    """RMS error in N of a perfect model with the user's filter.
 
     The perfect model is the plant itself, driven by the measured displacement behind the filter, compared with the
     measured force in band; the force must come from a chain without errors.

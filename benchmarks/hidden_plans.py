@@ -1,8 +1,8 @@
-"""Which cases the hidden-effect bench has: what is hidden in which damper, how strongly, under which excitation.
+"""The cases of the hidden-effect bench: hidden effect, damper, strength and excitation.
 
-A recording must excite what is hidden in it: the magnitude is found at which the phenomenon changes the force of the
-fit recording by the wanted share, and where that cannot be reached, or hardly shows on the unseen recording, another
-damper or excitation takes the place. Everything follows from fixed seeds.
+A recording must excite its hidden effect: the magnitude is such that the phenomenon changes the force of the fit
+recording by the wanted share; if that is unreachable, or hardly shows on the unseen recording, another damper or
+excitation is used. All seeds are fixed.
 """
 
 import json
@@ -37,11 +37,11 @@ EXCITATIONS = (  # of base and fit recording, of the unseen one
 )  # fmt: skip
 MEDIUM, WEAK, STRONG = 0.10, 0.04, 0.20
 TOLERANCE = 0.2
-"""Relative deviation of the reached strength on the fit recording beyond which it does not count."""
+"""Largest relative deviation of the reached strength on the fit recording."""
 
 LEAST_SHOWN = 0.5
-"""Of the wanted strength, on the unseen recording; and of each of two beside the other, for a gas whose pressure rises
-with the stroke keeps the oil from cavitating.
+"""Least share of the wanted strength on the unseen recording, and of each of two effects with the other, as a gas whose
+pressure rises with the stroke prevents cavitation.
 """
 
 SKEWS = (-5.0, -3.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 3.0, 5.0)
@@ -51,16 +51,16 @@ ALIKE = (
     {"channel_skew", "valve_delay", "oil_compressibility", "mount_compliance", "hysteresis"},
     {"gas_spring", "spring_rate_error"},
 )
-"""Phenomena that differ so little that two of them in one recording are a matter of words."""
+"""Phenomena too similar to be separate findings in one recording."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """One case before it is made.
+    """One planned case.
 
     Attributes:
         kind: hidden, nothing, pair or skew.
-        calibrations: what is hidden and how much of it.
+        calibrations: the hidden phenomena and their magnitudes.
         fit, unseen: excitations; the base recording has that of the fit.
         wanted: strength.
     """
@@ -76,25 +76,25 @@ class Plan:
 
     @property
     def phenomena(self) -> tuple[str, ...]:
-        """Names of what is hidden."""
+        """Names of the hidden phenomena."""
         return tuple(item.phenomenon for item in self.calibrations)
 
     @property
     def name(self) -> str:
-        """Unlike that of any other case."""
+        """Unique name."""
         what = "+".join(self.phenomena) or "nothing"
         how = f"{self.calibrations[0].magnitude:+g}ms" if self.kind == "skew" else f"{100 * self.wanted:.0f}"
         return f"{self.kind}-{what}-{how}-{self.damper}-{self.fit}-{self.unseen}-{self.seed}"
 
     @property
     def setup(self) -> Setup:
-        """Damper and sensors with everything as it ordinarily is."""
+        """Damper and sensors with all phenomena at their ordinary magnitude."""
         springy = "spring_rate_error" in self.phenomena and self.seed % 2
         return Setup(DAMPERS[self.damper], Sensors(spring_rate=25000.0, preload=-2500.0) if springy else Sensors())
 
     @property
     def with_current(self) -> bool:
-        """Whether a coil current is recorded: where it acts, and in half of the other cases, where it does not."""
+        """Whether a coil current is recorded: if it acts, and in half of the cases where it does not."""
         return "current" in self.phenomena or self.seed % 2 == 0
 
     def drives(self) -> tuple[Drive, Drive, Drive]:
@@ -105,12 +105,12 @@ class Plan:
 
     def _drive(self, name: str, damper, seed: int) -> Drive:
         motion = drive(name, damper, SECONDS, seed)
-        # The current is laid on afterwards: a damper that obeys it would move otherwise on a road.
+        # The current is added afterwards: a damper that follows it would move differently on a road.
         return replace(motion, current=current_steps(SECONDS, seed)) if self.with_current else motion
 
 
 def calibrated(plan: Plan, names: tuple[str, ...], cache: Path) -> Plan | None:
-    """The plan with what is hidden at the wanted strength; None where its recordings do not show it."""
+    """The plan with the hidden effect at the wanted strength; None if its recordings do not show it."""
     target = replace(plan, calibrations=tuple(Calibration(name, 0.0, 0.0) for name in names))
     place = cache / f"{target.name}.json"
     if place.exists():
@@ -148,9 +148,9 @@ def _all_but(setup: Setup, items: list[Calibration], less: Calibration) -> Setup
 
 
 def _combinations(first: int) -> Iterator[tuple[str, tuple[str, str]]]:
-    """Every damper with every excitation once, unlike ones after each other, from a place that differs."""
+    """Every damper with every excitation once, dissimilar ones in sequence, from a varying start."""
     count = len(EXCITATIONS) * len(BENCHED)
-    for number in range(first, first + count):  # 3 and 8 have no common factor: all 24 pairs come
+    for number in range(first, first + count):  # 3 and 8 have no common factor: all 24 pairs occur
         yield BENCHED[number % len(BENCHED)], EXCITATIONS[number % len(EXCITATIONS)]
 
 
@@ -159,7 +159,7 @@ def _seed(*words: object) -> int:
 
 
 def hidden_plans(phenomenon: str, wanted: float, count: int, cache: Path) -> list[Plan]:
-    """The first ``count`` cases of a phenomenon that its recordings show; 0 is all."""
+    """The first ``count`` cases whose recordings show a phenomenon; 0 is all."""
     found: list[Plan] = []
     first = 5 * list(PHENOMENA).index(phenomenon) + {MEDIUM: 0, WEAK: 11, STRONG: 18}.get(wanted, 3)
     for damper, (fit, unseen) in _combinations(first):
@@ -172,7 +172,7 @@ def hidden_plans(phenomenon: str, wanted: float, count: int, cache: Path) -> lis
 
 
 def nothing_plans(count: int) -> list[Plan]:
-    """Cases in which fit and unseen recording are further ones of the base."""
+    """Cases whose fit and unseen recordings are further ones of the base."""
     plans = []
     every = list(_combinations(0))
     for number in range(count):
@@ -188,7 +188,7 @@ def pairs() -> list[tuple[str, str]]:
 
 
 def pair_plan(number: int, cache: Path) -> Plan | None:
-    """The case of one pair; None where no recording shows both."""
+    """The case of one pair; None if no recording shows both."""
     names = pairs()[number]
     for damper, (fit, unseen) in list(_combinations(7 * number))[:6]:
         ready = calibrated(Plan("pair", damper, fit, unseen, MEDIUM, _seed(*names, damper, fit)), names, cache)

@@ -29,28 +29,28 @@ Record = dict[str, Any]
 
 
 def report(records: Sequence[Record], seconds: float, processes: int, new: int) -> str:
-    """All tables; ``seconds`` is what the ``new`` of the cases took."""
+    """All tables; ``seconds`` is the duration of the ``new`` cases."""
     done = [one for one in records if "failed" not in one]
     failed = [one for one in records if "failed" in one]
     hidden = [one for one in done if one["kind"] == "hidden"]
     medium = [one for one in hidden if one["wanted"] == MEDIUM]
     kinds = {kind: [one for one in done if one["kind"] == kind] for kind in ("pair", "nothing", "skew")}
     sections = (
-        ("In short", _summary, done),
+        ("Summary", _summary, done),
         ("By phenomenon, medium strength", _by_phenomenon, medium),
-        ("What was hidden (rows) and what was named first (columns), all strengths", confusion, hidden),
+        ("Hidden effect (rows) and first finding (columns), all strengths", confusion, hidden),
         ("By damper, excitation and strength", _by_condition, hidden),
         ("Two at once", _pairs, kinds["pair"]),
         ("Nothing hidden", _alarms, kinds["nothing"]),
         ("Skew", _skews, kinds["skew"]),
-        ("Every miss of the medium strength", _misses, medium),
+        ("All misses at medium strength", _misses, medium),
     )
-    written = [f"### {title}\n\n{make(own)}" for title, make, own in sections if own]
+    written = [f"### {title}\n\n{make(cases)}" for title, make, cases in sections if cases]
     return "\n\n".join([_head(done, failed, seconds, processes, new), *written])
 
 
 def table(rows: Sequence[Sequence[object]]) -> str:
-    """Markdown; the first row is the head, columns but the first are numbers."""
+    """Markdown; the first row is the head, all columns except the first are numbers."""
     head, *body = [[str(cell) for cell in row] for row in rows]
     lines = [head, ["---", *["---:"] * (len(head) - 1)], *body]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
@@ -58,9 +58,9 @@ def table(rows: Sequence[Sequence[object]]) -> str:
 
 def _head(done: Sequence[Record], failed: Sequence[Record], seconds: float, processes: int, new: int) -> str:
     kinds = Counter(one["kind"] for one in done)
-    told = ", ".join(f"{kinds[kind]} {kind}" for kind in ("hidden", "nothing", "pair", "skew"))
+    counts = ", ".join(f"{kinds[kind]} {kind}" for kind in ("hidden", "nothing", "pair", "skew"))
     judging = sum(one.get("improve_seconds", 0.0) + one.get("diagnose_seconds", 0.0) for one in done) / 60.0
-    words = f"{len(done)} cases ({told}), judged in {judging:.0f} minutes of one core"
+    words = f"{len(done)} cases ({counts}), judged in {judging:.0f} minutes of one core"
     if new:
         words += f"; {new} of them now, in {seconds / 60.0:.0f} minutes on {processes} processes"
     words += "."
@@ -73,35 +73,42 @@ def _summary(done: Sequence[Record]) -> str:
     by_level = [[one for one in hidden if one["wanted"] == level] for level in LEVELS.values()] + [hidden]
 
     def add(words: str, figure: Callable[[Sequence[Record]], object]) -> None:
-        rows.append([words, *(figure(own) if own else "–" for own in by_level)])
+        rows.append([words, *(figure(cases) if cases else "–" for cases in by_level)])
 
-    add("hidden effect in first place", lambda own: share([_right(one) for one in own]))
-    add("... and nothing tied with it", lambda own: share([_right(one) and len(first_group(one)) == 1 for one in own]))
+    add("hidden effect in first place", lambda cases: share([_right(one) for one in cases]))
+    add(
+        "... and no other effect tied with it",
+        lambda cases: share([_right(one) and len(first_group(one)) == 1 for one in cases]),
+    )
     add(
         "... and the verdict is `missing`",
-        lambda own: share([_right(one) and one["verdict"] == "missing" for one in own]),
+        lambda cases: share([_right(one) and one["verdict"] == "missing" for one in cases]),
     )
-    add("in the first tied group", lambda own: share([one["phenomena"][0] in first_group(one) for one in own]))
+    add("in the first tied group", lambda cases: share([one["phenomena"][0] in first_group(one) for one in cases]))
     add("group size, mean / largest", _group_size)
-    add("missed: nothing_missing", lambda own: share([one["verdict"] == "nothing_missing" for one in own]))
+    add("missed: nothing_missing", lambda cases: share([one["verdict"] == "nothing_missing" for one in cases]))
     add(
-        "renamed: another one named, the hidden one not in its group", lambda own: share([_renamed(one) for one in own])
+        "renamed: another effect named, the hidden one not in its group",
+        lambda cases: share([_renamed(one) for one in cases]),
     )
     add(
         f"`improve` removed {100 * REMOVED:.0f} % of the excess",
-        lambda own: share([removed(one) >= REMOVED for one in own]),
+        lambda cases: share([removed(one) >= REMOVED for one in cases]),
     )
-    add("share of the excess removed, median", lambda own: f"{median([removed(one) for one in own]):.2f}")
-    add("unseen error over force rms, before", lambda own: _percent([one["before"] / one["force_rms"] for one in own]))
-    add("... after", lambda own: _percent([one["after"] / one["force_rms"] for one in own]))
-    add("error left over noise floor, median", lambda own: f"{median([multiple(one) for one in own]):.2f}")
+    add("share of the excess removed, median", lambda cases: f"{median([removed(one) for one in cases]):.2f}")
+    add(
+        "unseen error over force rms, before",
+        lambda cases: _percent([one["before"] / one["force_rms"] for one in cases]),
+    )
+    add("... after", lambda cases: _percent([one["after"] / one["force_rms"] for one in cases]))
+    add("error left over noise floor, median", lambda cases: f"{median([multiple(one) for one in cases]):.2f}")
     nothing = [one for one in done if one["kind"] == "nothing"]
     pairs = [one for one in done if one["kind"] == "pair"]
     skews = [one for one in done if one["kind"] == "skew"]
     more = [
         f"- false alarms, nothing hidden: {share([one['verdict'] != 'nothing_missing' for one in nothing])}",
         f"- both of two found by `diagnose`: {share([both_found(groups(one), one['phenomena']) for one in pairs])}; "
-        f"put in by `improve`: {share([both_found(improved_by(one), one['phenomena']) for one in pairs])}",
+        f"added by `improve`: {share([both_found(improved_by(one), one['phenomena']) for one in pairs])}",
         f"- skew within 0.3 ms and not tied: {share([skew_recovered(one) for one in skews])}",
         f"- seconds on one core, median / longest: `diagnose` {_spread(done, 'diagnose_seconds')}, "
         f"`improve` {_spread(done, 'improve_seconds')}; memory of one process at most "
@@ -122,8 +129,8 @@ def _percent(values: Sequence[float]) -> str:
     return f"{100.0 * median(values):.1f} %"
 
 
-def _group_size(own: Sequence[Record]) -> str:
-    sizes = [len(group) for one in own for group in groups(one)[:1]]
+def _group_size(cases: Sequence[Record]) -> str:
+    sizes = [len(group) for one in cases for group in groups(one)[:1]]
     return f"{np.mean(sizes):.2f} / {max(sizes)}" if sizes else "–"
 
 
@@ -138,27 +145,27 @@ def _by_phenomenon(medium: Sequence[Record]) -> str:
          "after", "over floor"],
     ]  # fmt: skip
     for name in PHENOMENA:
-        own = [one for one in medium if one["phenomena"] == [name]]
-        if not own:
+        cases = [one for one in medium if one["phenomena"] == [name]]
+        if not cases:
             continue
-        instead = Counter(first_named(one) for one in own if not _right(one))
+        instead = Counter(first_named(one) for one in cases if not _right(one))
         rows.append([
             name,
-            len(own),
-            sum(_right(one) for one in own),
-            sum(name in first_group(one) for one in own),
-            _group_size(own),
+            len(cases),
+            sum(_right(one) for one in cases),
+            sum(name in first_group(one) for one in cases),
+            _group_size(cases),
             ", ".join(f"{what} {count}" for what, count in instead.most_common()) or "–",
-            f"{median([removed(one) for one in own]):.2f}",
-            _percent([one["before"] / one["force_rms"] for one in own]),
-            _percent([one["after"] / one["force_rms"] for one in own]),
-            f"{median([multiple(one) for one in own]):.2f}",
+            f"{median([removed(one) for one in cases]):.2f}",
+            _percent([one["before"] / one["force_rms"] for one in cases]),
+            _percent([one["after"] / one["force_rms"] for one in cases]),
+            f"{median([multiple(one) for one in cases]):.2f}",
         ])  # fmt: skip
     return table(rows)
 
 
 def confusion(hidden: Sequence[Record]) -> str:
-    """The matrix; columns have the rows' numbers."""
+    """The matrix; columns are numbered like the rows."""
     names = list(PHENOMENA)
     columns = [*names, *OTHERWISE]
     heads = [str(number + 1) for number in range(len(names))] + ["nothing", "changed", "unexplained"]
@@ -183,23 +190,23 @@ def _by_condition(hidden: Sequence[Record]) -> str:
     ]
     for words, key in conditions:
         for value in sorted({key(one) for one in hidden}):
-            own = [one for one in hidden if key(one) == value]
+            cases = [one for one in hidden if key(one) == value]
             rows.append([
                 f"{words} {value}",
-                len(own),
-                f"{100 * np.mean([_right(one) for one in own]):.0f} %",
-                f"{100 * np.mean([one['phenomena'][0] in first_group(one) for one in own]):.0f} %",
-                f"{100 * np.mean([removed(one) >= REMOVED for one in own]):.0f} %",
-                f"{median([multiple(one) for one in own]):.2f}",
+                len(cases),
+                f"{100 * np.mean([_right(one) for one in cases]):.0f} %",
+                f"{100 * np.mean([one['phenomena'][0] in first_group(one) for one in cases]):.0f} %",
+                f"{100 * np.mean([removed(one) >= REMOVED for one in cases]):.0f} %",
+                f"{median([multiple(one) for one in cases]):.2f}",
             ])  # fmt: skip
     return table(rows)
 
 
-def _pairs(own: Sequence[Record]) -> str:
+def _pairs(cases: Sequence[Record]) -> str:
     rows: list[list[object]] = [
         ["hidden", "damper, excitation", "found, best first", "`improve`", "excess removed", "over floor"]
     ]
-    for one in own:
+    for one in cases:
         found = "; ".join("/".join([f["phenomenon"], *f["tied_with"]]) for f in one["findings"]) or one["verdict"]
         steps = ", ".join(what for group in improved_by(one) for what in sorted(group)) or "–"
         rows.append([
@@ -213,9 +220,9 @@ def _pairs(own: Sequence[Record]) -> str:
     return table(rows)
 
 
-def _alarms(own: Sequence[Record]) -> str:
-    alarms = [one for one in own if one["verdict"] != "nothing_missing"]
-    words = f"{share([one['verdict'] != 'nothing_missing' for one in own])} raised an alarm."
+def _alarms(cases: Sequence[Record]) -> str:
+    alarms = [one for one in cases if one["verdict"] != "nothing_missing"]
+    words = f"{share([one['verdict'] != 'nothing_missing' for one in cases])} raised an alarm."
     return words + "".join(
         f"\n- {one['damper']}, {one['excitation']} / {one['unseen_excitation']}: {first_named(one)}"
         f"{'' if one['findings'] else ' ' + ', '.join(one['moved'][:4])}, "
@@ -224,13 +231,13 @@ def _alarms(own: Sequence[Record]) -> str:
     )
 
 
-def _skews(own: Sequence[Record]) -> str:
+def _skews(cases: Sequence[Record]) -> str:
     rows: list[list[object]] = [["injected", "random", "road"]]
-    for skew in sorted({one["true_skew"] for one in own}):
+    for skew in sorted({one["true_skew"] for one in cases}):
         cells = [
             "; ".join(
                 f"{1e3 * one['skew']:+.2f}" + ("" if first_group(one) == {"channel_skew"} else f" ({_said(one)})")
-                for one in own
+                for one in cases
                 if one["true_skew"] == skew and one["excitation"] == excitation
             )
             for excitation in ("random", "road")

@@ -1,6 +1,6 @@
-"""What the hidden-effect bench makes of a diagnosis: one record per case, and the figures over all of them.
+"""The evaluation of a diagnosis by the hidden-effect bench: one record per case, and the figures over all cases.
 
-A record is what one line of the results file holds: plain numbers and words, so that a run can go on where it stopped.
+A record is one line of the results file, plain numbers and words, so that an interrupted run can continue.
 """
 
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ SKEW_MARGIN = 3e-4  # s
 
 
 def judged(case: dict[str, Any]) -> dict[str, Any]:
-    """The record of a case: what was found, what `improve` made of it, what truth says of both.
+    """The record of a case: findings, result of `improve`, and both compared with the truth.
 
-    Where something is hidden `improve` runs, which begins with the diagnosis of the model as given; where nothing is,
-    and in the series of skews, `diagnose` alone.
+    With a hidden effect `improve` runs, which begins with the diagnosis of the given model; with none, and in the
+    series of skews, only `diagnose`.
     """
-    from damper_estimator.diagnosis import diagnose, improve  # cases can be made without
+    from damper_estimator.diagnosis import diagnose, improve  # not needed to create cases
 
     data = case["model"], [case["fit"]], [case["unseen"]]
     began = perf_counter()
@@ -43,10 +43,10 @@ def judged(case: dict[str, Any]) -> dict[str, Any]:
     return {
         **{name: case[name] for name in ("name", "kind", "damper", "excitation", "unseen_excitation", "wanted")},
         **{name: case[name] for name in ("strengths", "floor", "force_rms")},
-        "phenomena": list(case["phenomena"]),  # as it comes back from JSON
+        "phenomena": list(case["phenomena"]),  # as read from JSON
         **seconds,
         "verdict": diagnosis.verdict,
-        "findings": [_told(finding) for finding in diagnosis.findings],
+        "findings": [_finding_record(finding) for finding in diagnosis.findings],
         "moved": [moved.name for moved in diagnosis.moved],
         "engine_floor": diagnosis.noise_floor_n,
         "before": error(case["model"], case["unseen"], zero_free=False),
@@ -58,13 +58,13 @@ def judged(case: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _told(finding: Any) -> dict[str, Any]:
+def _finding_record(finding: Any) -> dict[str, Any]:
     names = ("phenomenon", "effect", "gain", "low", "confidence")
     return {name: getattr(finding, name) for name in names} | {"tied_with": list(finding.tied_with)}
 
 
 def _skew(signals: DamperSignals) -> float:
-    """By how much the force is late, s."""
+    """Delay of the force, s."""
     return signals.force.skew - signals.displacement.skew
 
 
@@ -76,8 +76,8 @@ def _true_skew(case: dict[str, Any]) -> float:
 def _errors(case: dict[str, Any], improvement: Any) -> dict[str, float]:
     """RMS errors in N of the improved model on the unseen recording, read again through the corrected signal map.
 
-    ``after`` is as `compare` prints it (as are ``before``, and ``base``: the user's model on the same drive without
-    what is hidden); ``left`` is without the gauge's zero and its drift, as ``floor``.
+    ``after`` is as `compare` prints it (as are ``before``, and ``base``: the user's model on the same drive without the
+    hidden effect); ``left`` is without the gauge's zero and its drift, as ``floor``.
     """
     corrected = replace(case["signals"], dampers={case["damper"]: improvement.signals})
     with open_bag(Path(case["bags"]["unseen"])) as bag:
@@ -86,7 +86,7 @@ def _errors(case: dict[str, Any], improvement: Any) -> dict[str, float]:
 
 
 def first_named(record: dict[str, Any]) -> str:
-    """The phenomenon of the first finding; the verdict where there is none."""
+    """The phenomenon of the first finding; the verdict without findings."""
     return record["findings"][0]["phenomenon"] if record["findings"] else record["verdict"]
 
 
@@ -101,18 +101,18 @@ def first_group(record: dict[str, Any]) -> set[str]:
 
 
 def removed(record: dict[str, Any]) -> float:
-    """Share of the excess squared error that `improve` took away; NaN where there was none."""
+    """Share of the excess squared error that `improve` removed; NaN without excess."""
     excess = record["before"] ** 2 - record["base"] ** 2
     return (record["before"] ** 2 - record["after"] ** 2) / excess if excess > 0.0 else nan
 
 
 def multiple(record: dict[str, Any]) -> float:
-    """Error that is left, over the noise floor."""
+    """Remaining error over the noise floor."""
     return record["left"] / record["floor"]
 
 
 def both_found(named: Sequence[set[str]], hidden: Sequence[str]) -> bool:
-    """Whether two phenomena are named by two different findings; ``named`` holds the tied group of each finding."""
+    """Whether two phenomena are named by two different findings; ``named`` is the tied group of each finding."""
     first, second = hidden
     return any(
         first in one and second in other for i, one in enumerate(named) for j, other in enumerate(named) if i != j
@@ -120,13 +120,13 @@ def both_found(named: Sequence[set[str]], hidden: Sequence[str]) -> bool:
 
 
 def improved_by(record: dict[str, Any]) -> list[set[str]]:
-    """What `improve` put in or corrected, one set per step; what it took out again does not count."""
+    """Effects that `improve` added or corrected, one set per step, without those that it removed again."""
     pruned = {effect for action, effect, _ in record["steps"] if action == "prune"}
     return [{what} for action, effect, what in record["steps"] if action in ("add", "correct") and effect not in pruned]
 
 
 def skew_recovered(record: dict[str, Any]) -> bool:
-    """Whether the skew was named, alone, and is right."""
+    """Whether the skew was named, without ties, and is right."""
     return first_group(record) == {"channel_skew"} and abs(record["skew"] - record["true_skew"]) <= SKEW_MARGIN
 
 
@@ -136,7 +136,7 @@ def share(values: Sequence[bool]) -> str:
 
 
 def median(values: Sequence[float]) -> float:
-    """Median of the finite values, NaN without."""
+    """Median of the finite values, NaN without any."""
     finite = [value for value in values if np.isfinite(value)]
     return float(np.median(finite)) if finite else nan
 
@@ -149,10 +149,10 @@ def line(record: dict[str, Any]) -> str:
         one["phenomenon"] + (f" (or {', '.join(one['tied_with'])})" if one["tied_with"] else "")
         for one in record["findings"]
     )
-    told = f"{record['name']}: {record['verdict']} {named}".rstrip()
+    heading = f"{record['name']}: {record['verdict']} {named}".rstrip()
     if "steps" not in record:
         skew = f", {1e3 * record['skew']:+.2f} ms" if record["kind"] == "skew" else ""
-        return f"{told}{skew} | {record['diagnose_seconds']:.0f} s"
+        return f"{heading}{skew} | {record['diagnose_seconds']:.0f} s"
     steps = ", ".join(f"{action} {what or ''}".rstrip() for action, _, what in record["steps"][1:]) or "no step"
     fall = f"{record['before']:.1f} -> {record['after']:.1f} N (base {record['base']:.1f}, floor {record['floor']:.1f})"
-    return f"{told} | {steps} | {fall} | {record['improve_seconds']:.0f} s"
+    return f"{heading} | {steps} | {fall} | {record['improve_seconds']:.0f} s"

@@ -1,4 +1,4 @@
-"""A recording as long as a test drive: one hour at 1 kHz, four dampers in one message (14.4 million samples)."""
+"""A recording of the length of a test drive: one hour at 1 kHz, four dampers in one message (14.4 million samples)."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,11 +11,11 @@ from damper_estimator.recordings import BagWriter, Stream, joint_states
 from damper_estimator.vehicle import drive
 
 CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
-_PIECE = 20.0  # s that are simulated; it begins and ends at rest, so it can be driven again and again
+_PIECE = 20.0  # s, simulated part; it begins and ends at rest, so it can be repeated
 
 
 def write_hour(path: Path, seconds: float = 3600.0, rate: float = 1000.0, seed: int = 7) -> None:
-    """Writes the recording, ``seconds`` long: a road of 20 s in a circle, each round with noise of its own."""
+    """Writes the recording, ``seconds`` long: a road of 20 s repeated, each time with different noise."""
     count = round(_PIECE * rate)
     sensors = Sensors(rate=rate, drop_out=0.0)
     pieces = []

@@ -1,8 +1,8 @@
 """Black-box peers for the table of real dampers: SysIdentPy's FROLS in free run, gradient boosting on short history.
 
-They are needed for the table alone: ``pip install sysidentpy scikit-learn``. Both see what the models see, at
-one rate: filtered displacement, velocity and acceleration in, force through the same filter out. Gradient
-boosting is the ceiling of what a static map of x, v, a and their last 50 ms can give.
+They are needed only for the table: ``pip install sysidentpy scikit-learn``. Both receive the inputs of the models at
+one rate: filtered displacement, velocity and acceleration; their output is the force through the same filter. Gradient
+boosting is the best achievable static map of x, v, a and their last 50 ms.
 """
 
 import contextlib
@@ -24,15 +24,17 @@ Peer = Callable[[Measurement], np.ndarray]
 
 def inputs(measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Grid (m,) s, columns x, v, a on it (m, 3) and force in band (m,)."""
-    own = measurement.kinematics
-    grid = np.arange(own.time[0], own.time[-1], 1.0 / RATE)
-    columns = [np.interp(grid, own.time, column) for column in (own.displacement, own.velocity, own.acceleration)]
-    force = np.interp(grid, own.time, measurement.in_band(measurement.force))
+    motion = measurement.kinematics
+    grid = np.arange(motion.time[0], motion.time[-1], 1.0 / RATE)
+    columns = [
+        np.interp(grid, motion.time, column) for column in (motion.displacement, motion.velocity, motion.acceleration)
+    ]
+    force = np.interp(grid, motion.time, measurement.in_band(measurement.force))
     return grid, np.stack(columns, axis=1), force
 
 
 def fit_boosting(measurements: Sequence[Measurement]) -> tuple[Peer, int]:
-    """Gradient boosting on x, v, a and their history; the count is of trees."""
+    """Gradient boosting on x, v, a and their history; also returns the number of trees."""
     from sklearn.ensemble import HistGradientBoostingRegressor
 
     parts = [inputs(m) for m in measurements]
@@ -53,27 +55,28 @@ def _with_history(x: np.ndarray) -> np.ndarray:
 
 
 def fit_frols(measurements: Sequence[Measurement]) -> tuple[Peer, int]:
-    """Polynomial NARX by forward regression orthogonal least squares, judged in free run; counts its terms.
+    """Polynomial NARX by forward regression orthogonal least squares, judged in free run; also returns the number of
+    terms.
 
-    Every signal is scaled to its rms, without which the regression is badly conditioned. Degree and number of terms are
-    those whose free run does best on the recordings it was fitted to.
+    Every signal is scaled to its rms, else the regression is ill-conditioned. Degree and number of terms are those with
+    the best free run on the recordings of the fit.
     """
     parts = [inputs(m) for m in measurements]
     scale_x = np.concatenate([x for _, x, _ in parts]).std(axis=0)
     scale_f = float(np.concatenate([f for _, _, f in parts]).std())
-    x = np.concatenate([own for _, own, _ in parts]) / scale_x
+    x = np.concatenate([columns for _, columns, _ in parts]) / scale_x
     y = (np.concatenate([f for _, _, f in parts]) / scale_f).reshape(-1, 1)
     trials = []
     for degree, terms in CANDIDATES:
         model = _frols(degree, terms, x, y)
-        free = [_free_run(model, own / scale_x, f / scale_f) for _, own, f in parts]
+        free = [_free_run(model, columns / scale_x, f / scale_f) for _, columns, f in parts]
         error = float(np.mean((np.concatenate(free) - y[:, 0]) ** 2))
         trials.append((error, terms, model))
     _, terms, best = min(trials, key=lambda trial: trial[0])
 
     def force(measurement: Measurement) -> np.ndarray:
-        grid, own, measured = inputs(measurement)
-        free = _free_run(best, own / scale_x, measured / scale_f) * scale_f
+        grid, columns, measured = inputs(measurement)
+        free = _free_run(best, columns / scale_x, measured / scale_f) * scale_f
         return np.interp(measurement.kinematics.time, grid, free)
 
     return force, terms
@@ -94,7 +97,7 @@ def _frols(degree: int, terms: int, x: np.ndarray, y: np.ndarray):
 
 
 def _free_run(model, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Simulated (n,) from the first samples on; a run that diverges is held at ten times the force's rms."""
+    """Simulated (n,) from the first samples on; a diverging run is limited to ten times the force's rms."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         free = model.predict(X=x, y=f.reshape(-1, 1)[: model.max_lag])

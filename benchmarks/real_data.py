@@ -1,10 +1,9 @@
-"""The main job on real dampers: import, fit on some recordings, judge on others; prints docs/real_data.md's tables.
+"""Real dampers: import, fit on some recordings, judge on others; prints the tables of docs/real_data.md.
 
     python benchmarks/real_data.py [--models NAME ...] [--jobs 2] [-o docs/real_data.md]
 
-Two sets of recordings of magneto-rheological dampers, which are not part of the project: they are looked for
-in ``../shared/data`` (or DAMPER_SHARED_DATA). Unseen means other recordings: another frequency, another
-amplitude.
+Two sets of recordings of magneto-rheological dampers, which are not part of the project, are read from
+``../shared/data`` (or DAMPER_SHARED_DATA). Unseen means other recordings: another frequency, another amplitude.
 """
 
 import argparse
@@ -45,7 +44,7 @@ MODELS = (
 
 @dataclass(frozen=True)
 class Setting:
-    """One command of one damper: on which recordings to fit, on which to judge."""
+    """One command of one damper: recordings to fit and recordings to judge on."""
 
     name: str
     fitted: tuple[str, ...]
@@ -91,15 +90,15 @@ PLANT = (
 
 
 def installed_peers() -> list[str]:
-    """The black-box peers, where their libraries are installed (pip install sysidentpy scikit-learn)."""
+    """The black-box peers whose libraries are installed (pip install sysidentpy scikit-learn)."""
     if find_spec("sysidentpy") and find_spec("sklearn"):
         return list(peers.PEERS)
-    print("sysidentpy or scikit-learn is not installed: the table goes without the black-box peers", file=sys.stderr)
+    print("sysidentpy or scikit-learn is not installed: the table lacks the black-box peers", file=sys.stderr)
     return []
 
 
 def import_all(folder: Path) -> None:
-    """Turns both sets into bags under ``folder``."""
+    """Converts both sets to bags under ``folder``."""
     for name, target, pattern in (("utfsm_mr_damper", "utfsm", "*.gz"), ("labcontrol_mr_damper", "lab", "*.mat")):
         inputs = sorted(str(path) for path in (DATA / name).glob(pattern))
         columns = ROOT / "config" / "columns" / f"{name}.yaml"
@@ -126,7 +125,7 @@ def score(folder: Path, setting: Setting, name: str) -> Score:
         return Score(setting.name, name, count, *_judged(force, read(setting.unseen)), seconds)
     try:
         fitted = fit(load_model(name), read(setting.fitted))
-    except InputError:  # the model needs a channel that these recordings do not have
+    except InputError:  # the model needs a channel that these recordings lack
         return Score(
             setting.name, name, 0, float("nan"), float("nan"), (float("nan"),) * len(setting.unseen), float("nan")
         )
@@ -149,13 +148,13 @@ def _judged(force: peers.Peer, measurements: Sequence) -> tuple[float, float, tu
 def table(settings: Sequence[Setting], scores: Sequence[Score]) -> str:
     """Models by ESR on unseen recordings (median over the settings), best first."""
     by_model: dict[str, dict[str, Score]] = {}
-    for own in scores:
-        by_model.setdefault(own.model, {})[own.setting] = own
+    for by_setting in scores:
+        by_model.setdefault(by_setting.model, {})[by_setting.setting] = by_setting
     ranked = sorted(by_model.items(), key=lambda item: np.nanmedian([s.esr for s in item[1].values()]))
     head = ["model", "parameters", *(s.name for s in settings), "median", "correlation", "fit"]
     rows = [head, ["---"] + ["---:"] * (len(head) - 1)]
-    for name, own in ranked:
-        values = [own[s.name] for s in settings]
+    for name, by_setting in ranked:
+        values = [by_setting[s.name] for s in settings]
         rows.append([
             f"**{name}**" if name == BASELINE else name,
             str(max(v.parameters for v in values)),
@@ -167,22 +166,22 @@ def table(settings: Sequence[Setting], scores: Sequence[Score]) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def _marked(own: Score, settings: Sequence[Setting], by_model: dict[str, dict[str, Score]]) -> str:
-    """The ESR, marked where the model is worse than the baseline; a dash where the model does not apply."""
-    if np.isnan(own.esr):
+def _marked(score: Score, settings: Sequence[Setting], by_model: dict[str, dict[str, Score]]) -> str:
+    """The ESR, marked if the model is worse than the baseline; a dash if the model does not apply."""
+    if np.isnan(score.esr):
         return "–"
-    baseline = by_model.get(BASELINE, {}).get(own.setting)
-    worse = baseline is not None and own.model != BASELINE and own.esr > baseline.esr
-    return f"{own.esr:.4f}{' ▲' if worse else ''}"
+    baseline = by_model.get(BASELINE, {}).get(score.setting)
+    worse = baseline is not None and score.model != BASELINE and score.esr > baseline.esr
+    return f"{score.esr:.4f}{' ▲' if worse else ''}"
 
 
 def detail(setting: Setting, scores: Sequence[Score], names: Sequence[str]) -> str:
     """ESR of some models on each unseen recording of one setting."""
     head = ["model", *(Path(path).stem for path in setting.unseen)]
     rows = [head, ["---"] + ["---:"] * len(setting.unseen)]
-    for own in scores:
-        if own.setting == setting.name and own.model in names:
-            rows.append([own.model, *(f"{value:.4f}" for value in own.each)])
+    for score in scores:
+        if score.setting == setting.name and score.model in names:
+            rows.append([score.model, *(f"{value:.4f}" for value in score.each)])
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
@@ -194,7 +193,7 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path)
     arguments = parser.parse_args()
     if not DATA.is_dir():
-        raise SystemExit(f"{DATA}: the real recordings are not there; set DAMPER_SHARED_DATA")
+        raise SystemExit(f"{DATA}: the real recordings are missing; set DAMPER_SHARED_DATA")
     parts = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

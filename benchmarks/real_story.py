@@ -1,8 +1,8 @@
-"""From a linear damper to what real recordings justify: `improve` on all commands of a damper together.
+"""From a linear damper to the model that real recordings justify: `improve` on all commands of a damper together.
 
     python benchmarks/real_story.py [-o docs/real_data.md]
 
-Judged on recordings that no fit has seen: another frequency, another amplitude, and currents that were left out.
+Judged on recordings outside the fit: another frequency, another amplitude, and omitted currents.
 """
 
 import argparse
@@ -34,27 +34,29 @@ def read(folder: Path, paths: list[str]) -> list[Measurement]:
 
 
 def story(folder: Path, fitted: list[str], unseen: list[str]) -> Improvement:
-    """What `improve` makes of a linear damper."""
+    """The result of `improve` from a linear damper."""
     seen = read(folder, fitted)
     linear = fit(load_model("linear_viscous"), seen).model
     return improve(linear, seen, read(folder, unseen), workers=os.cpu_count() or 1)
 
 
-def told(own: Improvement) -> str:
-    """The steps as a table, what each found and could not tell, and what is left."""
-    force = own.first.force_rms_n
+def steps_table(improvement: Improvement) -> str:
+    """The steps as a table with their findings and ties, and the remaining error."""
+    force = improvement.first.force_rms_n
     rows = ["| step | unseen error | of the force | tied with |", "| --- | ---: | ---: | --- |"]
-    for step in own.steps:
+    for step in improvement.steps:
         name = step.action if step.effect is None else f"{step.action} {step.effect} ({step.phenomenon})"
         tied = _tied(step.diagnosis, step.effect)
         rows.append(f"| {name} | {step.rmse_unseen_n:.1f} N | {100.0 * step.rmse_unseen_n / force:.1f} % | {tied} |")
-    rows.append(f"| noise floor | {own.noise_floor_n:.1f} N | {100.0 * own.noise_floor_n / force:.1f} % | |")
-    errors = own.model.fit.get("standard_errors", {})
+    rows.append(
+        f"| noise floor | {improvement.noise_floor_n:.1f} N | {100.0 * improvement.noise_floor_n / force:.1f} % | |"
+    )
+    errors = improvement.model.fit.get("standard_errors", {})
     values = [
         f"`{slot.address}` {slot.value:.3g} ± {errors.get(slot.address, float('nan')):.1g} {slot.parameter.unit}"
-        for slot in own.model.slots
+        for slot in improvement.model.slots
     ]
-    return "\n".join(rows) + f"\n\nThe model: {', '.join(values)}.\n\nAsked once more: {own.final.sentence}"
+    return "\n".join(rows) + f"\n\nThe model: {', '.join(values)}.\n\nFinal diagnosis: {improvement.final.sentence}"
 
 
 def _tied(diagnosis: Diagnosis | None, effect: str | None) -> str:
@@ -63,12 +65,12 @@ def _tied(diagnosis: Diagnosis | None, effect: str | None) -> str:
 
 
 def main() -> None:
-    """Prints the steps on both sets, and writes them into a page."""
+    """Prints the steps on both sets and writes them to a page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path)
     arguments = parser.parse_args()
     if not DATA.is_dir():
-        raise SystemExit(f"{DATA}: the real recordings are not there; set DAMPER_SHARED_DATA")
+        raise SystemExit(f"{DATA}: the real recordings are missing; set DAMPER_SHARED_DATA")
     parts = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -76,9 +78,9 @@ def main() -> None:
         for title, settings, left_out in (
             ("utfsm_mr_damper", UTFSM, UTFSM_LEFT_OUT), ("labcontrol_mr_damper", LABCONTROL, ()),
         ):  # fmt: skip
-            fitted = [path for own in settings if own.name not in left_out for path in own.fitted]
-            unseen = [path for own in settings for path in own.unseen]
-            parts += [f"### {title}, from a linear damper", told(story(folder, fitted, unseen))]
+            fitted = [path for setting in settings if setting.name not in left_out for path in setting.fitted]
+            unseen = [path for setting in settings for path in setting.unseen]
+            parts += [f"### {title}, from a linear damper", steps_table(story(folder, fitted, unseen))]
     text = "\n\n".join(parts) + "\n"
     print(text)
     if arguments.output:

@@ -19,25 +19,25 @@ from soak_truth import Filter, Undisturbed
 from soak_wire import SECOND, States, commands_in, forces_in, number_in
 
 CUTOFF = 60.0  # Hz
-WINDOW = 40  # displacement messages that may be unanswered
-BEHIND = 0.03  # s that we may be late before the stamps leap
-QUIET = 1.4  # s without fault after every round
-CHECK_EVERY = 15  # rounds between two looks at the counters
-RESTARTS = 0.3  # share of the time in which the process may end, so that memory is seen to grow in the rest
-TELL_EVERY = 15.0  # s
-STUCK = 60.0  # s without any answer
-PATIENCE = 2.0  # s for single answers
+WINDOW = 40  # largest number of unanswered displacement messages
+BEHIND = 0.03  # s of delay before the stamps leap
+QUIET = 1.4  # s without faults after every round
+CHECK_EVERY = 15  # rounds between two checks of the counters
+RESTARTS = 0.3  # share of the time in which the process can end, so that memory growth is visible in the rest
+PROGRESS_EVERY = 15.0  # s
+STUCK = 60.0  # s, longest time without an answer
+PATIENCE = 2.0  # s, longest wait for a single answer
 
 
 class Campaign:
-    """Everything of one run; final.
+    """The state of one run; final.
 
     Attributes:
         time: s, of the plant.
-        shift: ns by which the sender's clock is off.
-        is_held: whether the node stands still on purpose.
-        memory: bytes of the node's process, by its life.
-        behind: how often we were too slow, and the stamps leapt.
+        shift: ns, offset of the sender's clock.
+        is_held: whether the node is stopped on purpose.
+        memory: bytes of the node's process, a list per process.
+        behind: number of leaps of the stamps because this process was too slow.
     """
 
     def __init__(self, folder: Path, models: Path, rate: float, seed: int, kinds: Sequence[Kind], first: int) -> None:
@@ -69,27 +69,27 @@ class Campaign:
         self._index = 0
 
     def run(self, seconds: float) -> None:
-        """Drives for so many seconds of wall time."""
+        """Drives for ``seconds`` of wall time."""
         print(f"seed {self.seed}", flush=True)
-        samples = [self._drive(k) for k in range(len(NAMES))]  # compiles what would halt the first samples
+        samples = [self._drive(k) for k in range(len(NAMES))]  # compiles before the first samples
         self._undisturbed.take(0, *np.zeros((2, len(NAMES))).tolist(), samples, [0.0] * len(NAMES))
         self.restart()
-        begin, said = time.monotonic(), 0.0
+        begin, reported = time.monotonic(), 0.0
         while (passed := time.monotonic() - begin) < seconds or self.active:
             self.tick()
             if not self.active and self.time >= self._next and passed < seconds:
                 self._begin_round(may_restart=passed < RESTARTS * seconds)
-            if passed > said:
-                said = passed + TELL_EVERY
+            if passed > reported:
+                reported = passed + PROGRESS_EVERY
                 print(
                     f"{passed:6.0f} s, {self.time:.0f} s driven, round {self.rounds.number}, "
-                    f"{self.node.memory / 1e6:.0f} MB, {len(self.judge.violations)} sorts of violations",
+                    f"{self.node.memory / 1e6:.0f} MB, {len(self.judge.violations)} kinds of violations",
                     flush=True,
                 )
         self.check_counts()
 
     def restart(self) -> None:
-        """A new process."""
+        """Starts a new process."""
         self.node.start()
         self.judge.start()
         self._anchor()
@@ -98,12 +98,12 @@ class Campaign:
         self.memory.append([])
 
     def _anchor(self) -> None:
-        """Plant time and wall time agree from now on."""
+        """Aligns plant time with wall time."""
         self._wall, self._epoch = time.monotonic() - self.time, time.time_ns() - round(self.time * SECOND)
         self._heard_at = time.monotonic()
 
     def tick(self) -> None:
-        """One sample of everything."""
+        """Runs one sample of plant, node and judge."""
         self._pace()
         self._index += 1
         self.time = self._index / self._rate
@@ -140,7 +140,7 @@ class Campaign:
         return self.corners[k].drive(self._steps, self.drivers[k].step(self.time, 1.0 / self._rate))
 
     def _pace(self) -> None:
-        """Waits for the time of the next sample, and for answers; where we are too slow the stamps leap."""
+        """Waits for the time of the next sample, and for answers; if this process is too slow the stamps leap."""
         self._paced = time.monotonic()
         due = self._wall + self.time + 1.0 / self._rate
         while time.monotonic() < due or (
@@ -154,7 +154,7 @@ class Campaign:
             self._anchor()
 
     def _give_up_lost(self) -> None:
-        """Answers that do not come: the node keeps 100 for us, and after a burst we may be too slow."""
+        """Gives up lost answers: the node queues only 100, and after a burst this process can be too slow."""
         if time.monotonic() - self._heard_at > STUCK:
             raise RuntimeError(f"no answer for {STUCK:g} s during {' + '.join(self._kinds())}")
         if len(self.judge.pending) > WINDOW and time.monotonic() - max(self._heard_at, self._paced) > PATIENCE:
@@ -162,7 +162,7 @@ class Campaign:
             self.judge.pending.clear()
 
     def send_states(self, m: States, publish: Callable[[bytes], None] | None = None) -> None:
-        """Sends a displacement message, and tells the judge."""
+        """Sends a displacement message and informs the judge."""
         data = m.data()
         age = (time.time_ns() - m.stamp) / SECOND
         self.judge.hear(m, self.time, age, self._kinds(), time.monotonic())
@@ -173,7 +173,7 @@ class Campaign:
             publish(data)
 
     def _take(self) -> bool:
-        """Takes and judges what has come; whether there was anything."""
+        """Receives and judges answers; returns whether any arrived."""
         if not self.node.poll():
             return False
         while self.node.forces:
@@ -184,7 +184,7 @@ class Campaign:
         return True
 
     def take_commands(self) -> None:
-        """Gives the commands that came to the drivers and the judge."""
+        """Passes received commands to the drivers and the judge."""
         while self.node.commands:
             name, data = self.node.commands.popleft()
             k, value = NAMES.index(name), number_in(data)
@@ -195,7 +195,7 @@ class Campaign:
             self.judge.stamped_command(commands_in(self.node.stamped_commands.popleft()), self.time)
 
     def settle(self) -> None:
-        """Waits until everything is answered."""
+        """Waits until all messages are answered."""
         end = time.monotonic() + PATIENCE
         while self.judge.pending and time.monotonic() < end:
             if not self._take():
@@ -204,22 +204,22 @@ class Campaign:
         self.judge.pending.clear()
 
     def rest(self, is_resting: bool) -> None:
-        """While the node is not active."""
+        """Sets whether the node is inactive."""
         self.judge.pause(is_resting, self.time)
         self.judge.pending.clear()
 
     def expect_safe(self, what: str) -> None:
-        """The last command must have been the safe current."""
+        """Checks that the last command was the safe current."""
         for _ in range(20):
             self._take()
             time.sleep(0.005)
-        for k, own in enumerate(self.drivers):
-            if own.commanded != SAFE:
-                self.judge.violate(f"{NAMES[k]} was left at {own.commanded:.2f} A", self._kinds(), self.time,
-                                   what, "left at another than the safe current")  # fmt: skip
+        for k, driver in enumerate(self.drivers):
+            if driver.commanded != SAFE:
+                self.judge.violate(f"{NAMES[k]} was left at {driver.commanded:.2f} A", self._kinds(), self.time,
+                                   what, "not left at the safe current")  # fmt: skip
 
     def take_turns(self) -> None:
-        """The accelerometers are taken in, or no longer; for the next configuration."""
+        """Toggles the use of the accelerometers for the next configuration."""
         signals = self._models / ("plain.yaml" if self._undisturbed.is_fused else "fused.yaml")
         self.node.parameters["signals"] = str(signals)
         self._undisturbed = Undisturbed(self._models / "models", signals)
@@ -242,7 +242,7 @@ class Campaign:
             if fault.run is not None:
                 is_over = next(fault.run, self) is self
             elif fault.is_last:
-                fault.store["told"] = True  # it sees one more sample
+                fault.store["told"] = True  # it acts on one more sample
             if is_over:
                 self.active.remove(fault)
                 self._recent = [(n, u) for n, u in self._recent if self.time < u] + [(fault.kind.name, self.time + 1.0)]
@@ -258,7 +258,7 @@ class Campaign:
             self.judge.tallies[fault.kind.name].rounds += 1
 
     def check_counts(self) -> None:
-        """Holds the counters of /diagnostics against what was sent since the last look; waits for two reports."""
+        """Compares the counters of /diagnostics with the messages sent since the last check; waits for two reports."""
         self.settle()
         self.node.health.clear()
         self.node.wait(lambda: (self._take() and False) or len(self.node.health) > 1, "a report")

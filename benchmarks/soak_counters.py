@@ -1,4 +1,4 @@
-"""The counters of /diagnostics, held against what was sent."""
+"""Compares the counters of /diagnostics with the sent messages."""
 
 from collections.abc import Mapping
 
@@ -13,30 +13,30 @@ COUNTED = (
 
 
 class Counters:
-    """What the node counted and what is right, at the last look; final."""
+    """The node's and the correct counts at the last check; final."""
 
     def __init__(self) -> None:
         self._before: tuple[dict[str, int], dict[str, int]] | None = None
 
     def forget(self) -> None:
-        """The node counts from zero, from some message on: the next look only begins."""
+        """The node restarted its counts at an unknown message: the next check only sets the reference."""
         self._before = None
 
     def check(self, values: Mapping[str, Mapping[str, str]], judge: Judge, now: float) -> None:
-        """Compares how both have grown since the last look; ``values`` of a report by the last part of its names."""
-        told = {"malformed": int(values[f"input {DISPLACEMENT}"]["malformed"])}
+        """Compares the growth of both since the last check; ``values`` of a report by the last part of its names."""
+        counted = {"malformed": int(values[f"input {DISPLACEMENT}"]["malformed"])}
         right = {"malformed": judge.malformed}
         for k, name in enumerate(NAMES):
-            told |= {f"{name}: {key}": int(values[name][key]) for key in COUNTED}
+            counted |= {f"{name}: {key}": int(values[name][key]) for key in COUNTED}
             right |= {f"{name}: {key}": judge.rules[k].counts[key] for key in COUNTED}
-            told[f"{name}: missing"], right[f"{name}: missing"] = (
+            counted[f"{name}: missing"], right[f"{name}: missing"] = (
                 int(values[name]["not in the message"]),
                 judge.missing[k],
             )
         if self._before is not None:
-            for key, value in told.items():
+            for key, value in counted.items():
                 new, expected = value - self._before[0][key], right[key] - self._before[1][key]
                 if new != expected:
                     what = f"counter {key} grew by {new} instead of {expected}"
                     judge.violate(what, (), now, key=f"counter {key}")
-        self._before = told, right
+        self._before = counted, right

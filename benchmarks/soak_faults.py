@@ -1,5 +1,5 @@
-"""The fault kinds: how messages are changed on their way (`on_states`, `on_slow`), and what is done to node and clock
-(`on_node`, a generator that goes on with every sample).
+"""The fault kinds: changes of messages on their way (`on_states`, `on_slow`), and actions on node and clock (`on_node`,
+a generator that advances with every sample).
 """
 
 import importlib.util
@@ -17,16 +17,16 @@ class Kind:
     """A fault kind.
 
     Attributes:
-        act: what it does.
+        act: its action.
         seconds: shortest and longest duration.
-        role: of the slow channel, "displacement", or "" for what is done to the node.
-        excuse: why nobody could know, "" where the messages tell.
+        role: of the slow channel, "displacement", or "" for actions on the node.
+        excuse: why the estimator cannot know, "" if the messages reveal it.
         excused_for: s from the beginning.
-        needs: module of the project without which the node cannot stand it.
+        needs: module of the project that the node needs to handle it.
         is_fused: whether it needs the accelerometers.
-        is_alone: whether it is not combined with another one.
+        is_alone: whether it is never combined with another kind.
         is_end: whether the process ends.
-        is_unsure: whether the estimator may find the motion uncertain as long as it lasts, or not.
+        is_unsure: whether the estimator may or may not report the motion as uncertain while it lasts.
     """
 
     name: str
@@ -43,13 +43,13 @@ class Kind:
 
     @property
     def is_possible(self) -> bool:
-        """Whether the project has what it takes."""
+        """Whether the project has the required module."""
         return not self.needs or importlib.util.find_spec(self.needs) is not None
 
 
 @dataclass
 class Fault:
-    """A fault that goes on; ``store`` is its memory, ``k`` how many samples it has seen."""
+    """A running fault; ``store`` is its memory, ``k`` its number of samples."""
 
     kind: Kind
     random: np.random.Generator
@@ -62,13 +62,13 @@ class Fault:
     is_last: bool = False
 
     def once(self, key: str, make: Callable):
-        """The same value throughout the fault."""
+        """The value of ``make``, constant throughout the fault."""
         if key not in self.store:
             self.store[key] = make()
         return self.store[key]
 
     def chance(self, probability: float) -> bool:
-        """Whether it happens now."""
+        """Whether a random event happens at this sample."""
         return self.random.random() < probability
 
 
@@ -76,7 +76,7 @@ KINDS: dict[str, Kind] = {}
 
 
 def on_states(name: str, low: float = 0.05, high: float = 0.6, **more: object) -> Callable:
-    """Registers what changes displacement messages: (fault, message) -> the messages that are sent."""
+    """Registers a change of displacement messages: (fault, message) -> the sent messages."""
 
     def register(act: Callable[[Fault, States], list[States]]) -> Callable:
         KINDS[f"displacement {name}"] = Kind(f"displacement {name}", act, (low, high), "displacement", **more)
@@ -86,7 +86,7 @@ def on_states(name: str, low: float = 0.05, high: float = 0.6, **more: object) -
 
 
 def on_slow(role: str, name: str, low: float = 0.1, high: float = 0.8, **more: object) -> Callable:
-    """Registers what changes a slow channel: (fault, value, damper) -> the values that are sent."""
+    """Registers a change of a slow channel: (fault, value, damper) -> the sent values."""
 
     def register(act: Callable[[Fault, float, int], list[float]]) -> Callable:
         fused = role == "acceleration"
@@ -97,7 +97,7 @@ def on_slow(role: str, name: str, low: float = 0.1, high: float = 0.8, **more: o
 
 
 def on_node(name: str, low: float = 0.1, high: float = 0.8, **more: object) -> Callable:
-    """Registers what is done to the node or the clock: a generator over samples, (fault, campaign)."""
+    """Registers an action on the node or the clock: a generator over samples, (fault, campaign)."""
 
     def register(act: Callable) -> Callable:
         KINDS[name] = Kind(name, act, (low, high), "", **more)
@@ -123,7 +123,7 @@ for _name, _value in {"NaN": np.nan, "infinite": np.inf, "huge": 1e300, "wild": 
         return _changed(fault, m, lambda x: value) if fault.chance(rate) else [m]
 
 
-FROZEN = "for a moment a value that stands still is what the noise may give"
+FROZEN = "for a moment noise can produce a constant value"
 
 
 @on_states("stuck", 0.1, 1.0, excuse=FROZEN, excused_for=STILL + RACE)
@@ -136,7 +136,7 @@ def _(fault: Fault, m: States) -> list[States]:
     return [replace(m, values=values)]
 
 
-# The offset lies outside the region of the fit as long as it lasts.
+# The offset is outside the region of the fit.
 @on_states("jump", 0.1, 1.0, is_unsure=True)
 def _(fault: Fault, m: States) -> list[States]:
     offset = fault.once("offset", lambda: fault.random.choice([-1, 1]) * fault.random.uniform(0.012, 0.3))
@@ -151,7 +151,7 @@ def _(fault: Fault, m: States) -> list[States]:
     return _changed(fault, m, lambda x: x + offset)
 
 
-@on_states("noise", is_unsure=True, excuse="a few samples of noise may look like motion", excused_for=0.02)
+@on_states("noise", is_unsure=True, excuse="a few samples of noise can look like motion", excused_for=0.02)
 def _(fault: Fault, m: States) -> list[States]:
     return _changed(fault, m, lambda x: x + 2e-3 * fault.random.standard_normal())
 

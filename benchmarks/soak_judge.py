@@ -1,8 +1,7 @@
-"""The independent judge: holds every answer against the truth and against what was sent (`soak_rule`).
+"""The independent judge: compares every answer with the truth and with the sent messages (`soak_rule`).
 
-A force marked GOOD may differ from the truth by three times its force_stddev. Nothing else is allowed, but for what
-nobody could have known from the messages: each such stretch has an excuse in words, is counted, and its worst error is
-reported.
+A force marked GOOD may differ from the truth by at most three times its force_stddev, except for faults that the
+messages cannot reveal: each such period has an excuse in words, is counted, and its worst error is reported.
 """
 
 import time
@@ -18,13 +17,13 @@ from soak_tally import Sent, Tally
 from soak_wire import Commands, Forces, States
 
 GOOD, STALE, SIGMAS = 0, 4, 3.0
-RECENT, LAGGING = 5000, 0.05  # messages; s to an answer
-LATCH = 0.8  # s without GOOD after the rule's 0.2 s: a second after the cause
-FOLLOWS, MEMORY = 0.1, 0.15  # s that commands may lag; s for which the force remembers what nobody could know
-SET_BACK, FORGET = 0.1, 0.05  # s of a step back of a clock; s per s by which the age of the fastest is forgotten
+RECENT, LAGGING = 5000, 0.05  # messages; s until an answer
+LATCH = 0.8  # s without GOOD after the rule's 0.2 s: one second after the cause
+FOLLOWS, MEMORY = 0.1, 0.15  # s, largest lag of commands; s, memory of the force for unknowable inputs
+SET_BACK, FORGET = 0.1, 0.05  # s, step back of a clock; s per s, decay of the age of the fastest sample
 DIFFERENT = 0.02  # A
-BELIEVED = "a wrong current that the commands of the last moment allow, or have not contradicted for long"
-WAITED_LITTLE = "a sample that waited for a moment meets the current of now, which has no stamp"
+BELIEVED = "a wrong current that recent commands allow, or have contradicted only briefly"
+WAITED_LITTLE = "a delayed sample is used with the present current, which has no stamp"
 ROLES = {
     "current": (1.1 * LIMITS[0] - 0.1 * LIMITS[1], 1.1 * LIMITS[1] - 0.1 * LIMITS[0], COMMAND_AGE),
     "temperature": TEMPERATURE, "acceleration": (-1e4, 1e4, FELT_AGE),
@@ -33,7 +32,7 @@ ROLES = {
 
 @dataclass
 class Judge:
-    """Of one campaign; ``violations`` in words with the time of the first of each, in order."""
+    """The judge of one campaign; ``violations`` in words with the time of the first of each, in order."""
 
     step: int
     heeds_temperature: list[bool]
@@ -48,17 +47,17 @@ class Judge:
     missing: list[int] = field(default_factory=lambda: [0] * len(NAMES))
     malformed: int = 0
     round: int = 0
-    unheard: int = 0  # answers that were lost on their way to us
+    unheard: int = 0  # answers lost on their way to this process
     is_paused: bool = True
-    is_fused: bool = False  # whether the accelerometers are taken in
-    is_safe_changed: bool = False  # while another safe current than SAFE may be commanded
-    wished: list[float] = field(default_factory=lambda: [float("-inf")] * len(NAMES))  # when each was, finite
+    is_fused: bool = False  # whether the accelerometers are used
+    is_safe_changed: bool = False  # while a safe current other than SAFE can be commanded
+    desired_at: list[float] = field(default_factory=lambda: [float("-inf")] * len(NAMES))  # s, last finite request
 
     def __post_init__(self) -> None:
         self.start()
 
     def start(self) -> None:
-        """Begins with a node that has heard nothing yet."""
+        """Starts with a node that has received nothing yet."""
         self.rules = [Displacement(self.step) for _ in NAMES]
         self.currents = [Current(*LIMITS) for _ in NAMES]
         self.slow = {role: [Slow(*bounds) for _ in NAMES] for role, bounds in ROLES.items()}
@@ -69,12 +68,12 @@ class Judge:
         self._lagging_until = self._foreign = self._racing_since = float("-inf")
         self._stamp, self._fastest, self._handed = 0, float("inf"), 0.0
         self._excused = [("", float("-inf"))] * len(NAMES)
-        self._fine = [float("-inf")] * len(NAMES)  # last time that GOOD was there, or was not to be expected
+        self._fine = [float("-inf")] * len(NAMES)  # last time of GOOD, or at which GOOD was not expected
         self._followed = [float("-inf")] * len(NAMES)
-        self._free = [float("-inf")] * len(NAMES)  # last time that a sample might be GOOD
+        self._free = [float("-inf")] * len(NAMES)  # last time at which a sample could be GOOD
 
     def pause(self, is_paused: bool, now: float) -> None:
-        """While the node need not answer."""
+        """Sets whether the node need not answer."""
         self.is_paused = is_paused
         for rule in self.rules:
             rule.relearn()
@@ -82,16 +81,16 @@ class Judge:
         self._free = [now] * len(NAMES)
 
     def expect_nothing(self, dampers: Iterable[int], now: float) -> None:
-        """GOOD and a loop that follows are not expected of some dampers at this time."""
+        """Some dampers need not be GOOD nor follow at this time."""
         for k in dampers:
             self._fine[k] = self._followed[k] = now
 
     def excuse(self, k: int, reason: str, until: float) -> None:
-        """What nobody could know of one damper, up to a time."""
+        """Excuses one damper for an unknowable fault up to a time."""
         self._excused[k] = reason, until
 
     def hear_slow(self, role: str, k: int, value: float, right: float, now: float) -> None:
-        """A message of a slow channel is sent; ``right`` is what it should say."""
+        """A message of a slow channel is sent; ``right`` is its true value."""
         if role == "current":
             self.currents[k].take(value, now, time.time_ns())
             if abs(value - right) > DIFFERENT:
@@ -127,8 +126,8 @@ class Judge:
                 rule.forbid("waited while currents came")
             elif is_answered and age > AHEAD:
                 self.excuse(k, WAITED_LITTLE, now + MEMORY)
-            if rule.is_unknown:  # by now the node may know the sensor's noise or not
-                self.excuse(k, "it stands still, its noise was not seen for long", now + MEMORY)
+            if rule.is_unknown:  # the node may or may not know the sensor's noise by now
+                self.excuse(k, "it is constant, its noise was not observed long enough", now + MEMORY)
                 self.expect_nothing([k], now + SETTLING * 1e-9)
             if max(age, waited) > 0.5 * AHEAD:
                 self.expect_nothing([k], now)
@@ -144,7 +143,7 @@ class Judge:
                 del self._recent[next(iter(self._recent))]
 
     def _waited(self, stamp: int, age: float, handed: float) -> float:
-        """s for which a sample waited longer than the fastest one of late, of the same clock."""
+        """s, additional delay of a sample relative to the fastest recent one, on the same clock."""
         if stamp < self._stamp - SET_BACK * 1e9:
             self._fastest = float("inf")
         self._fastest = min(age, self._fastest + FORGET * min(max(handed - self._handed, 0.0), 0.1))
@@ -152,7 +151,7 @@ class Judge:
         return age - self._fastest
 
     def _is_racing(self, m: States, now: float) -> bool:
-        """Whether a second publisher has only just begun: which of both comes first is not known."""
+        """Whether a second publisher has just started: the order of both is unknown."""
         if m.foreign:
             if now - self._foreign > 1.0:
                 self._racing_since = now
@@ -180,25 +179,25 @@ class Judge:
             heard = self.slow[role][k].heard
             if heard is not None and now - heard > 3.5e-9 * self.step:
                 self.expect_nothing([k], now)
-                self.excuse(k, f"the {role} is silent, but not yet beyond its age", now + MEMORY)
+                self.excuse(k, f"the {role} is silent, but not yet too old", now + MEMORY)
                 return self._excused[k][0]
         return ""
 
     def waited(self, now: float, stopped: float, excuse: str) -> None:
-        """The node goes on after it stood still since ``stopped``; what was handed over in that time and is too old by
-        now must not be GOOD, and the rest has an excuse."""
+        """The node continues after a stop since ``stopped``; samples from that time that are too old now must not be
+        GOOD, the others are excused."""
         before = time.monotonic() - MAX_AGE - RACE
         for sent in self.pending.values():
-            sent.excuses = [own or excuse for own in sent.excuses]
+            sent.excuses = [reason or excuse for reason in sent.excuses]
             if stopped + RACE < sent.handed < before:
                 sent.verdicts = [verdict or "waited too long" for verdict in sent.verdicts]
         self._fine = [now] * len(NAMES)
 
     def answer(self, forces: Forces) -> Sent | None:
-        """Judges one message of the node; what it answers."""
+        """Judges one message of the node; returns the message that it answers."""
         if STALE in forces.status or forces.stamp not in self.pending:
             return None
-        while (first := next(iter(self.pending))) != forces.stamp:  # answers come in order
+        while (first := next(iter(self.pending))) != forces.stamp:  # answers arrive in order
             del self.pending[first]
             self.unheard += 1
         sent = self.pending.pop(forces.stamp)
@@ -206,7 +205,7 @@ class Judge:
         for name, force, status in zip(forces.names, forces.force, forces.status, strict=True):
             k = NAMES.index(name)
             if not isfinite(force):
-                self.violate("a force that is no number", sent.kinds, sent.time)
+                self.violate("a non-finite force", sent.kinds, sent.time)
             elif status == GOOD:
                 self._judge_good(k, force, sent)
             if status == GOOD or sent.verdicts[k] or self.is_paused:
@@ -219,13 +218,13 @@ class Judge:
         return sent
 
     def _consider_lag(self, sent: Sent) -> None:
-        """Where node or machine cannot keep up, samples wait: then they meet the current of a later time, and
-        may be too old."""
+        """If node or machine cannot keep up, samples wait: they are then used with a later current and can be too
+        old."""
         lag = time.monotonic() - sent.handed
         if lag > LAGGING:
             self._lagging_until = sent.time + MEMORY
         if sent.time <= self._lagging_until:
-            sent.excuses = [own or "the machine could not keep up" for own in sent.excuses]
+            sent.excuses = [reason or "the machine could not keep up" for reason in sent.excuses]
         if lag > AHEAD:
             self.expect_nothing(range(len(NAMES)), sent.time)
 
@@ -257,13 +256,14 @@ class Judge:
         if value != SAFE:
             self._followed[k] = now
 
-    def stamped_command(self, own: Commands, now: float) -> None:
+    def stamped_command(self, message: Commands, now: float) -> None:
         """Judges a stamped command against what was sent with its stamp."""
-        if own.sequence <= self._sequence:
-            self.violate(f"command {own.sequence} after {self._sequence}", (), now, key="commands are numbered wrong")
-        self._sequence = own.sequence
-        sent = self._recent.get(own.stamp)
-        for name, current, is_valid in zip(own.names, own.current, own.valid, strict=True):
+        if message.sequence <= self._sequence:
+            what = f"command {message.sequence} after {self._sequence}"
+            self.violate(what, (), now, key="commands are numbered wrong")
+        self._sequence = message.sequence
+        sent = self._recent.get(message.stamp)
+        for name, current, is_valid in zip(message.names, message.current, message.valid, strict=True):
             kinds, k = sent.kinds if sent else (), NAMES.index(name)
             if not (isfinite(current) and LIMITS[0] <= current <= LIMITS[1]):
                 self.violate(
@@ -275,21 +275,21 @@ class Judge:
                 self.violate(f"followed although: {sent.verdicts[k]}", kinds, now)
 
     def watch_loop(self, now: float, commanded: list[float], kinds: tuple[str, ...], is_backed_up: bool) -> None:
-        """Whether the loop follows, and whether it is left at the safe current where it must be."""
+        """Checks that the loop follows, and is left at the safe current when required."""
         for k, name in enumerate(NAMES):
-            free, wished = now - self._free[k] <= FOLLOWS, now - self.wished[k] <= FOLLOWS
-            if self.is_paused or is_backed_up or not (free and wished):
+            free, desired = now - self._free[k] <= FOLLOWS, now - self.desired_at[k] <= FOLLOWS
+            if self.is_paused or is_backed_up or not (free and desired):
                 self._followed[k] = max(self._followed[k], now)
             elif now - self._followed[k] > LATCH:
                 self._followed[k] = now
                 self.violate(f"{name}: the loop did not follow again within a second", kinds, now)
-            silent = now - self._free[k] > 3.0 * FOLLOWS or now - self.wished[k] > 3.0 * FOLLOWS
+            silent = now - self._free[k] > 3.0 * FOLLOWS or now - self.desired_at[k] > 3.0 * FOLLOWS
             if silent and not is_backed_up and not self.is_paused and not self.is_safe_changed and commanded[k] != SAFE:
-                self.violate(f"commanded {commanded[k]:.2f} A where the safe current was due", kinds, now, name,
-                             "commanded where the safe current was due")  # fmt: skip
+                self.violate(f"commanded {commanded[k]:.2f} A when the safe current was due", kinds, now, name,
+                             "commanded when the safe current was due")  # fmt: skip
 
     def violate(self, what: str, kinds: tuple[str, ...], now: float, more: str = "", key: str = "") -> None:
-        """Notes a violation; the first of its sort in words."""
+        """Records a violation; the first of its kind in words."""
         for kind in kinds or ("no fault",):
             self.tallies[kind].violations += 1
         during = " + ".join(kinds) or "no fault"

@@ -1,7 +1,7 @@
-"""The models of the soak's dampers, identified by the project's ``fit`` on recordings of the same plant; kept in out/.
+"""The models of the soak's dampers, identified by ``fit`` on recordings of the same plant; saved in out/.
 
 One model for the front dampers, whose oil warms up, and one for the rear ones. The recordings' currents step at random,
-cold and hot, so that the region of the fit covers what the campaign drives.
+cold and hot, so that the region of the fit covers the campaign.
 """
 
 import hashlib
@@ -22,16 +22,16 @@ from damper_estimator.signals import Measurement, SignalMap, measure
 
 RATE = 500  # Hz
 SECONDS = 25.0
-ROUGHNESS = 1.4  # of the recorded road, so that the one that is driven seldom leaves the region of the fit
+ROUGHNESS = 1.4  # of the recorded road, so that the campaign's road seldom leaves the region of the fit
 START = 1_700_000_000_000_000_000
 KNOTS = (-1.0, -0.5, -0.25, -0.12, -0.06, -0.03, -0.01, 0.0, 0.01, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0)  # m/s
 
 
 def models(folder: Path) -> Path:
-    """The folder with one model per damper, and the signal maps ``plain.yaml`` and ``fused.yaml`` beside it."""
+    """The folder with one model per damper, and the signal maps ``plain.yaml`` and ``fused.yaml`` next to it."""
     sources = b"".join(Path(module.__file__).read_bytes() for module in (sys.modules[__name__], soak_plant, record))
-    own = folder / hashlib.sha256(sources).hexdigest()[:12]
-    if not own.exists():
+    target = folder / hashlib.sha256(sources).hexdigest()[:12]
+    if not target.exists():
         folder.mkdir(parents=True, exist_ok=True)
         unfinished = Path(tempfile.mkdtemp(dir=folder))
         (unfinished / "models").mkdir()
@@ -41,10 +41,10 @@ def models(folder: Path) -> Path:
                 save_model(found.model, unfinished / "models" / f"{name}.yaml")
         _write_maps(unfinished)
         try:
-            unfinished.rename(own)
-        except OSError:  # another soak was faster
+            unfinished.rename(target)
+        except OSError:  # another soak run was faster
             shutil.rmtree(unfinished)
-    return own
+    return target
 
 
 def _fitted(folder: Path, warms: bool):
@@ -70,7 +70,7 @@ def _start(warms: bool, reference: float) -> dict[str, object]:
 
 
 def _measured(path: Path, seed: int, warms: bool, degrees: float) -> Measurement:
-    """A recording as a logger writes it, read back as any other; the oil is ``degrees`` warm throughout."""
+    """A recording like a logger's, read back; the oil is ``degrees`` warm throughout."""
     random, sensors, driver = np.random.default_rng([seed, 5]), Sensors(), Driver()
     corner = Corner(100 + seed, damper(False, degrees, degrees), ROUGHNESS)
     count, until, wanted = round(SECONDS * RATE), 0, 0.0
@@ -102,7 +102,7 @@ def _measured(path: Path, seed: int, warms: bool, degrees: float) -> Measurement
 
 
 def _write_maps(folder: Path) -> None:
-    """Limits and ages of the channels; fusion takes the accelerometers in."""
+    """Limits and ages of the channels; fusion uses the accelerometers."""
     *limits, age = TEMPERATURE
     dampers = {
         name: {

@@ -1,4 +1,4 @@
-"""The node that is soaked: its process, its services, what is published to it, and what it says; polled."""
+"""The node under test: its process, services, inputs and outputs; polled."""
 
 import ctypes
 import os
@@ -33,7 +33,7 @@ DEPTH = 4000
 
 
 def _alone() -> None:
-    """In the node's process: it hears SIGHUP, also under nohup, and ends with the soak, however that ends."""
+    """In the node's process: it receives SIGHUP, also under nohup, and ends with the soak in any case."""
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
@@ -45,10 +45,10 @@ def message_type(name: str) -> type:
 
 
 class SoakedNode:
-    """Its process and all topics; final. rclpy must be initialised, in a domain of our own.
+    """Its process and all topics; final. rclpy must be initialised, in a separate domain.
 
     Attributes:
-        forces, commands, stamped_commands, health: what came and was not taken yet: bytes; (name, bytes); bytes;
+        forces, commands, stamped_commands, health: received but not yet processed: bytes; (name, bytes); bytes;
             messages.
     """
 
@@ -82,10 +82,10 @@ class SoakedNode:
         self._polled.append((heard, raw, take))
 
     def start(self) -> None:
-        """Starts the process and waits until both sides know of each other.
+        """Starts the process and waits until both sides have discovered each other.
 
         Raises:
-            RuntimeError: where a node of an earlier run, which was killed, still answers in this domain.
+            RuntimeError: if a node of an earlier, killed run still answers in this domain.
         """
         if self.process is None and self._publishers[DISPLACEMENT].get_subscription_count():
             raise RuntimeError("another estimator answers in this domain; end it")
@@ -97,10 +97,10 @@ class SoakedNode:
         self.find()
 
     def find(self) -> None:
-        """Waits until the node hears all topics of ours and says that it is heard."""
+        """Waits until the node is connected to all topics and reports it."""
         self.wait(lambda: all(self._publishers[t].get_subscription_count() for t in self._needed()), "subscriptions")
         self.health.clear()
-        self.wait(lambda: len(self.health) > 1 and self._is_connected(), "the node to hear and be heard")
+        self.wait(lambda: len(self.health) > 1 and self._is_connected(), "the connection to the node")
 
     def _needed(self) -> list[str]:
         fused = "fused" in str(self.parameters["signals"])
@@ -127,23 +127,23 @@ class SoakedNode:
         self._publishers[topic].publish(data)
 
     def second_publisher(self, topic: str) -> Callable[[bytes], None]:
-        """Publishes to a topic beside the first one; ``restart_publisher`` takes it away."""
+        """Adds a second publisher of a topic; ``end_second_publisher`` removes it."""
         publisher = self._publishers[f"{topic} (second)"] = self._publisher(topic)
         self.wait(publisher.get_subscription_count, f"a subscriber of {topic}")
         return publisher.publish
 
     def end_second_publisher(self, topic: str) -> None:
-        """The second one of a topic leaves."""
+        """Removes the second publisher of a topic."""
         self._node.destroy_publisher(self._publishers.pop(f"{topic} (second)"))
 
     def restart_publisher(self, topic: str) -> None:
-        """As a sender that ends and begins again; returns when it is matched."""
+        """Restarts a publisher; returns when it is matched."""
         self._node.destroy_publisher(self._publishers[topic])
         publisher = self._publishers[topic] = self._publisher(topic)
         self.wait(publisher.get_subscription_count, f"a subscriber of {topic}")
 
     def poll(self) -> bool:
-        """Takes what has come; whether there was anything."""
+        """Receives messages; returns whether any arrived."""
         found = False
         for heard, raw, take in self._polled:
             while True:
@@ -156,10 +156,10 @@ class SoakedNode:
         return found
 
     def wait(self, condition: Callable[[], object], what: str) -> None:
-        """Listens until a condition holds.
+        """Polls until a condition holds.
 
         Raises:
-            RuntimeError: where it does not in time, or the node has ended.
+            RuntimeError: on a timeout, or if the node has ended.
         """
         end = time.monotonic() + PATIENCE
         while not condition():
@@ -171,7 +171,7 @@ class SoakedNode:
                 time.sleep(0.002)
 
     def ask(self, kind: type, service: str, request: object):
-        """Calls a service; its future, for `is_answered`."""
+        """Calls a service; returns its future, for `is_answered`."""
         if service not in self._clients:
             self._clients[service] = self._asking.create_client(kind, f"{NODE}/{service}")
         client = self._clients[service]
@@ -179,7 +179,7 @@ class SoakedNode:
         return client.call_async(request)
 
     def is_answered(self, future) -> bool:
-        """Whether the answer has come."""
+        """Whether the answer has arrived."""
         if not future.done():
             self._executor.spin_once(timeout_sec=0.0)
         return future.done()
@@ -202,7 +202,7 @@ class SoakedNode:
         return self.ask(ChangeState, "change_state", request)
 
     def limit_files(self, size: int) -> None:
-        """No file of the node may grow beyond so many bytes, as if the disk were full."""
+        """Limits the size of the node's files in bytes, as if the disk were full."""
         resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 
     @property
@@ -216,7 +216,7 @@ class SoakedNode:
         os.kill(self.process.pid, number)
 
     def ended(self) -> int:
-        """Waits for the end of the process; its status."""
+        """Waits for the end of the process; returns its status."""
         end = time.monotonic() + 30.0
         while self.process.poll() is None and time.monotonic() < end:
             if not self.poll():
@@ -224,7 +224,7 @@ class SoakedNode:
         if self.process.poll() is None:
             self.process.kill()
         status = self.process.wait()
-        for _ in range(50):  # what was sent last may still be on its way
+        for _ in range(50):  # the last messages can still be in transit
             self.poll()
             time.sleep(0.002)
         return status

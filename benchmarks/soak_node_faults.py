@@ -1,4 +1,4 @@
-"""Fault kinds that are done to the node, its publishers, its clock and the drivers: generators over samples."""
+"""Fault kinds of the node, its publishers, its clock and the drivers: generators over samples."""
 
 import signal
 import time
@@ -10,7 +10,7 @@ from soak_node import DISPLACEMENT, WISH
 from soak_plant import NAMES, SAFE
 from soak_wire import States, joint_state
 
-WAITED = "the node stood still, and what waited comes in no order"
+WAITED = "the node was stopped, and the waiting messages have no order"
 DISCOVERY = 0.2  # s from a new publisher to its first message
 HEARTBEAT = 3.0  # s, of the middleware
 CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4
@@ -98,7 +98,7 @@ def _(fault: Fault, campaign) -> Iterator[None]:
     campaign.node.signal(signal.SIGCONT)
     campaign.judge.waited(campaign.time, stopped, WAITED)
     campaign.is_held = False
-    # What the socket's full buffer lost of a slow topic comes with the reliable transport's next heartbeat.
+    # Messages of a slow topic lost by a full socket buffer return with the next heartbeat of the reliable transport.
     end = campaign.time + HEARTBEAT
     while campaign.time < end:
         campaign.judge.expect_nothing(range(len(NAMES)), campaign.time)

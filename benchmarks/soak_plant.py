@@ -1,6 +1,6 @@
 """The car of the soak: four quarter cars with simulated semi-active dampers on an endless road, sensors, coil drivers.
 
-Nothing here knows the estimator. The dampers warm up as they work, so that a force without the temperature is wrong.
+Independent of the estimator. The dampers warm up as they work, so that a force without the temperature is wrong.
 """
 
 from dataclasses import dataclass, replace
@@ -15,29 +15,29 @@ from damper_estimator.vehicle.road import CLASSES
 
 NAMES = ("front_left", "front_right", "rear_left", "rear_right")
 STEP = 1e-4  # s, of the simulation
-STRETCH = 1.0  # s of road that are made at a time
+STRETCH = 1.0  # s of road generated at a time
 ROAD_CLASS, SPEED = "B", 20.0  # m/s
 ENVELOPE = 0.15  # m, length of the tyre's contact, over which the road is averaged
-LEVELLING = 0.2  # 1/s, how fast the road's slow rise is forgotten
+LEVELLING = 0.2  # 1/s, decay rate of the road's slow rise
 LIMITS = (0.0, 1.6)  # A
 SAFE = 0.2  # A, the safe current
-TEMPERATURE = (-40.0, 150.0, 0.5)  # deg C, what the sensor can give, and s after which it is silent
+TEMPERATURE = (-40.0, 150.0, 0.5)  # deg C, range of the sensor, and s after which it is silent
 WARMING = (True, True, False, False)  # the rear dampers stay at the temperature of their oil
 AMBIENT = (30.0, 45.0, 40.0, 40.0)  # deg C
-HOTTEST = 30.0  # K above ambient, about where work and cooling balance
+HOTTEST = 30.0  # K above ambient, approximate balance of work and cooling
 
 
 def damper(warms: bool, start: float, ambient: float) -> Damper:
     """A magneto-rheological damper far from saturation, whose oil warms up by many kelvins within minutes or not."""
     coil = {"pressure": 15e5, "saturation": 5.0, "reach": 2e-3}
-    own = DAMPERS["semi_active"].with_part("oil", bulk_modulus=1.8e9, free_gas=0.0005, viscosity_slope=0.02)
-    own = own.with_part("coil", **coil).with_part("seal", force=5.0, per_pressure=1e-6)
-    return replace(own, heat=Heat(start, 1.2e-2 if warms else 0.0, 1.0 / 60.0, ambient))
+    semi_active = DAMPERS["semi_active"].with_part("oil", bulk_modulus=1.8e9, free_gas=0.0005, viscosity_slope=0.02)
+    semi_active = semi_active.with_part("coil", **coil).with_part("seal", force=5.0, per_pressure=1e-6)
+    return replace(semi_active, heat=Heat(start, 1.2e-2 if warms else 0.0, 1.0 / 60.0, ambient))
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """Noise (rms) and resolution of what is measured."""
+    """Noise (rms) and resolution of the sensors."""
 
     displacement: float = 1.2e-5  # m
     resolution: float = 1e-5  # m
@@ -48,14 +48,14 @@ class Sensors:
     current: float = 2e-3  # A
 
     def displacement_of(self, travel: float, random: np.random.Generator) -> float:
-        """What the sensor says."""
+        """The sensor's reading."""
         noisy = travel + self.displacement * random.standard_normal()
         return self.resolution * round(noisy / self.resolution)
 
 
 @dataclass(frozen=True)
 class Sample:
-    """One corner at one moment, as it is; SI units, deg C."""
+    """The true state of one corner at one moment; SI units, deg C."""
 
     travel: float
     force: float
@@ -66,12 +66,12 @@ class Sample:
 
 
 class Driver:
-    """The driver of one coil: limits, a lag, and its own safe current when commands fail to come; final.
+    """The driver of one coil: limits, a lag, and its own safe current if commands stop; final.
 
     Attributes:
         current: A, that flows.
         commanded: A, last command.
-        is_on: whether it works at all; without it no current flows.
+        is_on: whether it works; otherwise no current flows.
     """
 
     DEADLINE, LAG = 0.25, 0.003  # s
@@ -86,7 +86,7 @@ class Driver:
         self.commanded, self._heard = command, now
 
     def is_alone(self, now: float) -> bool:
-        """Whether commands fail to come."""
+        """Whether commands have stopped."""
         return now - self._heard > self.DEADLINE
 
     def step(self, now: float, step: float) -> float:
@@ -112,7 +112,7 @@ class Road:
         self._last = 0.0
 
     def stretch(self, count: int) -> np.ndarray:
-        """The next (count + 1,) heights; the first is the last of the stretch before."""
+        """The next (count + 1,) heights; the first is the last of the previous stretch."""
         from scipy.signal import lfilter
 
         decay = 1.0 - LEVELLING * self._step
@@ -139,7 +139,7 @@ class Corner:
         self._current = np.full(self._count + 1, SAFE)
 
     def drive(self, steps: int, current: float) -> Sample:
-        """Moves on by so many steps of the simulation at a current in A."""
+        """Advances the simulation by ``steps`` at a current in A."""
         car = self._car
         if car.index + steps > self._count:
             car.continue_on(self._road.stretch(self._count))

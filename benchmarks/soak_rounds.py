@@ -1,4 +1,4 @@
-"""Which faults come in which round: drawn from the seed and the round's number alone, so that they come again."""
+"""The faults of each round, drawn from only the seed and the round's number, so that they are reproducible."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ TOGETHER = 0.25  # share of rounds with two faults
 
 
 class Rounds:
-    """All kinds in ever new order; final.
+    """All kinds in repeatedly shuffled order; final.
 
     Attributes:
         number: of the next round.
@@ -20,12 +20,12 @@ class Rounds:
         self._kinds, self._seed, self.number = list(kinds), seed, first
 
     def next(self, now: float, is_fused: bool, may_restart: bool) -> list[Fault]:
-        """The faults of the next round; none where the kind makes no sense now.
+        """The faults of the next round; none if the kind is not applicable now.
 
         Args:
             now: s, when they begin.
-            is_fused: whether there are accelerometers.
-            may_restart: whether the process may end.
+            is_fused: whether accelerometers are used.
+            may_restart: whether the process can end.
         """
         if not self._kinds:
             return []

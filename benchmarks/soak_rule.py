@@ -1,14 +1,13 @@
-"""The judge's own status rule, in plain words: what was sent decides when an estimate must not be GOOD.
+"""The judge's status rule: the sent messages decide when an estimate must not be GOOD.
 
-It is an upper bound. Where two topics race, or a threshold is close, it says nothing: neither that an estimate must not
-be GOOD nor that it has to be.
+It is an upper bound. If two topics race, or a value is close to a threshold, an estimate may be GOOD or not.
 
     a start, a gap above max_gap or a step back by more: not GOOD for 0.2 s
-    a sample that is no number, older than one before, a jump, or several usual steps late: not GOOD for 0.2 s
-    a stamp that is older than max_age when the sample is handed over: that sample, and 0.2 s after
-    the same number for longer than its noise makes possible: not GOOD
-    a channel that the damper's force depends on is silent beyond its age, or its last value cannot be: not GOOD
-    a current that the commands of the driver's lag do not allow: not GOOD
+    a sample that is not finite, older than an earlier one, a jump, or several usual steps late: not GOOD for 0.2 s
+    a stamp older than max_age when the sample is published: that sample, and 0.2 s after
+    the same value for longer than its noise allows: not GOOD
+    a channel that affects the damper's force is older than its limit, or its last value is impossible: not GOOD
+    a current that the recent commands do not allow: not GOOD
 """
 
 from collections import Counter, deque
@@ -18,21 +17,21 @@ from math import isfinite
 SETTLING = 200_000_000  # ns
 MAX_GAP = 100_000_000  # ns
 MAX_AGE = 0.5  # s
-LARGEST = 1e6  # m; beyond, a displacement counts as no number
-JUMP, SPEED = 0.001, 5.0  # m, and m/s beyond which it is one
-LATE = 7  # usual steps; the node counts from three on, of a step that it learns as well
-RECENT, LONGEST_ONES = 100, 20  # steps that the node may have learned from, and those whose mean bounds what it learned
-RACE = 0.03  # s by which messages of two topics may overtake each other
-COMMAND_AGE, FELT_AGE = 0.05, 0.02  # s, of channels that come with every sample
-COMMAND_LAG = 0.03  # s that the node is told for the drivers
-AHEAD = 0.05  # s that a sample may have waited where a current came since
-LEARNING = 10.0  # s from which on a sensor's noise is known
-STILL = 0.1  # s for which the noisy displacement can give equal values
+LARGEST = 1e6  # m; a larger displacement counts as not finite
+JUMP, SPEED = 0.001, 5.0  # m and m/s, limits of a plausible step
+LATE = 7  # usual steps; the node allows three, of a learned step
+RECENT, LONGEST_ONES = 100, 20  # steps that the node can have learned from, and steps whose mean bounds the learned one
+RACE = 0.03  # s by which messages of two topics can overtake each other
+COMMAND_AGE, FELT_AGE = 0.05, 0.02  # s, of channels sent with every sample
+COMMAND_LAG = 0.03  # s, lag of the drivers in the node's parameters
+AHEAD = 0.05  # s, largest delay of a sample if a current arrived since
+LEARNING = 10.0  # s after which a sensor's noise is known
+STILL = 0.1  # s for which the noisy displacement can be constant
 
 
 @dataclass
 class Displacement:
-    """Of one damper; stamps in ns. ``counts`` by the names of /diagnostics."""
+    """The displacement of one damper; stamps in ns. ``counts`` by the names of /diagnostics."""
 
     step: int
     counts: Counter[str] = field(default_factory=Counter)
@@ -41,24 +40,24 @@ class Displacement:
     still: int = 0  # ns for which equal values have come; a gap between two of them hides what came in it
     forbidden_until: int = -(2**62)
     reason: str = ""
-    since: int = 0  # ns, when the node began to learn the sensor's noise
-    is_unknown: bool = False  # whether it stands still before that is known
+    since: int = 0  # ns, start of the node's learning of the sensor's noise
+    is_unknown: bool = False  # whether it is constant before the noise is known
     steps: deque[int] = field(default_factory=lambda: deque(maxlen=RECENT))  # ns, the last ones
 
     @property
     def usual(self) -> float:
-        """ns, the longest step that the node may take as usual: more than the nominal one where this machine is too
-        slow, and stamps leap all the time; anything before the first step."""
+        """ns, the longest step that the node can consider usual: above the nominal one if this machine is too slow and
+        stamps leap often; unlimited before the first step."""
         longest = sorted(self.steps)[-LONGEST_ONES:]
         return sum(longest) / len(longest) if longest else float("inf")
 
     def take(self, stamp: int, value: float) -> bool:
-        """One sample; whether it is answered."""
+        """Processes one sample; returns whether it is answered."""
         counts = self.counts
         counts["samples"] += 1
         if not (isfinite(value) and abs(value) <= LARGEST):
             counts["dropped: not finite"] += 1
-            self.forbid("no number")
+            self.forbid("not finite")
             return False
         step = 0 if self.last is None else stamp - self.last
         if self.last is not None:
@@ -96,24 +95,24 @@ class Displacement:
         return True
 
     def relearn(self) -> None:
-        """The node may have forgotten what it learned of the sensor."""
+        """The node can have lost the learned properties of the sensor."""
         self.since = 0
         self.steps.clear()
 
     def forbid(self, reason: str) -> None:
-        """From the last good sample on."""
+        """Forbids GOOD from the last good sample on."""
         if self.last is not None:
             self.forbidden_until, self.reason = max(self.forbidden_until, self.last + SETTLING), reason
 
     def verdict(self, stamp: int, race: float = 0.0) -> str:
-        """Why a sample must not be GOOD, "" where it may be; ``race`` in s, by which the node may have heard the cause
-        earlier than it was sent."""
+        """Why a sample must not be GOOD, "" if it may be; ``race`` in s, by which the node can have received the cause
+        before it was sent."""
         return self.reason if stamp + round(race * 1e9) < self.forbidden_until else ""
 
 
 @dataclass
 class Current:
-    """What a driver reports against what it is commanded; A, and times of the campaign in s."""
+    """The current reported by a driver compared with its commands; A, and times of the campaign in s."""
 
     low: float
     high: float
@@ -122,14 +121,13 @@ class Current:
     handed: deque[int] = field(default_factory=lambda: deque(maxlen=5000))
 
     def command(self, value: float, now: float) -> None:
-        """A command that the driver has heard."""
+        """A command received by the driver."""
         self.commands.append((now, value))
         while len(self.commands) > 1 and self.commands[1][0] <= now - COMMAND_LAG - RACE:
             self.commands.popleft()
 
     def came_after(self, stamp: int, clock: int) -> float:
-        """s after a stamp at which the newest report was sent that no race of two topics holds back at a clock; both
-        in ns."""
+        """s from a stamp to the newest report that cannot be delayed by a race at a clock; both in ns."""
         while len(self.handed) > 1 and self.handed[1] <= clock - RACE * 1e9:
             self.handed.popleft()
         is_old = bool(self.handed) and self.handed[0] <= clock - RACE * 1e9
@@ -143,7 +141,7 @@ class Current:
         self.since = None if is_right else now if self.since is None else self.since
 
     def is_contradicted(self, now: float) -> bool:
-        """Whether the reports have contradicted the commands for so long that it must be known."""
+        """Whether the reports have contradicted the commands long enough to be detected."""
         return self.since is not None and now - self.since > RACE and bool(self.commands) and (
             now - self.commands[-1][0] <= RACE
         )  # fmt: skip
@@ -170,9 +168,9 @@ class Slow:
         self.heard = now
 
     def verdict(self, now: float) -> str:
-        """Why a sample at this time must not be GOOD, "" where it may be."""
+        """Why a sample at this time must not be GOOD, "" if it may be."""
         if self.is_wrong and now - self.changed > RACE:
-            return "value that cannot be"
+            return "impossible value"
         if self.heard is not None and now - self.heard > self.age + RACE:
             return "silent"
         return ""

@@ -1,4 +1,4 @@
-"""Everything that the campaign sends beside the displacement: slow channels, the gauge, desired forces."""
+"""Messages of the campaign besides the displacement: slow channels, the gauge, desired forces."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ class Slow:
     """The senders of the slow channels; final.
 
     Attributes:
-        active: the faults that go on, shared with the campaign.
+        active: the running faults, shared with the campaign.
     """
 
     def __init__(self, node: SoakedNode, judge: Judge, active: list[Fault], sensors: Sensors,
@@ -25,7 +25,7 @@ class Slow:
 
     def send(self, index: int, now: float, stamp: int, drivers: Sequence[Driver], samples: Sequence[Sample],
              current: Sequence[float], felt: Sequence[float] | None, force: np.ndarray) -> None:  # fmt: skip
-        """All that is due with one sample, before it; ``felt`` only where the accelerometers are taken in."""
+        """Sends all messages due before one sample; ``felt`` only if the accelerometers are used."""
         noise = self._noise
         for k, name in enumerate(NAMES):
             topic = f"/suspension/{name}"
@@ -45,7 +45,7 @@ class Slow:
             phase = np.arange(4.0)
             wish = -330.0 + 450.0 * np.sin(4.0 * now + phase) + 250.0 * np.sin(19.0 * now + phase)
             for k in self._send_efforts(WISH, "wish", wish, now, stamp):
-                self._judge.wished[k] = now
+                self._judge.desired_at[k] = now
 
     def _altered(self, role: str, k: int, value: float, now: float) -> list[float]:
         values = [value]
@@ -57,10 +57,10 @@ class Slow:
         return values
 
     def _send_efforts(self, topic: str, role: str, values: np.ndarray, now: float, stamp: int) -> list[int]:
-        """The dampers whose last value is finite."""
+        """Returns the dampers whose last value is finite."""
         altered = [self._altered(role, k, float(value), now) for k, value in enumerate(values)]
         for i in range(max(map(len, altered))):
-            there = [k for k, own in enumerate(altered) if i < len(own)]
+            there = [k for k, values_sent in enumerate(altered) if i < len(values_sent)]
             states = joint_state([NAMES[k] for k in there], stamp, (), [altered[k][i] for k in there])
             self._node.publish(topic, states)
-        return [k for k, own in enumerate(altered) if own and np.isfinite(own[-1])]
+        return [k for k, values_sent in enumerate(altered) if values_sent and np.isfinite(values_sent[-1])]

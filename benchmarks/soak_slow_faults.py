@@ -49,12 +49,12 @@ def _(fault: Fault, value: float, k: int) -> list[float]:
     return [1000.0 * value if fault.once("scale", lambda: fault.chance(0.5)) else 0.001 * value]
 
 
-@on_slow("temperature", "stuck", excuse="a temperature that stands still is the usual one")
+@on_slow("temperature", "stuck", excuse="a constant temperature is normal")
 def _(fault: Fault, value: float, k: int) -> list[float]:
     return [fault.once(f"held {k}", lambda: value)]
 
 
-@on_slow("acceleration", "offset", excuse="an offset comes about by itself and is found within a second")
+@on_slow("acceleration", "offset", excuse="an offset occurs naturally and is detected within a second")
 def _(fault: Fault, value: float, k: int) -> list[float]:
     return [value + fault.once("offset", lambda: fault.random.uniform(-3.0, 3.0))]
 

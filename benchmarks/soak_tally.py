@@ -1,4 +1,4 @@
-"""What the judge remembers: displacement messages on their way, and what came of each kind of fault."""
+"""The judge's records: displacement messages in transit, and the results of each kind of fault."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass
 class Sent:
-    """One displacement message on its way; lists over the dampers."""
+    """One displacement message in transit; lists over the dampers."""
 
     time: float
     truth: np.ndarray
@@ -20,7 +20,7 @@ class Sent:
 
 @dataclass
 class Tally:
-    """Of one fault kind."""
+    """The counts of one fault kind."""
 
     rounds: int = 0
     good: int = 0

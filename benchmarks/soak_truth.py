@@ -1,8 +1,8 @@
-"""What the force is: the plant's, behind the judge's own filter; and what the models say of undisturbed inputs.
+"""The true force: the plant's, through the judge's own filter; and the models' forces for undisturbed inputs.
 
 The filter is the estimator's by definition (third-order Butterworth, linear between samples), computed with scipy's
-matrix exponential, so that its delay is not taken for an error. The undisturbed estimate is that of the same model on
-the same sensors without any fault: where it is off, the model is poor there, and no fault is to blame.
+matrix exponential, so that its delay does not count as an error. The undisturbed estimate is that of the same model on
+the same sensors without faults: its error is the model's, not that of a fault.
 """
 
 from pathlib import Path
@@ -21,7 +21,7 @@ class Filter:
     """H(s) of a third-order Butterworth low-pass over k signals that are linear between samples; final."""
 
     def __init__(self, cutoff: float, step: float, first: np.ndarray) -> None:
-        """``cutoff`` in Hz, ``step`` in s, ``first`` (k,) from which it starts settled."""
+        """``cutoff`` in Hz, ``step`` in s, ``first`` (k,), its settled start."""
         a, b, self._c, _ = tf2ss(*butter(3, 2.0 * np.pi * cutoff, analog=True))
         # State, input and its slope as one linear system without input: exact for a ramp.
         whole = np.zeros((5, 5))
@@ -32,7 +32,7 @@ class Filter:
         self._last = first
 
     def take(self, values: np.ndarray) -> np.ndarray:
-        """The next (k,) values; filtered."""
+        """Filters the next (k,) values."""
         self._x = self._state @ self._x + self._input * self._last + self._slope * (values - self._last)
         self._last = values
         return (self._c @ self._x)[0]
@@ -47,14 +47,14 @@ class Undisturbed:
         self._line = Line()
         for name in NAMES:
             model = load_model(models / f"{name}.yaml")
-            own = deployed(model, signal_map.cutoff, 0.1, fusion=signal_map.fusion, signals=signal_map.dampers[name])
-            self._line.add(name, own)
-        self.heeds_temperature = [own["matters"][1] != 0 for own in self._line.records]
-        self.stddev = np.array([own["stddev"] for own in self._line.records])
+            model = deployed(model, signal_map.cutoff, 0.1, fusion=signal_map.fusion, signals=signal_map.dampers[name])
+            self._line.add(name, model)
+        self.heeds_temperature = [record["matters"][1] != 0 for record in self._line.records]
+        self.stddev = np.array([record["stddev"] for record in self._line.records])
 
     def take(self, stamp: int, displacement: list[float], current: list[float], samples: list[Sample],
              felt: list[float]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Sensors at one moment; forces (4,) in N and status (4,)."""
+        """Processes the sensors at one moment; returns forces (4,) in N and status (4,)."""
         arrived = self._line.input
         for k, sample in enumerate(samples):
             arrived.slow[0, 0, k], arrived.slow[0, 1, k] = current[k], sample.temperature

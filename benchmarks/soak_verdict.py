@@ -1,20 +1,22 @@
-"""What the soak found, in a table of the fault kinds and a list of violations."""
+"""The result of the soak: a table of the fault kinds and a list of violations."""
 
 GROWTH = 0.05
-FEWEST = 4  # looks at the memory of one process that tell of growth
+FEWEST = 4  # memory readings of one process needed to detect growth
 
 
 def verdict(campaign) -> str:
-    """Everything that was found; adds what memory tells to the violations."""
+    """The complete result; adds memory growth to the violations."""
     judge = campaign.judge
-    growth = [max(own[len(own) // 4 :]) / own[len(own) // 4] - 1.0 for own in campaign.memory if len(own) >= FEWEST]
+    growth = [
+        max(life[len(life) // 4 :]) / life[len(life) // 4] - 1.0 for life in campaign.memory if len(life) >= FEWEST
+    ]
     if growth and max(growth) > GROWTH:
         judge.violate(f"memory grew by {100 * max(growth):.1f} %", (), campaign.time)
     lines = [f"{'kind':36} rounds    GOOD  worst  excused  worst excused  violations"]
-    for name, own in sorted(judge.tallies.items()):
+    for name, tally in sorted(judge.tallies.items()):
         lines.append(
-            f"{name:36} {own.rounds:6} {own.good:7} {own.worst:6.1f} {own.excused:8} "
-            f"{own.worst_excused:14.1f} {own.violations:11}"
+            f"{name:36} {tally.rounds:6} {tally.good:7} {tally.worst:6.1f} {tally.excused:8} "
+            f"{tally.worst_excused:14.1f} {tally.violations:11}"
         )
     lines.append("GOOD: estimates marked so during the fault and a second after it; errors in force_stddev")
     lines += [f"excused {count} times: {reason}" for reason, count in judge.excuses.items()]
@@ -23,9 +25,9 @@ def verdict(campaign) -> str:
         f"{campaign.behind} leaps because this machine was too slow, {judge.unheard} answers lost"
     )
     if growth:
-        lines.append(f"memory grew by {100 * max(growth):.1f} % at most in the life of a process")
+        lines.append(f"memory grew by at most {100 * max(growth):.1f} % in one process")
     lines += [f"VIOLATION {what}" for what in judge.violations.values()]
     lines.append(
-        f"{len(judge.violations)} sorts of violations; again with --seed {campaign.seed} (--first ROUND, --only KIND)"
+        f"{len(judge.violations)} kinds of violations; repeat with --seed {campaign.seed} (--first ROUND, --only KIND)"
     )
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Messages as bytes (CDR), packed and read by hand: what the soak sends must not depend on the code that it judges."""
+"""Messages as bytes (CDR), packed and read by hand: the messages of the soak must not depend on the code under test."""
 
 import struct
 from collections.abc import Sequence
@@ -11,16 +11,16 @@ SECOND = 1_000_000_000
 
 @dataclass
 class States:
-    """A message of joint states on its way, which faults may change.
+    """A message of joint states in transit, which faults can change.
 
     Attributes:
-        names, values: of the dampers; ``values`` may be shorter.
+        names, values: of the dampers; ``values`` can be shorter.
         stamp: ns.
-        raw: bytes to be sent instead; ``fits`` then tells whether they are a message of this type.
+        raw: bytes to be sent instead; ``fits`` is then whether they are a message of this type.
         is_big: most significant byte first.
-        padding: bytes behind the message.
+        padding: bytes after the message.
         foreign: whether another publisher sends it.
-        truth, undisturbed: (k,) N, the dampers' forces when it was measured, and those of the models without faults.
+        truth, undisturbed: (k,) N, forces of the dampers at its measurement, and of the models without faults.
     """
 
     names: list[str]
@@ -75,13 +75,13 @@ def number(value: float) -> bytes:
 
 
 def number_in(data: bytes) -> float:
-    """Of a ``std_msgs/Float64``."""
+    """The number in a ``std_msgs/Float64``."""
     return struct.unpack_from("<d", data, 4)[0]
 
 
 @dataclass(frozen=True)
 class Forces:
-    """What is judged of a ``damper_msgs/DamperForces``."""
+    """The judged fields of a ``damper_msgs/DamperForces``."""
 
     stamp: int
     names: list[str]
@@ -92,7 +92,7 @@ class Forces:
 
 @dataclass(frozen=True)
 class Commands:
-    """What is judged of a ``damper_msgs/DamperCommand``."""
+    """The judged fields of a ``damper_msgs/DamperCommand``."""
 
     stamp: int
     sequence: int
@@ -102,7 +102,7 @@ class Commands:
 
 
 def commands_in(data: bytes) -> Commands:
-    """A ``damper_msgs/DamperCommand``."""
+    """Parses a ``damper_msgs/DamperCommand``."""
     walk = _Walk(data)
     stamp = walk.stamp()
     walk.text()
@@ -114,7 +114,7 @@ def commands_in(data: bytes) -> Commands:
 
 
 def forces_in(data: bytes) -> Forces:
-    """A ``damper_msgs/DamperForces``."""
+    """Parses a ``damper_msgs/DamperForces``."""
     walk = _Walk(data)
     stamp = walk.stamp()
     walk.text()
@@ -124,7 +124,7 @@ def forces_in(data: bytes) -> Forces:
 
 
 class _Walk:
-    """Goes over a serialised message, least significant byte first; final."""
+    """Reads a serialised message in sequence, least significant byte first; final."""
 
     def __init__(self, data: bytes) -> None:
         self._body, self._at = data[4:], 0
@@ -135,7 +135,7 @@ class _Walk:
         return seconds * SECOND + nanoseconds
 
     def numbers(self, kind: str, count: int) -> tuple:
-        """So many of one kind (as in `struct`), aligned."""
+        """``count`` numbers of one kind (as in `struct`), aligned."""
         size = struct.calcsize(kind)
         self._at += -self._at % size if count else 0
         values = struct.unpack_from(f"<{count}{kind}", self._body, self._at)
@@ -143,16 +143,16 @@ class _Walk:
         return values
 
     def count(self) -> int:
-        """Of a sequence."""
+        """The length of a sequence."""
         return self.numbers("I", 1)[0]
 
     def bytes(self, count: int) -> bytes:
-        """So many."""
+        """``count`` bytes."""
         self._at += count
         return self._body[self._at - count : self._at]
 
     def text(self) -> str:
-        """Without its end."""
+        """A string without its terminator."""
         return self.bytes(self.count())[:-1].decode()
 
 

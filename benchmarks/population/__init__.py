@@ -1,7 +1,7 @@
 """A population of hidden-effect cases: dampers, effects, drives, sensors and users' models drawn at random.
 
 The plants share nothing with ``damper_estimator.plant`` nor with the equations of ``damper_estimator.effects``, and the
-judge uses the public Python API alone. ``benchmarks/bench_diagnosis.py`` runs it.
+judge uses only the public Python API. ``benchmarks/bench_diagnosis.py`` runs it.
 """
 
 from contextlib import suppress
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def _drop_stale_machine_code(folder: Path) -> None:
-    """Removes cached kernels that are older than any source here: numba looks at the kernel's own file alone."""
+    """Removes cached kernels that are older than any source here: numba checks only the kernel's own file."""
     newest = max(path.stat().st_mtime for path in folder.glob("*.py"))
     for index in folder.rglob("*.nbi"):
         with suppress(OSError):

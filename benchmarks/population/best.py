@@ -16,10 +16,10 @@ TRIED = (
     "lozoya_santos_stiff_simple_symmetric", "kwok", "bouc_wen", "dahl", "carrera_akutain",
 )  # fmt: skip
 MATTERS = 1.15
-"""By how much the unseen error grows without an effect that matters."""
+"""Factor by which the unseen error grows without an effect that matters."""
 
 A_MODEL_STILL = 0.6
-"""Of the force's rms: what leaves more has lost its damper, and not an effect."""
+"""Of the force's rms: a model with a larger error lacks the damper, not an effect."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ class NothingMatters(Exception):
 
 
 def ranked(seen: de.Recording, unseen: de.Recording, names: Sequence[str] = TRIED) -> list[tuple[float, DamperModel]]:
-    """Identified library models and their unseen errors in N rms, best first; what cannot be identified is left out."""
+    """Identified library models and their unseen errors in N rms, best first, without those that cannot be
+    identified."""
     found = []
     for name in names:
         try:
@@ -45,21 +46,23 @@ def ranked(seen: de.Recording, unseen: de.Recording, names: Sequence[str] = TRIE
         except de.InputError:
             continue
         found.append((error(model, unseen), model))
-    return sorted(found, key=lambda own: own[0])
+    return sorted(found, key=lambda pair: pair[0])
 
 
 def ablated(
     ranking: Sequence[tuple[float, DamperModel]], seen: de.Recording, unseen: de.Recording, rng: np.random.Generator
 ) -> Ablated:
-    """The best model that has such an effect, without one of those, drawn at random.
+    """The best model with an effect that matters, without one such effect, drawn at random.
 
     Raises:
-        NothingMatters: where there is none.
+        NothingMatters: if there is none.
     """
     force = unseen.measurements[unseen.dampers[0]]
-    spread = float(np.concatenate([own.in_band(own.force)[own.judged] for own in force]).std())
+    spread = float(np.concatenate([candidate.in_band(candidate.force)[candidate.judged] for candidate in force]).std())
     for whole, model in ranking[:3]:
-        candidates = [own for own in _without_one(model, seen) if _matters(own, unseen, whole, spread)]
+        candidates = [
+            candidate for candidate in _without_one(model, seen) if _matters(candidate, unseen, whole, spread)
+        ]
         if candidates:
             effect, less = candidates[rng.integers(len(candidates))]
             return Ablated(less, effect, find_effect(effect).phenomenon, whole)
@@ -75,5 +78,5 @@ def _without_one(model: DamperModel, seen: de.Recording) -> Iterator[tuple[str, 
                 continue
 
 
-def _matters(own: tuple[str, DamperModel], unseen: de.Recording, whole: float, spread: float) -> bool:
-    return MATTERS * whole <= error(own[1], unseen) <= A_MODEL_STILL * spread
+def _matters(candidate: tuple[str, DamperModel], unseen: de.Recording, whole: float, spread: float) -> bool:
+    return MATTERS * whole <= error(candidate[1], unseen) <= A_MODEL_STILL * spread

@@ -1,4 +1,4 @@
-"""How large a phenomenon must be to change a recording's force by a wanted share."""
+"""The size of a phenomenon that changes a recording's force by a wanted share."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ WEAK, MEDIUM, STRONG = 0.04, 0.10, 0.20
 LEVELS = {"weak": WEAK, "medium": MEDIUM, "strong": STRONG}
 TOLERANCE = 0.15
 LEAST_SHOWN = 0.5
-"""Of the wanted strength, on the unseen recording, and beside a second effect."""
+"""Of the wanted strength, on the unseen recording, and with a second effect."""
 
 
 @dataclass(frozen=True)
@@ -36,25 +36,25 @@ def shown(plant: Plant, chain: Chain, drive: Drive) -> np.ndarray:
 
 
 def found(strength: Callable[[float], float], wanted: float, low: float, high: float) -> tuple[float, float] | None:
-    """Size at which the strength is as wanted, and that strength; None where no size gives it."""
+    """Size with the wanted strength, and that strength; None if no size has it."""
     size = min(max(1.0, low), high)
     below, above = low, high
     for _ in range(9):
-        own = strength(size)
-        if abs(own / wanted - 1.0) <= TOLERANCE:
-            return size, own
-        if own < wanted:
+        reached = strength(size)
+        if abs(reached / wanted - 1.0) <= TOLERANCE:
+            return size, reached
+        if reached < wanted:
             below = max(below, size)
         else:
             above = min(above, size)
         if above <= 1.01 * below:
             return None
-        guess = size * min(max(wanted / max(own, 1e-9), 0.05), 20.0)
+        guess = size * min(max(wanted / max(reached, 1e-9), 0.05), 20.0)
         size = guess if 1.02 * below < guess < 0.98 * above else float(np.sqrt(below * above))
     return None
 
 
-def in_damper(name: str, own: Realisation, chain: Chain, drive: Drive, wanted: float) -> Switched | None:
+def in_damper(name: str, form: Realisation, chain: Chain, drive: Drive, wanted: float) -> Switched | None:
     """The phenomenon of a damper at the wanted strength."""
     forces: dict[Plant, np.ndarray] = {}
 
@@ -65,14 +65,14 @@ def in_damper(name: str, own: Realisation, chain: Chain, drive: Drive, wanted: f
         return forces[plant]
 
     def strength(size: float) -> float:
-        off = force(own.off(size))
-        return share(off, force_of(own.on(size), drive))
+        off = force(form.off(size))
+        return share(off, force_of(form.on(size), drive))
 
-    best = found(strength, wanted, own.low, own.high)
+    best = found(strength, wanted, form.low, form.high)
     if best is None:
         return None
     size, reached = best
-    return Switched(name, own.form, size, reached, (own.off(size), chain), (own.on(size), chain))
+    return Switched(name, form.form, size, reached, (form.off(size), chain), (form.on(size), chain))
 
 
 def in_chain(

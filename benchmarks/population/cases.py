@@ -1,4 +1,4 @@
-"""Cases drawn at random: what is hidden in which damper, driven how, measured how; and their recordings."""
+"""Cases drawn at random: hidden effect, damper, drive and sensors; and their recordings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ ALIKE = (
     {"friction", "hysteresis"},
     {"gas_spring", "spring_rate_error", "force_offset"},
 )
-"""Two of them in one recording are a matter of words."""
+"""Pairs too similar to be separate findings in one recording."""
 
 ATTEMPTS = 60
 MOST_SHOWN = 3.0
@@ -29,7 +29,7 @@ MOST_SHOWN = 3.0
 
 @dataclass(frozen=True)
 class Card:
-    """What a case is to be: ``kind`` hidden, nothing, pair or real; ``hidden`` names what must be found."""
+    """Specification of a case: ``kind`` hidden, nothing, pair or real; ``hidden`` names the effects to be found."""
 
     number: int
     kind: str
@@ -39,19 +39,19 @@ class Card:
 
     @property
     def name(self) -> str:
-        """Unlike that of any other case of the run."""
+        """Unique in the run."""
         return f"{self.number:04d}-{self.kind}-{'+'.join(self.hidden) or 'nothing'}-{self.level}"
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case as it was made.
+    """A generated case.
 
     Attributes:
-        effects: what was hidden, with form, size and strength on the fit recording.
+        effects: hidden effects with form, size and strength on the fit recording.
         shown: strength on the unseen recording.
-        base, fit, unseen, twin: recordings; base and twin are without the effect, twin on the drive of unseen.
-        skew: s, by which the force of fit and unseen is late.
+        base, fit, unseen, twin: recordings; base and twin are without the effect, twin with the drive of unseen.
+        skew: s, delay of the force in fit and unseen.
     """
 
     card: Card
@@ -70,7 +70,7 @@ class Case:
 
 
 def deck(seed: int, real: bool) -> Iterator[Card]:
-    """Cards without end: every 28 hold each phenomenon once, three without any, four pairs and three real ones."""
+    """Infinite cards: every 28 contain each phenomenon once, three without any, four pairs and three real ones."""
     rng, number = np.random.default_rng([seed, 1]), 0
     while True:
         cards = [("hidden", (name,), str(rng.choice(list(LEVELS), p=[0.25, 0.5, 0.25])), False) for name in PHENOMENA]
@@ -87,15 +87,15 @@ def deck(seed: int, real: bool) -> Iterator[Card]:
 def _pair(rng: np.random.Generator) -> tuple[str, str]:
     while True:
         first, second = (str(name) for name in rng.choice(PHENOMENA, 2, replace=False))
-        if not any({first, second} <= own for own in ALIKE) and not {first, second} <= set(FAULTS):
+        if not any({first, second} <= alike for alike in ALIKE) and not {first, second} <= set(FAULTS):
             return (second, first) if first in FAULTS else (first, second)
 
 
 def made(card: Card, seed: int, longest: float = 120.0) -> Case:
-    """The case of a card; the first drawn damper and drive that can show what is to be hidden.
+    """The case of a card, with the first drawn damper and drive that can show the hidden effect.
 
     Raises:
-        RuntimeError: where none of many can.
+        RuntimeError: if none of many can.
     """
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, 2, card.number, attempt])
@@ -138,7 +138,7 @@ def _setting(
     seconds = float(np.exp(rng.uniform(np.log(20.0), np.log(longest))))
     warm = (10.0, 40.0) if "temperature_fade" in card.hidden else (5.0, 15.0)
     speed = float(np.exp(rng.uniform(*np.log((0.1, 0.4) if plant.family == MAGNETO else (0.2, 1.1)))))
-    # Some phenomena need the stroke, others the speed; a drive that cannot show what is hidden is drawn again.
+    # Some phenomena need stroke, others speed; a drive that cannot show the hidden effect is drawn again.
     limit = families.tightest(plant)
     highest = float(rng.uniform(0.8, 2.0))
     idle = 0.0 if plant.family == MAGNETO else highest * float(rng.random() < 0.5)
@@ -162,7 +162,7 @@ def _with_slow_channels(card: Card, rng: np.random.Generator, chain: Chain, driv
 
 
 def _hidden(card, rng, plant, chain, drive, scene) -> tuple[Switched, ...] | None:
-    """What is hidden, calibrated; None where it does not show."""
+    """The calibrated hidden effects; None if they do not show."""
     if not card.hidden:
         return ()
     wanted = LEVELS.get(card.level, MEDIUM)
@@ -188,12 +188,12 @@ def _one(name, rng, plant, chain, drive, scene, wanted, sign: float = 0.0) -> Sw
 
 
 def _together(first: Switched, second: Switched, drive: Drive, wanted: float, against: bool):
-    """Both effects with one base without either; None where they concern the same parts, or one hides the other."""
+    """Both effects with one base without either; None if they change the same parts, or one hides the other."""
     moved = {key: value for key, value in first.off[0]._asdict().items() if value != getattr(first.on[0], key)}
     turned = {key for key, value in second.off[0]._asdict().items() if value != getattr(second.on[0], key)}
     if turned & set(moved):
         return None
-    # What the second needs beside being switched (a charge, a bleed) is in the base as well.
+    # Further changes for the second effect (a charge, a bleed) are in the base as well.
     without_first = second.on[0]._replace(**moved), second.on[1]
     both = shown(*second.on, drive)
     if share(shown(*without_first, drive), both) < LEAST_SHOWN * wanted:

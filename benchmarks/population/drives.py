@@ -1,4 +1,4 @@
-"""What moves the damper: roads, random motion, sweeps, series of sines, slow strokes; and current and temperature."""
+"""Drives of the damper: roads, random motion, sweeps, series of sines, slow strokes; and current and temperature."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ KINDS = ("road", "random", "sweep", "sines", "mixed")
 
 @dataclass(frozen=True)
 class Drive:
-    """What is prescribed, each (n,) at ``RATE``: m, m/s, m/s^2, A, deg C."""
+    """The prescribed quantities, each (n,) at ``RATE``: m, m/s, m/s^2, A, deg C."""
 
     kind: str
     x: np.ndarray
@@ -33,10 +33,10 @@ def drawn(
     """A drive that starts and ends at rest.
 
     Args:
-        speed: m/s that 99 % of the speeds stay below, as far as ``limit`` allows.
+        speed: m/s, 99 % quantile of the speeds, as far as ``limit`` allows.
         limit: m to either side.
         warming: K, from its beginning to its end.
-        highest: A, of the current's random steps; 0 for a current that stands still.
+        highest: A, of the current's random steps; 0 for a constant current.
     """
     count = round(seconds * RATE)
     rest = round(rng.uniform(0.8, 2.0) * RATE)
@@ -106,11 +106,11 @@ def _sines(rng: np.random.Generator, time: np.ndarray) -> np.ndarray:
     while start < length - 2.5:
         frequency = np.exp(rng.uniform(np.log(0.4), np.log(14.0)))
         block = min(max(rng.integers(3, 9) / frequency, 1.2), length - start)
-        own = (time >= start) & (time < start + block)
-        local = time[own] - start
+        block_samples = (time >= start) & (time < start + block)
+        local = time[block_samples] - start
         edge = np.clip(np.minimum(local, block - local) / min(0.5 / frequency, 0.4 * block), 0.0, 1.0)
         speed = rng.choice([0.15, 0.35, 0.7, 1.0])
-        shape[own] = (
+        shape[block_samples] = (
             speed / frequency * np.sin(2.0 * np.pi * frequency * local) * edge**3 * (10 - 15 * edge + 6 * edge**2)
         )
         start += block
@@ -141,7 +141,7 @@ def _current(rng: np.random.Generator, count: int, highest: float) -> np.ndarray
 
 
 def _temperature(rng: np.random.Generator, v: np.ndarray, warming: float) -> np.ndarray:
-    """Rises with the work that is done, cools slowly; its mean is not far from 30 deg C."""
+    """Rises with the dissipated work, cools slowly; its mean is near 30 deg C."""
     work = np.cumsum(np.abs(v) ** 1.8)
     share = work / work[-1]
     bend = rng.uniform(0.3, 2.0)

@@ -9,7 +9,7 @@ from population.parts import AMBIENT, MAGNETO, MONO, TWIN, Plant
 
 
 def drawn(rng: np.random.Generator, family: int) -> Plant:
-    """A damper with all phenomena at the size that is ordinary for it."""
+    """A damper with all phenomena at their ordinary size."""
     bore = rng.uniform(0.026, 0.046)
     rod = rng.uniform(0.28, 0.48) * bore if family != TWIN else rng.uniform(0.35, 0.55) * bore
     piston, rod_area, stroke = pi / 4.0 * bore**2, pi / 4.0 * rod**2, rng.uniform(0.05, 0.13)
@@ -39,7 +39,7 @@ def _hole(flow: float, pressure: float, density: float) -> float:
 
 
 def _valves(rng: np.random.Generator, plant: Plant, strong: float) -> dict[str, float]:
-    """Piston valves from a force at 0.3 m/s, a knee, and a share of the force that the knee has."""
+    """Piston valves from a force at 0.3 m/s, a knee, and the share of the force at the knee."""
     annulus, density = plant.piston - plant.rod, plant.density
     knee, share = rng.uniform(0.04, 0.16), rng.uniform(0.35, 0.8)
     forces = {"r": strong, "c": strong * rng.uniform(0.35, 1.0)}
@@ -157,7 +157,7 @@ def _solids(rng: np.random.Generator, plant: Plant) -> Plant:
 
 
 def tightest(plant: Plant) -> float:
-    """m, the farthest that a drive may go to either side."""
+    """m, largest allowed displacement to either side."""
     gas = (plant.gas_volume / plant.rod) * 0.85
     return min(0.85 * plant.stroke, gas)
 

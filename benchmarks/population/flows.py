@@ -7,7 +7,7 @@ from population.parts import AMBIENT
 
 DISCHARGE = 0.7
 VOID = 1e-6
-"""1/Pa, how softly pressure goes on falling below that of vapour."""
+"""1/Pa, compliance below vapour pressure."""
 
 
 @compiled
@@ -24,10 +24,10 @@ def opening(plant, pressure, crack, gradient, port):
     if beyond <= 0.0:
         return 0.0
     beyond *= beyond / (beyond + 0.15 * crack + 1e4)
-    if plant.valve_form == 1:  # stack of shims: a stiffer one joins in
+    if plant.valve_form == 1:  # stack of shims: a stiffer one engages
         if beyond > plant.step:
             beyond = plant.step + plant.step_ratio * (beyond - plant.step)
-    elif plant.valve_form == 2:  # spool that the flow pulls shut
+    elif plant.valve_form == 2:  # spool that the flow pulls closed
         beyond /= 1.0 + beyond / plant.step
     area = gradient * beyond
     return area * port / sqrt(area * area + port * port)
@@ -55,14 +55,14 @@ def blow_off(plant, pressure):
 
 @compiled
 def placed(plant, x, pressure):
-    """Flow area in m^2 of what depends on the place in the stroke."""
+    """Flow area in m^2 of position-dependent passages."""
     form, centre, width = plant.place_form, plant.place_centre, plant.place_width
     if form == 0:
         return 0.0
     if form == 1:  # flat groove in the tube with tapered ends
         away = abs(x - centre)
         return plant.place_area * min(max((1.4 * width - away) / (0.4 * width), 0.0), 1.0)
-    if form == 2:  # ports in the tube with a check: uncovered one after the other, in rebound alone
+    if form == 2:  # ports in the tube with a check: uncovered one after the other, only in rebound
         if pressure < 0.0:
             return 0.0
         share = min(max((x - centre) / (2.0 * width) + 0.5, 0.0), 1.0)
@@ -98,7 +98,7 @@ def through_piston(plant, pressure, x, thin, area_r, area_c, field):
 
 @compiled
 def valve_areas(plant, pressure, field):
-    """Areas of rebound and compression valve that the pressure asks for."""
+    """Steady areas of rebound and compression valve at a pressure."""
     stiffer = 1.0 + plant.current * field if plant.current_form == 5 else 1.0
     if pressure > 0.0:
         return opening(plant, pressure, plant.crack_r * stiffer, plant.grad_r, plant.port_r), 0.0
@@ -107,7 +107,8 @@ def valve_areas(plant, pressure, field):
 
 @compiled
 def lagged(plant, state, pressure, field, step):
-    """Moves the areas of late valves on; ``state``: area and its rate (or pilot pressure), rebound and compression."""
+    """Advances the areas of lagging valves; ``state``: area and its rate (or pilot pressure), rebound and
+    compression."""
     tau = plant.delay
     target_r, target_c = valve_areas(plant, pressure, field)
     for side in range(2):
@@ -125,18 +126,19 @@ def lagged(plant, state, pressure, field, step):
                 state[at] += (target - state[at]) * (1.0 - exp(-step * min(rate, 4.0 / tau)))
             else:
                 state[at] += (target - state[at]) * (1.0 - exp(-2.5 * step / tau))
-        else:  # the valve obeys a pilot chamber that an orifice fills
-            own = max(pressure, 0.0) if side == 0 else max(-pressure, 0.0)
+        else:  # a pilot chamber that an orifice fills controls the valve
+            opening_pressure = max(pressure, 0.0) if side == 0 else max(-pressure, 0.0)
             crack = plant.crack_r if side == 0 else plant.crack_c
-            rate = 1.0 / (tau * sqrt(abs(own - state[at + 1]) / crack + 0.02))
-            state[at + 1] += (own - state[at + 1]) * (1.0 - exp(-step * rate))
+            rate = 1.0 / (tau * sqrt(abs(opening_pressure - state[at + 1]) / crack + 0.02))
+            state[at + 1] += (opening_pressure - state[at + 1]) * (1.0 - exp(-step * rate))
             gradient, port = (plant.grad_r, plant.port_r) if side == 0 else (plant.grad_c, plant.port_c)
             state[at] = opening(plant, state[at + 1], crack, gradient, port)
 
 
 @compiled
 def stored(plant, pressure, gas):
-    """Oil packed into a chamber at ``pressure`` (Pa), relative to the chamber's volume; ``gas`` is its free share."""
+    """Oil compressed into a chamber at ``pressure`` (Pa), relative to the chamber's volume; ``gas`` is its free
+    share."""
     packed = pressure / plant.bulk
     if plant.wall > 0.0:
         over = pressure / plant.wall_pressure
@@ -156,14 +158,18 @@ def gas_pressure(plant, x, warmer, state, step, moved):
     taken = plant.rod * x
     charge = plant.charge * (1.0 + plant.warm_gas * warmer)
     volume = max(plant.gas_volume + taken, 0.08 * plant.gas_volume)
-    if plant.gas_form == 1:  # heat goes to the wall: adiabatic when fast, isothermal when slow
+    if plant.gas_form == 1:  # heat flows to the wall: adiabatic when fast, isothermal when slow
         if step > 0.0:
             state[0] *= 1.0 - (plant.exponent - 1.0) * plant.rod * moved / volume
             state[0] += (1.0 - state[0]) * (1.0 - exp(-step / plant.gas_relax))
         return charge * plant.gas_volume / volume * state[0]
     if plant.gas_form == 2:  # Noble and Abel: part of the volume cannot be compressed
-        own = plant.covolume * plant.gas_volume
-        return charge * ((plant.gas_volume - own) / max(volume - own, 0.05 * plant.gas_volume)) ** plant.exponent
+        incompressible = plant.covolume * plant.gas_volume
+        return (
+            charge
+            * ((plant.gas_volume - incompressible) / max(volume - incompressible, 0.05 * plant.gas_volume))
+            ** plant.exponent
+        )
     # the floating piston sticks to the tube
     state[1] = min(max(state[1] + moved / 6e-4, -1.0), 1.0)
     return charge * (plant.gas_volume / volume) ** plant.exponent - plant.gas_stick * state[1]
@@ -171,7 +177,7 @@ def gas_pressure(plant, x, warmer, state, step, moved):
 
 @compiled
 def gelled(plant, state, travel, step):
-    """Pressure in Pa that a fluid with memory holds back after it moved on by ``travel`` (m)."""
+    """Yield pressure in Pa of a fluid with memory after a further ``travel`` (m)."""
     if plant.gel_form == 1:  # layers that yield one after the other
         held = 0.0
         for layer in range(4):
@@ -185,7 +191,7 @@ def gelled(plant, state, travel, step):
         state[0] = sign + (state[0] - sign) * exp(-strain) if strain > 0.0 else state[0]
         state[0] *= exp(-0.1 * step / plant.gel_time)
         return plant.gel * state[0]
-    # thixotropic: structure is torn by motion and grows again
+    # thixotropic: motion destroys a structure that grows again
     state[1] += (1.0 - state[1]) * step / plant.gel_time - state[1] * 0.02 * strain
     state[0] = min(max(state[0] + travel / plant.gel_reach, -1.0), 1.0)
     return plant.gel * state[0] * (0.6 + 0.6 * state[1])

@@ -7,7 +7,7 @@ from population.realisation import Realisation, Scene, plain
 
 
 def gas_spring(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: an endless column of gas. With: one of 1/m."""
+    """Without: an infinite column of gas. With: one of 1/m."""
     off = p._replace(gas_form=2, gas_volume=ENDLESS, covolume=0.0, gas_stick=0.0)
     least = 1.15 * max(float(-s.x.min()), 0.02)
 
@@ -28,25 +28,25 @@ def gas_spring(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation
 
 
 def friction(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: seals without dry friction. With: m times 10 N and what grows with pressure or side force."""
+    """Without: seals without dry friction. With: m times 10 N and a part that grows with pressure or side force."""
     off = p._replace(rub_form=0)
     more = rng.uniform(0.3, 1.0)  # share that grows with pressure, at the pressure of the drive
     names = {1: "Coulomb under pressure", 2: "Stribeck and side force", 3: "LuGre under pressure", 4: "three contacts"}
     found = []
     for form, name in names.items():
         side = rng.uniform(-0.6, 0.6) if form in (2, 4) else 0.0
-        own = off._replace(rub_form=form, rub_side=side)
+        plant = off._replace(rub_form=form, rub_side=side)
         push = more if form in (1, 3) else 0.0
 
-        def on(m: float, own: Plant = own, push: float = push) -> Plant:
-            return own._replace(rub=10.0 * m, rub_pressure=10.0 * m * push / (s.pressure + p.charge))
+        def on(m: float, plant: Plant = plant, push: float = push) -> Plant:
+            return plant._replace(rub=10.0 * m, rub_pressure=10.0 * m * push / (s.pressure + p.charge))
 
         found.append(Realisation(name, lambda m: off, on, 0.1, 200))
     return found
 
 
 def oil_compressibility(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: stiff oil without gas. With: softer oil, gas in it, a soft wall, or foam that long work makes."""
+    """Without: stiff oil without gas. With: softer oil, gas in it, a soft wall, or foam from long work."""
     off = p._replace(bulk=1.5e10, free_gas=1e-5, foam=0.0, wall=0.0)
     found = [
         plain("bulk modulus", off, 0.05, 60, bulk=lambda m: 1.0 / (1.0 / 1.5e10 + m / 1.2e9)),
@@ -62,19 +62,19 @@ def blow_off(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
     """Without: no relief passage. With: one that opens beyond a pressure, m wide."""
     off = p._replace(blow_form=0, blow_pressure=s.pressure * rng.uniform(0.3, 0.6), blow_side=int(rng.integers(1, 4)))
     if p.family == TWIN:
-        off = off._replace(blow_side=1)  # in compression the foot valve makes the pressure
+        off = off._replace(blow_side=1)  # in compression the foot valve produces the pressure
     wide = 1e-6 / s.pressure
     names = {1: "poppet with flow force", 2: "shims", 3: "spool"}
     found = []
     for form, name in names.items():
-        own = off._replace(blow_form=form)
-        found.append(plain(name, own, 0.02, 200, blow_gain=lambda m: wide * m))
+        plant = off._replace(blow_form=form)
+        found.append(plain(name, plant, 0.02, 200, blow_gain=lambda m: wide * m))
         found[-1] = Realisation(name, lambda m: off, found[-1].on, 0.02, 200)
     return found
 
 
 def valve_delay(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: valves follow the pressure at once. With: late by about m ms."""
+    """Without: valves follow the pressure immediately. With: late by about m ms."""
     if p.family == MAGNETO:
         return []
     off = p._replace(delay_form=0)
@@ -86,7 +86,8 @@ def valve_delay(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisatio
 
 
 def cavitation(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: oil that stands tension. With: vapour or air below a pressure; the charge is too low by m in both."""
+    """Without: oil that withstands tension. With: vapour or air below a pressure; the charge is too low by m in
+    both."""
 
     def charged(m: float) -> Plant:
         return p._replace(charge=max(p.charge / m, 1.15e5), free_gas=3e-4, foam=0.0)
@@ -102,10 +103,10 @@ def cavitation(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation
     if p.family == TWIN:
         narrow = [
             Realisation(
-                own.form + ", narrow intake", lambda m, own=own: own.off(1.0)._replace(intake=p.intake / m),
-                lambda m, own=own: own.on(1.0)._replace(intake=p.intake / m), 1.0, 60,
+                form.form + ", narrow intake", lambda m, form=form: form.off(1.0)._replace(intake=p.intake / m),
+                lambda m, form=form: form.on(1.0)._replace(intake=p.intake / m), 1.0, 60,
             )
-            for own in found[:2]
+            for form in found[:2]
         ]  # fmt: skip
         found += narrow
     return found

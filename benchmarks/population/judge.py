@@ -1,4 +1,4 @@
-"""One case from its card to its record: recordings, the user's model, what the product says, what truth says of it."""
+"""One case from its card to its record: recordings, the user's model, the product's results compared with the truth."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ from population.users import DAMPER
 
 
 def record(card: Card, seed: int, folder: Path, improving: bool) -> dict[str, Any]:
-    """What one line of the results holds."""
+    """One line of the results."""
     kept = store.saved(folder, card.name)
     if kept is None:
         kept = prepared(card, seed)
@@ -40,7 +40,7 @@ def _simulated(card: Card, seed: int) -> store.Kept:
     base, twin = (users.recording(recordings[role], signals) for role in ("base", "twin"))
     moving = case.family == "magneto" and case.base.current is not None and np.ptp(case.base.current) > 0.1
     way = users.drawn_way(rng, case.family, bool(moving and "current" not in card.hidden))
-    if card.kind == "nothing" and way[0] == "fit":  # what a rough model lacks is missing in truth
+    if card.kind == "nothing" and way[0] == "fit":  # effects that a rough model lacks are really missing
         way = ("fit", "hand_made") if rng.random() < 0.4 else ("improve", str(rng.choice(users.IMPROVED)))
     model, how = users.made(way, base, twin, users.hand_made(base, card.hidden, rng), hidden_rms(case))
     facts = _facts(card) | {
@@ -49,9 +49,9 @@ def _simulated(card: Card, seed: int) -> store.Kept:
         "seconds": round(case.seconds, 1),
         "rate": case.chain.rate,
         "coil_over": case.chain.spring > 0.0,
-        "forms": [own.form for own in case.effects],
-        "sizes": [own.size for own in case.effects],
-        "strengths": [own.strength for own in case.effects],
+        "forms": [effect.form for effect in case.effects],
+        "sizes": [effect.size for effect in case.effects],
+        "strengths": [effect.strength for effect in case.effects],
         "shown": case.shown,
         "true_skew": case.skew,
         "model": how,
@@ -83,7 +83,7 @@ def _real(card: Card, seed: int) -> store.Kept:
     facts |= {
         "family": case.setting,
         "drive": ["real", "real"],
-        "seconds": round(sum(float(np.ptp(own.time)) for own in case.recordings["fit"]), 1),
+        "seconds": round(sum(float(np.ptp(samples.time)) for samples in case.recordings["fit"]), 1),
         "rate": case.chain.rate,
         "coil_over": False,
         "forms": [form] if form else [],
@@ -100,37 +100,41 @@ def _real(card: Card, seed: int) -> store.Kept:
 
 
 def hidden_rms(case: Case) -> float:
-    """N, of what is hidden on the fit recording; where nothing is, of what a weak effect would be."""
+    """N rms, of the hidden effect on the fit recording; with none, of a weak effect."""
     spread = float(case.base.truth.std())
-    return spread * max((own.strength for own in case.effects), default=0.04)
+    return spread * max((effect.strength for effect in case.effects), default=0.04)
 
 
 def judged(kept: store.Kept, improving: bool) -> dict[str, Any]:
-    """What the product says of a case, and how good its model is.
+    """The product's results for a case, and the quality of its model.
 
-    ``improve`` begins with a diagnosis of its own, which then counts; two of three cases do without another one.
+    ``improve`` begins with a diagnosis, which then counts; two of three cases have no separate one.
     """
     signals = users.signal_map(kept.chain)
-    heard = {role: users.recording(own, signals) for role, own in kept.recordings.items()}
-    own: dict[str, Any] = {}
+    recordings = {role: users.recording(result, signals) for role, result in kept.recordings.items()}
+    result: dict[str, Any] = {}
     improving = improving and bool(kept.facts["hidden"])
     if improving:
-        better, taken = timed(lambda: de.improve(heard["fit"], kept.model, validate=heard["unseen"]), "improve")
-        own |= taken | _improved(kept, heard, better)
+        better, taken = timed(
+            lambda: de.improve(recordings["fit"], kept.model, validate=recordings["unseen"]), "improve"
+        )
+        result |= taken | _improved(kept, recordings, better)
         diagnosis = better.improvement.first
     if not improving or kept.facts["number"] % 3 == 0:
-        found, taken = timed(lambda: de.diagnose(heard["fit"], kept.model, validate=heard["unseen"]), "diagnose")
-        own |= taken
+        found, taken = timed(
+            lambda: de.diagnose(recordings["fit"], kept.model, validate=recordings["unseen"]), "diagnose"
+        )
+        result |= taken
         diagnosis = found.diagnosis
-    return own | {
+    return result | {
         "verdict": diagnosis.verdict,
         "sentence": diagnosis.sentence,
         "findings": [_finding(one) for one in diagnosis.findings],
         "moved": [one.name for one in diagnosis.moved],
         "skew": _skew(diagnosis.signals) - _skew(signals.dampers[DAMPER]),
-        "before": users.error(kept.model, heard["unseen"]),
-        "base": kept.facts.get("whole") or users.error(kept.model, heard["twin"]),
-        "own_base": users.error(kept.model, heard["base"]),
+        "before": users.error(kept.model, recordings["unseen"]),
+        "base": kept.facts.get("whole") or users.error(kept.model, recordings["twin"]),
+        "own_base": users.error(kept.model, recordings["base"]),
         "force_rms": float(np.concatenate([one.truth for one in kept.recordings["unseen"]]).std()),
         "noise_floor": diagnosis.noise_floor_n,
         "memory_mb": getrusage(RUSAGE_SELF).ru_maxrss / 1024.0,
@@ -138,29 +142,31 @@ def judged(kept: store.Kept, improving: bool) -> dict[str, Any]:
 
 
 def timed(work: Callable[[], Any], name: str) -> tuple[Any, dict[str, float]]:
-    """What some work gives, and the seconds that it took: on the clock, and of the processor."""
+    """The result of ``work``, and its wall and processor time in s."""
     began, worked = perf_counter(), process_time()
     given = work()
     return given, {f"{name}_seconds": perf_counter() - began, f"{name}_cpu": process_time() - worked}
 
 
-def _improved(kept: store.Kept, heard: Mapping[str, de.Recording], better: de.ImprovementResults) -> dict[str, Any]:
+def _improved(
+    kept: store.Kept, recordings: Mapping[str, de.Recording], better: de.ImprovementResults
+) -> dict[str, Any]:
     unseen = users.recording(kept.recordings["unseen"], better.corrected_map())
     return {
         "steps": [[step.action, step.effect, step.phenomenon] for step in better.steps],
         "improve_verdict": better.verdict,
         "after": users.error(better.model, unseen),
-        "bias": bias(better.model, heard["unseen"], kept.recordings["unseen"]),
+        "bias": bias(better.model, recordings["unseen"], kept.recordings["unseen"]),
     }
 
 
 def bias(model: DamperModel, measured: de.Recording, several: Sequence[Samples]) -> float:
-    """Mean error in N of the model alone against the true force, in band, over the judged samples."""
+    """Mean error in N of the model against the true force, in band, over the judged samples."""
     errors = []
-    for own, samples in zip(measured.measurements[DAMPER], several, strict=True):
-        modelled = own.in_band(model.force(own.kinematics.block))
-        truth = np.interp(own.kinematics.time, samples.time - samples.time[0], samples.truth)
-        errors.append((modelled - truth)[own.judged])
+    for measurement, samples in zip(measured.measurements[DAMPER], several, strict=True):
+        modelled = measurement.in_band(model.force(measurement.kinematics.block))
+        truth = np.interp(measurement.kinematics.time, samples.time - samples.time[0], samples.truth)
+        errors.append((modelled - truth)[measurement.judged])
     return float(np.concatenate(errors).mean())
 
 

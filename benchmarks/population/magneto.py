@@ -11,12 +11,12 @@ from population.shared import MEMORY, aerate, gauge_force, magnetise, rod_motion
 from population.solids import rubbed, stopped
 
 LAYERS = (0.3, 1.0, 2.2)
-"""Reaches of the layers of the gap that yield one after the other, relative to ``reach``."""
+"""Yield travels of the layers of the gap, which yield one after the other, relative to ``reach``."""
 
 
 @compiled
 def held_back(plant, layers, travel, yielding, reach):
-    """Pressure in Pa of the yield stress after the fluid moved on by ``travel`` (m)."""
+    """Yield pressure in Pa after a further ``travel`` (m) of the fluid."""
     held = 0.0
     for layer in range(3):
         share = layers[layer] + travel / (reach * LAYERS[layer])
@@ -26,7 +26,7 @@ def held_back(plant, layers, travel, yielding, reach):
 
 @compiled
 def beside(plant, pressure, x, thin):
-    """Flow in m^3/s that does not pass the gap: leak, relief, place-dependent passages."""
+    """Flow in m^3/s that bypasses the gap: leak, relief, position-dependent passages."""
     flow = pressure * plant.leak / thin
     flow += orifice(blow_off(plant, pressure), pressure, 2e3, plant.density)
     if pressure < 0.0:
@@ -36,16 +36,16 @@ def beside(plant, pressure, x, thin):
 
 @compiled
 def solve(plant, layers, excess, volume, step, start, back, x, thin, yielding, viscous, reach, gas):
-    """Flow in m^3/s through the gap with which the oil fits into the rebound chamber at the end of the step."""
+    """Flow in m^3/s through the gap that balances the oil in the rebound chamber at the end of the step."""
     annulus = plant.piston - plant.rod
     low, high, q, nudge = -0.1, 0.1, start, 1e-9
     for _ in range(80):
         left, slope = 0.0, 0.0
         for side in range(2):
-            own = q if side == 0 else q + nudge
-            p = held_back(plant, layers, own * step / annulus, yielding, reach)
-            p += (viscous + plant.gap_square * abs(own)) * own
-            flow = own + beside(plant, p, x, thin)
+            trial = q if side == 0 else q + nudge
+            p = held_back(plant, layers, trial * step / annulus, yielding, reach)
+            p += (viscous + plant.gap_square * abs(trial)) * trial
+            flow = trial + beside(plant, p, x, thin)
             value = volume * stored(plant, p + back, gas) - excess + step * flow
             if side == 0:
                 left = value
@@ -66,7 +66,7 @@ def solve(plant, layers, excess, volume, step, start, back, x, thin, yielding, v
 
 @compiled
 def integrate(plant, x_in, v_in, a_in, temperature, current, step, out):
-    """Runs a drive; ``out`` (n, 4) gets force and the pressures of rebound, compression and gas."""
+    """Runs a drive; ``out`` (n, 4) receives force and the pressures of rebound, compression and gas."""
     annulus = plant.piston - plant.rod
     memory, layers = np.zeros(MEMORY), np.zeros(3)
     solid, gas_state, gel_state = memory[0:10], memory[10:12], memory[12:16]

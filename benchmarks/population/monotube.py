@@ -11,17 +11,17 @@ from population.solids import rubbed, stopped
 
 @compiled
 def solve(plant, excess, volume, step, start, back, x, thin, area_r, area_c, field, gas):
-    """Rebound pressure in Pa with which the oil that is there fits into the chamber at the end of the step."""
+    """Rebound pressure in Pa that balances the oil in the chamber at the end of the step."""
     late = plant.delay_form > 0
     low, high, p = -5e8, 5e8, start
     for _ in range(60):
         left, slope = 0.0, 0.0
         for side in range(2):
-            own = p if side == 0 else p + 200.0
+            trial = p if side == 0 else p + 200.0
             if not late:
-                area_r, area_c = valve_areas(plant, own - back, field)
-            flow = through_piston(plant, own - back, x, thin, area_r, area_c, field)
-            value = volume * stored(plant, own, gas) - excess + step * flow
+                area_r, area_c = valve_areas(plant, trial - back, field)
+            flow = through_piston(plant, trial - back, x, thin, area_r, area_c, field)
+            value = volume * stored(plant, trial, gas) - excess + step * flow
             if side == 0:
                 left = value
             else:
@@ -41,7 +41,7 @@ def solve(plant, excess, volume, step, start, back, x, thin, area_r, area_c, fie
 
 @compiled
 def integrate(plant, x_in, v_in, a_in, temperature, current, step, out):
-    """Runs a drive; ``out`` (n, 4) gets force and the pressures of rebound, compression and gas."""
+    """Runs a drive; ``out`` (n, 4) receives force and the pressures of rebound, compression and gas."""
     annulus = plant.piston - plant.rod
     memory = np.zeros(MEMORY)
     solid, gas_state, gel_state, valve_state = memory[0:10], memory[10:12], memory[12:16], memory[16:20]

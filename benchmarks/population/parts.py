@@ -1,4 +1,4 @@
-"""All numbers of a damper, whatever its family; a phenomenon is switched on by replacing some of them.
+"""All numbers of a damper of any family; replacing some of them switches a phenomenon on.
 
 Displacement x in m is positive in extension, the force in N positive where it resists extension. Pressures are
 absolute. A ``*_form`` chooses between realisations that differ in their equations; 0 is none.
@@ -22,22 +22,22 @@ class Plant(NamedTuple):
     rebound_volume: float  # m^3 at x = 0
     compression_volume: float
     density: float = 860.0
-    # Oil: s(p) = p / bulk + wall + gas; below ``low`` the gas goes on with a constant compliance.
+    # Oil: s(p) = p / bulk + wall + gas; below ``low`` the gas has a constant compliance.
     bulk: float = 1.3e9
     free_gas: float = 2e-3
     low: float = 2e4
     vapour: float = 3e3
     wall: float = 0.0  # 1/Pa, hose or tube wall at zero pressure
     wall_pressure: float = 2e6  # beyond which it hardens
-    foam: float = 0.0  # share of gas that a minute of work brings in
-    release: float = 0.0  # 1/s, gas that comes out of solution below ambient pressure
+    foam: float = 0.0  # share of gas entrained by a minute of work
+    release: float = 0.0  # 1/s, gas released from solution below ambient pressure
     # Gas behind the floating piston, or in the reserve.
     gas_form: int = 1
     charge: float = 2e6
     gas_volume: float = ENDLESS
     exponent: float = 1.35
     gas_relax: float = 3.0  # s, heat exchange with the wall
-    covolume: float = 0.0  # share of the volume that cannot be compressed
+    covolume: float = 0.0  # incompressible share of the volume
     gas_stick: float = 0.0  # Pa, friction of the floating piston
     # Passages through the piston.
     leak: float = 1e-11  # m^3/s/Pa, laminar
@@ -50,9 +50,9 @@ class Plant(NamedTuple):
     grad_c: float = 3e-11
     port_r: float = 3e-5
     port_c: float = 3e-5
-    step: float = 2e6  # Pa, where the stack stiffens, or the spool's flow force counts
+    step: float = 2e6  # Pa, where the stack stiffens, or the spool's flow force matters
     step_ratio: float = 0.4
-    check_c: float = 0.0  # m^2, an open passage in compression alone
+    check_c: float = 0.0  # m^2, a passage open only in compression
     # Foot valve (twin tube).
     foot_bleed: float = 2e-6
     foot_crack: float = 3e5
@@ -66,7 +66,7 @@ class Plant(NamedTuple):
     blow_side: int = 3
     blow_pressure: float = 1e9
     blow_gain: float = 0.0  # m^2/Pa
-    # Place-dependent passages.
+    # Position-dependent passages.
     place_form: int = 0
     place_area: float = 0.0
     place_centre: float = 0.0
@@ -78,7 +78,7 @@ class Plant(NamedTuple):
     warm_yield: float = 0.0  # 1/K
     # Current.
     current_form: int = 0
-    current: float = 0.0  # share by which it acts
+    current: float = 0.0  # relative effect
     saturation: float = 1.0  # A
     coil: float = 0.01  # s
     eddy: float = 0.08  # s
@@ -109,7 +109,7 @@ class Plant(NamedTuple):
     mount: float = 1e7  # N/m
     mount_loss: float = 0.15
     mount_gap: float = 1e-4  # m
-    rod_mass: float = 0.3  # kg, behind the joint, or moved with the rod where that is rigid
+    rod_mass: float = 0.3  # kg, behind the joint, or moved with the rod if that is rigid
     # Mass between the gauge and the oil.
     mass_form: int = 1
     mass: float = 0.5  # kg

@@ -1,4 +1,4 @@
-"""All phenomena in the damper: those of oil, gas and valves, and here the others."""
+"""All phenomena in the damper: imports those of oil, gas and valves, defines the others."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from population.simulate import lightest
 
 
 def temperature_fade(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: nothing follows the temperature. With: m times what is ordinary, of oil with a large laminar share."""
+    """Without: no dependence on temperature. With: m times the ordinary one, of oil with a large laminar share."""
     thin = p._replace(leak=3.0 * p.leak, bleed=0.6 * p.bleed, transition=min(4.0 * p.transition, 0.7 * s.pressure))
     off = thin._replace(warm=0.0, warm_gas=0.0, warm_yield=0.0)
     if p.family == MAGNETO:
@@ -37,26 +37,26 @@ def temperature_fade(p: Plant, s: Scene, rng: np.random.Generator) -> list[Reali
 
 
 def position_dependence(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: a smooth tube. With: passages that depend on the place, in exchange for part of the bleed."""
+    """Without: a smooth tube. With: position-dependent passages, in exchange for part of the bleed."""
     span = s.high - s.low
     hole = p.bleed if p.family != MAGNETO else 2e-6
     found = []
     for form, name in {1: "groove", 2: "ports with a check", 3: "metering pin"}.items():
         centre = s.low + span * rng.uniform(0.25, 0.75)
-        own = p._replace(place_form=form, place_centre=centre, place_width=max(span * rng.uniform(0.12, 0.3), 4e-3))
+        plant = p._replace(place_form=form, place_centre=centre, place_width=max(span * rng.uniform(0.12, 0.3), 4e-3))
         off = p._replace(place_form=0)
 
-        def on(m: float, own: Plant = own) -> Plant:
+        def on(m: float, plant: Plant = plant) -> Plant:
             area = hole * m
-            mean = area * _mean_passage(own, s.x)
-            return own._replace(place_area=area, bleed=max(p.bleed - mean, 0.15 * p.bleed))
+            mean = area * _mean_passage(plant, s.x)
+            return plant._replace(place_area=area, bleed=max(p.bleed - mean, 0.15 * p.bleed))
 
         found.append(Realisation(name, lambda m, off=off: off, on, 0.03, 60))
     return found
 
 
 def _mean_passage(p: Plant, x: np.ndarray) -> float:
-    """Mean over a drive of the open share of what depends on the place."""
+    """Mean over a drive of the open share of position-dependent passages."""
     if p.place_form == 1:
         return float(np.clip((1.4 * p.place_width - np.abs(x - p.place_centre)) / (0.4 * p.place_width), 0, 1).mean())
     if p.place_form == 2:
@@ -68,40 +68,40 @@ def end_stop(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
     """Without: nothing inside the stroke. With: a stop of m times 20 kN/m that the drive reaches."""
     low, high = np.quantile(s.x, [rng.uniform(0.01, 0.08), 1.0 - rng.uniform(0.01, 0.08)])
     which = int(rng.integers(0, 3))
-    own = p._replace(stop_low=float(low) if which != 1 else -1.0, stop_high=float(high) if which != 0 else 1.0)
+    plant = p._replace(stop_low=float(low) if which != 1 else -1.0, stop_high=float(high) if which != 0 else 1.0)
     names = {1: "foam", 2: "hydraulic", 3: "steel spring"}
     return [
         Realisation(
             name, lambda m: p._replace(stop_form=0),
-            lambda m, form=form: own._replace(stop_form=form, stop=2e4 * m), 0.02, 200,
+            lambda m, form=form: plant._replace(stop_form=form, stop=2e4 * m), 0.02, 200,
         )
         for form, name in names.items()
     ]  # fmt: skip
 
 
 def mount_compliance(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: a rigid joint. With: one that is soft as m."""
+    """Without: a rigid joint. With: one with a softness of m."""
     found = []
     for form, name in {1: "hardening rubber", 2: "filled rubber", 3: "worn bush"}.items():
-        own = p._replace(mount_form=form, mount_loss=rng.uniform(0.05, 0.2))
+        plant = p._replace(mount_form=form, mount_loss=rng.uniform(0.05, 0.2))
 
-        def on(m: float, own: Plant = own) -> Plant:
-            soft = own._replace(mount=3e6 / m, mount_gap=1e-4 * m)
-            if own.mount_form == 3:
+        def on(m: float, plant: Plant = plant) -> Plant:
+            soft = plant._replace(mount=3e6 / m, mount_gap=1e-4 * m)
+            if plant.mount_form == 3:
                 soft = soft._replace(mount=4e6)
-            return soft._replace(rod_mass=lightest(own._replace(mount=1e7)))
+            return soft._replace(rod_mass=lightest(plant._replace(mount=1e7)))
 
         found.append(Realisation(name, lambda m, on=on: on(m)._replace(mount_form=0), on, 0.3, 60))
     return found
 
 
 def inertia(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: a light rod. With: m kg that ring, that a lever moves, or that are oil in a hose."""
+    """Without: a light rod. With: m kg that ring, are moved by a lever, or are oil in a hose."""
     off = p._replace(mass_form=1, mass=0.0, rod_mass=0.15, mount_form=0)
     ring, lever = rng.uniform(70.0, 160.0), rng.uniform(-0.8, 0.8)
     return [
-        Realisation(name, lambda m: off, lambda m, own=own: own._replace(mass=m), 0.05, 40)
-        for name, own in {
+        Realisation(name, lambda m: off, lambda m, plant=plant: plant._replace(mass=m), 0.05, 40)
+        for name, plant in {
             "ringing mass": off._replace(mass_form=2, mass_ring=ring),
             "lever": off._replace(mass_form=3, mass_lever=lever),
             "oil in a hose": off._replace(mass_form=4),
@@ -139,7 +139,7 @@ def asymmetry(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]
 
 
 def current(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: the current does nothing. With: it acts, m times as much as is ordinary."""
+    """Without: the current has no effect. With: it has m times the ordinary effect."""
     if p.family == MAGNETO:
         names = {1: "coil's lag and saturation", 2: "eddy currents", 3: "remanence"}
         return [
@@ -153,15 +153,15 @@ def current(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
             )
             for form, name in names.items()
         ]  # fmt: skip
-    own = p._replace(saturation=rng.uniform(1.0, 3.0))
+    plant = p._replace(saturation=rng.uniform(1.0, 3.0))
     return [
         Realisation(
-            "needle in the bleed", lambda m: own._replace(bleed=1.4 * p.bleed),
-            lambda m: own._replace(current_form=4, current=m, bleed=1.4 * p.bleed / max(1.0 - 0.5 * m, 0.4)), 0.05, 1.2,
+            "needle in the bleed", lambda m: plant._replace(bleed=1.4 * p.bleed),
+            lambda m: plant._replace(current_form=4, current=m, bleed=1.4 * p.bleed / max(1 - 0.5 * m, 0.4)), 0.05, 1.2,
         ),
         Realisation(
-            "preload of the valves", lambda m: own,
-            lambda m: own._replace(
+            "preload of the valves", lambda m: plant,
+            lambda m: plant._replace(
                 current_form=5, current=m, crack_r=p.crack_r / (1 + 0.5 * m), crack_c=p.crack_c / (1 + 0.5 * m)
             ), 0.05, 6,
         ),
@@ -169,8 +169,8 @@ def current(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
 
 
 IN_THE_DAMPER = {
-    own.__name__: own
-    for own in (
+    phenomenon.__name__: phenomenon
+    for phenomenon in (
         gas_spring, friction, oil_compressibility, blow_off, valve_delay, cavitation, temperature_fade,
         position_dependence, end_stop, mount_compliance, inertia, asymmetry, current, hysteresis,
     )

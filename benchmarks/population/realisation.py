@@ -1,7 +1,7 @@
-"""Each phenomenon in several realisations: how a drawn damper is without it, and with how much of it.
+"""Each phenomenon in several realisations: a drawn damper without it, and with it at any magnitude.
 
-"Off" and "on" differ in nothing but the phenomenon. A magnitude m is a physical number around 1; the strength in a
-recording is found by looking for m (``cases.py``).
+"Off" and "on" differ in nothing but the phenomenon. A magnitude m is a physical number around 1; a search for m sets
+the strength in a recording (``cases.py``).
 """
 
 from collections.abc import Callable
@@ -17,10 +17,10 @@ Switch = Callable[[float], Plant]
 
 @dataclass(frozen=True)
 class Scene:
-    """What the drive does to the damper: quantities that realisations are laid out by.
+    """The damper under a drive: quantities that determine the realisations.
 
     Attributes:
-        pressure: Pa, that 98 % of the pressure differences over the piston stay below.
+        pressure: Pa, 98 % quantile of the pressure differences over the piston.
         low, high: m, quantiles 4 and 96 % of the displacement.
         x: displacement in m, thinned.
     """
@@ -32,7 +32,7 @@ class Scene:
 
 
 def scene_of(drive: Drive, out: np.ndarray) -> Scene:
-    """Of a run of the damper as drawn."""
+    """The scene of a run of the drawn damper."""
     low, high = np.quantile(drive.x, [0.04, 0.96])
     pressure = np.quantile(np.abs(out[:, 1] - out[:, 2]), 0.98)
     return Scene(float(pressure), float(low), float(high), drive.x[::50])
@@ -50,5 +50,7 @@ class Realisation:
 
 
 def plain(form: str, off: Plant, low: float, high: float, **on: Callable[[float], float]) -> Realisation:
-    """``off`` whatever the magnitude; on with fields that follow it."""
-    return Realisation(form, lambda m: off, lambda m: off._replace(**{k: own(m) for k, own in on.items()}), low, high)
+    """``off`` for any magnitude; on with fields that depend on it."""
+    return Realisation(
+        form, lambda m: off, lambda m: off._replace(**{k: field(m) for k, field in on.items()}), low, high
+    )

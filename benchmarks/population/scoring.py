@@ -16,12 +16,12 @@ def groups(record: Record) -> list[set[str]]:
 
 
 def named(record: Record) -> str:
-    """The phenomenon of the first finding; the verdict where there is none."""
+    """The phenomenon of the first finding; the verdict without findings."""
     return record["findings"][0]["phenomenon"] if record["findings"] else record["verdict"]
 
 
 def first(record: Record) -> bool:
-    """Whether a hidden effect comes first."""
+    """Whether a hidden effect is the first finding."""
     return named(record) in record["hidden"]
 
 
@@ -31,46 +31,46 @@ def tied(record: Record) -> bool:
 
 
 def renamed(record: Record) -> bool:
-    """Whether something else is named in place of the hidden effect."""
+    """Whether another effect is named instead of the hidden one."""
     return bool(record["findings"]) and not tied(record)
 
 
 def alarm(record: Record) -> bool:
-    """Whether something is said to be wrong."""
+    """Whether any effect or fault is reported."""
     return record["verdict"] != "nothing_missing"
 
 
 def both(record: Record) -> bool:
     """Whether both hidden effects are named by different findings."""
     one, other = record["hidden"]
-    own = groups(record)
-    return any(one in a and other in b for i, a in enumerate(own) for j, b in enumerate(own) if i != j)
+    named = groups(record)
+    return any(one in a and other in b for i, a in enumerate(named) for j, b in enumerate(named) if i != j)
 
 
 def both_added(record: Record) -> bool:
-    """Whether ``improve`` put in, or corrected, both."""
+    """Whether ``improve`` added, or corrected, both."""
     pruned = {effect for action, effect, _ in record["steps"] if action == "prune"}
     put = {what for action, effect, what in record["steps"] if what and action != "prune" and effect not in pruned}
     return set(record["hidden"]) <= put
 
 
 def skew_found(record: Record) -> bool:
-    """Whether a hidden skew is right within 0.3 ms, or tied with something else that explains as much."""
+    """Whether a hidden skew is right within 0.3 ms, or tied with an equally good explanation."""
     if not record["findings"] or "channel_skew" not in groups(record)[0]:
         return False
     return len(groups(record)[0]) > 1 or abs(record["skew"] - record["true_skew"]) <= SKEW_MARGIN
 
 
 def removed(record: Record) -> float:
-    """Share of the excess squared error that ``improve`` took away; NaN where there was none."""
+    """Share of the excess squared error that ``improve`` removed; NaN without excess."""
     excess = record["before"] ** 2 - record["base"] ** 2
     return (record["before"] ** 2 - record["after"] ** 2) / excess if excess > 0.0 else float("nan")
 
 
 def rough(record: Record) -> bool:
-    """Whether the user's model is off by more without the effect than the effect changes the force.
+    """Whether the error of the user's model without the effect exceeds the effect's change of the force.
 
-    What such a model lacks most is then something else, and rightly comes first.
+    Such a model lacks another effect more, which is rightly the first finding.
     """
     if not record["hidden"] or record["kind"] == "real":
         return False
@@ -96,12 +96,12 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
 def bootstrap(
     values: Sequence[float], figure: Callable[[np.ndarray], float], draws: int = 2000
 ) -> tuple[float, float, float]:
-    """A figure and its 90 % interval; NaN where there are no finite values."""
+    """A figure and its 90 % interval; NaN without finite values."""
     finite = np.array([value for value in values if np.isfinite(value)])
     if not finite.size:
         return float("nan"), float("nan"), float("nan")
     picked = np.random.default_rng(0).integers(0, finite.size, (draws, finite.size))
-    low, high = np.quantile([figure(finite[own]) for own in picked], [0.05, 0.95])
+    low, high = np.quantile([figure(finite[sample]) for sample in picked], [0.05, 0.95])
     return float(figure(finite)), float(low), float(high)
 
 

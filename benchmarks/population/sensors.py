@@ -1,4 +1,4 @@
-"""The measurement chain: what a logger writes down, and its faults as phenomena."""
+"""The measurement chain: a logger's recording, and its faults as phenomena."""
 
 from dataclasses import dataclass, replace
 
@@ -12,14 +12,14 @@ RATES = {200: 0.15, 250: 0.1, 500: 0.35, 1000: 0.25, 2000: 0.1, 3000: 0.05}
 
 @dataclass(frozen=True)
 class Chain:
-    """Sensors and their faults; a fault's ``form`` chooses how it comes about, its size is in the unit named.
+    """Sensors and their faults; a fault's ``form`` chooses its mechanism, its size has the stated unit.
 
     Attributes:
         spring, preload: N/m and N, a coil spring in the gauge's force as the signal map states it; 0 for none.
-        zero, wander: N, zero of a good gauge at the start, and by how much it drifts; drawn for each recording.
+        zero, wander: N, zero of a good gauge at the start, and its drift; drawn for each recording.
         skew: s, force late (form 0, or 2: a slow amplifier), or early because the displacement is late (form 1).
         rate_error: N/m (form 0), or that of a spring that hardens (1) or has a soft helper (2).
-        offset: N (form 0), or creeping there in the first third (1), or with a drift of half as much (2).
+        offset: N (form 0), or reached by creeping in the first third (1), or with a drift of half as much (2).
         gain: relative (form 0), or falling with force (1), or creeping up to it over the recording (2).
     """
 
@@ -65,7 +65,7 @@ FAULTS = {
     "force_offset": ("offset", ("constant", "creeping", "drifting"), 1.0, 5000.0),
     "force_gain_error": ("gain", ("constant", "falling with force", "creeping"), 0.005, 0.6),
 }
-"""Field, forms, and the sizes between which the strength is looked for."""
+"""Field, forms, and the range of sizes for the search of a strength."""
 
 
 def faulty(chain: Chain, phenomenon: str, form: int, size: float) -> Chain:
@@ -74,12 +74,12 @@ def faulty(chain: Chain, phenomenon: str, form: int, size: float) -> Chain:
 
 
 def late_by(chain: Chain) -> float:
-    """s, by which the force is late against the displacement."""
+    """s, delay of the force relative to the displacement."""
     return -chain.skew if chain.form == 1 else chain.skew
 
 
 def gauge(chain: Chain, drive: Drive, force: np.ndarray) -> np.ndarray:
-    """(n,) N: what the gauge would show without noise, its spring taken off with the stated rate."""
+    """(n,) N: the gauge without noise, less its spring with the stated rate."""
     shown, time = force.copy(), drive.time
     if chain.rate_error:
         wide = np.abs(drive.x).max() + 1e-9
@@ -88,8 +88,8 @@ def gauge(chain: Chain, drive: Drive, force: np.ndarray) -> np.ndarray:
         shown += chain.rate_error * wide * bent
     if chain.gain:
         size = np.abs(force).max()
-        own = {0: 1.0, 1: 1.2 - 0.4 * np.abs(force) / size, 2: 2.0 * time / time[-1]}[chain.form]
-        shown += chain.gain * own * (force + chain.spring * drive.x + chain.preload * (chain.spring > 0.0))
+        share = {0: 1.0, 1: 1.2 - 0.4 * np.abs(force) / size, 2: 2.0 * time / time[-1]}[chain.form]
+        shown += chain.gain * share * (force + chain.spring * drive.x + chain.preload * (chain.spring > 0.0))
     if chain.offset:
         share = {0: 1.0, 1: 1.0 - np.exp(-6.0 * time / time[-1]), 2: 0.75 + 0.5 * time / time[-1]}[chain.form]
         shown += chain.offset * share
@@ -111,7 +111,7 @@ def _shifted(values: np.ndarray, chain: Chain) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Samples:
-    """What one recording holds: s, m, N, and deg C and A where there are such channels; (n,) each.
+    """The content of one recording: s, m, N, and deg C and A if recorded; (n,) each.
 
     ``truth`` is the damper's in-band force in N at the same times, ``name`` of the recording.
     """

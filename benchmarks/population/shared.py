@@ -1,4 +1,5 @@
-"""What all families share at a step: the joint and the rod behind it, air in the oil, the coil's field (compiled)."""
+"""Common parts of a step of all families: the joint and the rod behind it, air in the oil, the coil's field
+(compiled)."""
 
 from math import exp, tanh
 
@@ -30,7 +31,7 @@ def rod_motion(plant, rod, solid, x_in, v_in, a_in, resisting, step):
 
 @compiled
 def settle(plant, rod, force):
-    """Moves the rod to where its joint carries ``force`` (N) at rest."""
+    """Moves the rod to the position where its joint balances ``force`` (N) at rest."""
     if plant.mount_form == 0:
         return
     given, scratch, deflection = rod[0], np.zeros(1), 0.0
@@ -41,7 +42,7 @@ def settle(plant, rod, force):
 
 @compiled
 def rod_side(plant, solid, x, v, a, force, step):
-    """Force in N on the rod with its masses; behind a joint plain masses are in the rod's own balance."""
+    """Force in N on the rod with its masses; behind a joint plain masses are in the rod's equation."""
     if plant.mount_form == 0:
         return force + plant.rod_mass * a + massed(plant, solid[4:6], x, v, a, step)
     if plant.mass_form == 2:
@@ -53,13 +54,13 @@ def rod_side(plant, solid, x, v, a, force, step):
 
 @compiled
 def gauge_force(plant, rod, solid, force):
-    """What the gauge feels: the joint's force where there is one."""
+    """The gauge's force: that of the joint, if there is one."""
     return force if plant.mount_form == 0 else solid[7]
 
 
 @compiled
 def aerate(plant, air, pressure, v, step):
-    """Free gas in the oil, as a share: what is always there, foam of long work, and what a low pressure sets free."""
+    """Free gas in the oil, as a share: the permanent share, foam from long work, and gas released by low pressure."""
     air[0] += step * ((1.0 - air[0]) * abs(v) / 0.2 / 30.0 - air[0] / 200.0)
     if plant.release > 0.0:
         if pressure < AMBIENT:
@@ -71,17 +72,17 @@ def aerate(plant, air, pressure, v, step):
 
 @compiled
 def magnetise(plant, magnet, current, step):
-    """The field, 0 to about 1, that the current makes; fixed where it does not act."""
+    """The field, 0 to about 1, of the current; constant if the current has no effect."""
     form = plant.current_form
     if form == 0:
         return plant.idle
     share = abs(current) / plant.saturation
     magnet[0] += (share - magnet[0]) * (1.0 - exp(-step / plant.coil))
-    if form == 2:  # eddy currents in the core: part of the field comes later
+    if form == 2:  # eddy currents in the core: part of the field is delayed
         magnet[1] += (magnet[0] - magnet[1]) * (1.0 - exp(-step / plant.eddy))
         late = 0.6 * magnet[0] + 0.4 * magnet[1]
         return late * late / (0.3 + late * late) * 1.3
-    if form == 3:  # remanence: the field stays behind what made it
+    if form == 3:  # remanence: the field lags behind the current
         magnet[1] = min(max(magnet[1], magnet[0] - 0.12), magnet[0] + 0.12)
         return max(magnet[1], 0.0) ** 1.5 / (1.0 + 0.3 * max(magnet[1], 0.0))
     return tanh(magnet[0]) * 1.2

@@ -19,7 +19,7 @@ def run(plant: Plant, drive: Drive) -> np.ndarray:
     """(n, 4): force in N, pressures of rebound, compression and gas in Pa.
 
     Raises:
-        Unstable: where the result is not finite or beyond any damper.
+        Unstable: if the result is not finite or implausible for a damper.
     """
     if plant.mount_form:
         plant = plant._replace(rod_mass=max(plant.rod_mass, lightest(plant)))
@@ -31,7 +31,7 @@ def run(plant: Plant, drive: Drive) -> np.ndarray:
 
 
 def lightest(plant: Plant) -> float:
-    """kg, of the rod behind its joint, that a step of the simulation can follow; the same with any joint."""
+    """kg, smallest mass of the rod behind its joint for the simulation's step; the same for any joint."""
     annulus = plant.piston - plant.rod
     chamber = annulus**2 * plant.bulk / (plant.rebound_volume - annulus * 0.8 * plant.stroke)
     return (3.0 * plant.mount + chamber + plant.rub_stiffness) / (1.2 * RATE**2)
@@ -43,7 +43,7 @@ def force_of(plant: Plant, drive: Drive) -> np.ndarray:
 
 
 def in_band(values: np.ndarray, rate: float = RATE, cutoff: float = 30.0) -> np.ndarray:
-    """(n,) the part of a signal below ``cutoff`` Hz; the band that recordings are judged in."""
+    """(n,) the part of a signal below ``cutoff`` Hz; the band in which recordings are judged."""
     frequency = np.fft.rfftfreq(values.size, 1.0 / rate)
     smooth = 1.0 / (1.0 + (frequency / cutoff) ** 8)
     return np.fft.irfft(np.fft.rfft(values) * smooth, values.size)

@@ -1,4 +1,4 @@
-"""Cases on the disk: recordings and user's model of a case that was made, so that a new diagnosis is judged at once."""
+"""Saved cases: recordings and user's model, so that a new diagnosis is judged without another simulation."""
 
 import json
 from dataclasses import dataclass, fields
@@ -17,7 +17,7 @@ RECORDINGS = ("base", "fit", "unseen", "twin")
 
 @dataclass(frozen=True)
 class Kept:
-    """A case with its user's model; ``facts`` is what truth knows, ready for a record."""
+    """A case with its user's model; ``facts`` is the truth for its record."""
 
     facts: dict[str, Any]
     chain: Chain
@@ -26,15 +26,15 @@ class Kept:
 
 
 def save(folder: Path, name: str, kept: Kept) -> None:
-    """Writes the case beside and moves it into place."""
+    """Writes the case to a temporary file and moves it into place."""
     folder.mkdir(parents=True, exist_ok=True)
     arrays = {}
     for role, several in kept.recordings.items():
-        for number, own in enumerate(several):
-            for field in fields(own):
-                values = getattr(own, field.name)
+        for number, samples in enumerate(several):
+            for field in fields(samples):
+                values = getattr(samples, field.name)
                 if isinstance(values, np.ndarray):
-                    # Single precision keeps nanometres and millinewtons of what a logger gives.
+                    # Single precision preserves nanometres and millinewtons of a logger's values.
                     kind = float if field.name == "time" else np.float32
                     arrays[f"{role}.{number}.{field.name}"] = values.astype(kind)
     de.save_model(kept.model, folder / f"{name}.yaml")
@@ -45,7 +45,7 @@ def save(folder: Path, name: str, kept: Kept) -> None:
 
 
 def saved(folder: Path, name: str) -> Kept | None:
-    """The case, where it was made before."""
+    """The case, if it was saved before."""
     place = folder / f"{name}.npz"
     if not place.exists():
         return None
@@ -59,8 +59,8 @@ def _samples(arrays: Any, role: str) -> tuple[Samples, ...]:
     """The recordings of a role, in order."""
     by_number: dict[int, dict[str, np.ndarray]] = {}
     for key in arrays.files:
-        own, number, field = key.split(".")
-        if own == role:
+        saved_role, number, field = key.split(".")
+        if saved_role == role:
             by_number.setdefault(int(number), {})[field] = arrays[key].astype(float)
     return tuple(
         Samples(**{"name": f"{role} {number}", "temperature": None, "current": None, **by_number[number]})

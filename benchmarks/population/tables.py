@@ -29,7 +29,7 @@ LEVELS = ("weak", "medium", "strong")
 
 
 def table(rows: Sequence[Sequence[object]]) -> str:
-    """Markdown; the first row is the head, columns but the first are numbers."""
+    """Markdown; the first row is the head, all columns except the first are numbers."""
     head, *body = [[str(cell) for cell in row] for row in rows]
     lines = [head, ["---", *["---:"] * (len(head) - 1)], *body]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
@@ -55,27 +55,27 @@ def report(records: Sequence[Record], seed: int) -> str:
     done = [one for one in records if "failed" not in one]
     failed = [one for one in records if "failed" in one]
     kinds = Counter(one["kind"] for one in done)
-    told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-    head = f"{len(done)} cases ({told}), seed {seed}; figures in brackets are 90 % intervals."
+    counts = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+    head = f"{len(done)} cases ({counts}), seed {seed}; figures in brackets are 90 % intervals."
     head += "".join(f"\n- failed: {one['name']}: {one['failed']}" for one in failed)
     hidden = [one for one in done if one["kind"] == "hidden"]
     fair = [one for one in hidden if not rough(one)]
     sections = (
-        ("In short", summary(done)),
+        ("Summary", summary(done)),
         ("How far to trust a finding, phenomenon by phenomenon", by_phenomenon(fair)),
         ("Confidence against truth", reliability([one for one in done if not rough(one)])),
         ("By damper, model, drive and rate", by_condition(fair)),
         ("Two at once", pairs([one for one in done if one["kind"] == "pair"])),
         ("Real recordings", real([one for one in done if one["kind"] == "real"])),
         ("Nothing hidden", alarms([one for one in done if not one["hidden"]])),
-        ("Every miss", misses(fair)),
+        ("All misses", misses(fair)),
         ("Seconds", seconds(done)),
     )
     return "\n\n".join([head, *(f"### {title}\n\n{text}" for title, text in sections if text)])
 
 
 def summary(done: Sequence[Record]) -> str:
-    """The figures that the diagnosis is held to."""
+    """The figures with requirements on the diagnosis."""
     every = [one for one in done if one["kind"] == "hidden"]
     hidden = [one for one in every if not rough(one)]
     by_level = [[one for one in hidden if one["level"] == level] for level in LEVELS]
@@ -83,14 +83,14 @@ def summary(done: Sequence[Record]) -> str:
     rows: list[list[object]] = [["", *LEVELS, "medium and strong"]]
 
     def add(words: str, figure: Callable[[Sequence[Record]], object]) -> None:
-        rows.append([words, *(figure(own) for own in by_level)])
+        rows.append([words, *(figure(cases) for cases in by_level)])
 
-    add("hidden effect first", lambda own: share([first(one) for one in own]))
-    add("in the first tied group", lambda own: share([tied(one) for one in own]))
-    add("size of the group, mean", lambda own: number([len(groups(one)[0]) for one in own if groups(one)], np.mean))
-    add("renamed", lambda own: share([renamed(one) for one in own]))
-    add("called nothing_missing", lambda own: share([one["verdict"] == "nothing_missing" for one in own]))
-    add("share of the excess removed, median", lambda own: number([removed(one) for one in own if "after" in one]))
+    add("hidden effect first", lambda cases: share([first(one) for one in cases]))
+    add("in the first tied group", lambda cases: share([tied(one) for one in cases]))
+    add("size of the group, mean", lambda cases: number([len(groups(one)[0]) for one in cases if groups(one)], np.mean))
+    add("renamed", lambda cases: share([renamed(one) for one in cases]))
+    add("called nothing_missing", lambda cases: share([one["verdict"] == "nothing_missing" for one in cases]))
+    add("share of the excess removed, median", lambda cases: number([removed(one) for one in cases if "after" in one]))
     return table(rows) + "\n\n" + "\n".join(f"- {words}: {figure}" for words, figure in _more(done, every).items())
 
 
@@ -107,40 +107,40 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
         "false alarms, nothing hidden": share([alarm(one) for one in nothing]),
         "... on real recordings": share([alarm(one) for one in nothing if one["kind"] == "real"]),
         "both of two named by diagnose": share([both(one) for one in pair]),
-        "... put in by improve": share([both_added(one) for one in pair if "steps" in one]),
+        "... added by improve": share([both_added(one) for one in pair if "steps" in one]),
         "... of those that act against each other, named": share([both(one) for one in against]),
         "skew within 0.3 ms, or tied": share([skew_found(one) for one in skews]),
         "hidden in real recordings and first": share([first(one) for one in put]),
-        "taken out of the best model of real recordings and first": share([first(one) for one in taken]),
+        "removed from the best model of real recordings and first": share([first(one) for one in taken]),
         "error of users' models made by improve, without the effect, share of the force, median": number(
             [one["base"] / one["force_rms"] for one in done if "improve" in one["model"]], digits=3
         ),
         "expected calibration error": f"{calibration([one for one in done if not rough(one)])[1]:.3f}",
-        "improved model alone unbiased (mean error below 2 % of the force)": share([unbiased(one) for one in after]),
-        "left out above: the user's model is off by more than what is hidden; first all the same": share(
+        "improved model unbiased (mean error below 2 % of the force)": share([unbiased(one) for one in after]),
+        "excluded above: error of the user's model above the hidden effect; nevertheless first": share(
             [first(one) for one in off]
         ),
     }
 
 
 def by_phenomenon(hidden: Sequence[Record]) -> str:
-    """One row per phenomenon that was hidden."""
+    """One row per hidden phenomenon."""
     rows: list[list[object]] = [["hidden", "first", "in group", "confidence, mean", "excess removed", "named instead"]]
     for name in PHENOMENA:
-        own = [one for one in hidden if one["hidden"] == [name]]
-        if own:
-            sure = [one["findings"][0]["confidence"] for one in own if one["findings"]]
-            instead = Counter(named(one) for one in own if not first(one))
+        cases = [one for one in hidden if one["hidden"] == [name]]
+        if cases:
+            sure = [one["findings"][0]["confidence"] for one in cases if one["findings"]]
+            instead = Counter(named(one) for one in cases if not first(one))
             rows.append([
-                name, share([first(one) for one in own]), share([tied(one) for one in own]),
-                f"{np.mean(sure):.2f}" if sure else "–", number([removed(one) for one in own if "after" in one]),
+                name, share([first(one) for one in cases]), share([tied(one) for one in cases]),
+                f"{np.mean(sure):.2f}" if sure else "–", number([removed(one) for one in cases if "after" in one]),
                 ", ".join(f"{what} {count}" for what, count in instead.most_common()) or "–",
             ])  # fmt: skip
     return table(rows) if len(rows) > 1 else ""
 
 
 def reliability(done: Sequence[Record]) -> str:
-    """Mean confidence of first findings against the share that was right."""
+    """Mean confidence of first findings against their share of correct ones."""
     rows, _ = calibration(done)
     if not rows:
         return ""
@@ -152,7 +152,7 @@ def reliability(done: Sequence[Record]) -> str:
 
 
 def misses(hidden: Sequence[Record]) -> str:
-    """Every miss of the first place."""
+    """All cases without the hidden effect in first place."""
     rows = [
         f"- {one['hidden'][0]} ({', '.join(one['forms'])}; {one['level']}, {one['family']}, {'/'.join(one['drive'])}, "
         f"{one['model']}): {said(one)}"
@@ -164,12 +164,14 @@ def misses(hidden: Sequence[Record]) -> str:
 
 
 def said(one: Record) -> str:
-    """All findings with what they are tied with; the verdict where there are none."""
-    return "; ".join("/".join([own["phenomenon"], *own["tied_with"]]) for own in one["findings"]) or named(one)
+    """All findings with their ties; the verdict without findings."""
+    return "; ".join("/".join([finding["phenomenon"], *finding["tied_with"]]) for finding in one["findings"]) or named(
+        one
+    )
 
 
 def by_condition(hidden: Sequence[Record]) -> str:
-    """First places under everything that was drawn."""
+    """First places by all drawn conditions."""
     rows: list[list[object]] = [["", "first", "in group"]]
     keys: dict[str, Callable[[Record], object]] = {
         "damper": lambda one: one["family"],
@@ -181,43 +183,43 @@ def by_condition(hidden: Sequence[Record]) -> str:
     }
     for words, key in keys.items():
         for value in sorted({key(one) for one in hidden}, key=str):
-            own = [one for one in hidden if key(one) == value]
-            rows.append([f"{words} {value}", share([first(o) for o in own]), share([tied(o) for o in own])])
+            cases = [one for one in hidden if key(one) == value]
+            rows.append([f"{words} {value}", share([first(o) for o in cases]), share([tied(o) for o in cases])])
     return table(rows) if len(rows) > 1 else ""
 
 
-def pairs(own: Sequence[Record]) -> str:
+def pairs(cases: Sequence[Record]) -> str:
     """Every pair."""
     rows: list[list[object]] = [["hidden", "forms", "named", "both"]]
-    for one in own:
+    for one in cases:
         words = " against " if one["against"] else " + "
         rows.append([words.join(one["hidden"]), ", ".join(one["forms"]), said(one), "yes" if both(one) else "no"])
-    return table(rows) if own else ""
+    return table(rows) if cases else ""
 
 
-def real(own: Sequence[Record]) -> str:
-    """Every case on real recordings that has something to find."""
+def real(cases: Sequence[Record]) -> str:
+    """Every case on real recordings with a hidden effect."""
     rows: list[list[object]] = [["hidden", "how", "recordings", "model", "named", "error without it, with it"]]
-    for one in own:
+    for one in cases:
         if one["hidden"]:
             errors = f"{one['base']:.1f}, {one['before']:.1f} N"
             rows.append([one["hidden"][0], one["forms"][0], one["family"], one["model"], said(one), errors])
     return table(rows) if len(rows) > 1 else ""
 
 
-def alarms(own: Sequence[Record]) -> str:
+def alarms(cases: Sequence[Record]) -> str:
     """Every false alarm."""
     return "\n".join(
         f"- {one['family']}, {'/'.join(one['drive'])}, {one['model']}: {one['verdict']} "
         f"{named(one) if one['findings'] else ', '.join(one['moved'][:3])}; error {one['before']:.1f} N, "
         f"on the base {one['own_base']:.1f} N, of {one['force_rms']:.0f} N"
-        for one in own
+        for one in cases
         if alarm(one)
     )
 
 
 def seconds(done: Sequence[Record]) -> str:
-    """Median and longest; of the processor where the machine may have had other work."""
+    """Median and longest; processor time, as the machine can have other load."""
     rows = [["", "cases", "median", "90 % below", "longest"]]
     for name in (
         "simulate_seconds",

@@ -1,4 +1,4 @@
-"""One tie from its card to its record: a diagnosis ends undecided, a test is planned, driven on the plant, judged."""
+"""One tie from its card to its record: an undecided diagnosis, a planned test, its simulation and judgement."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -25,16 +25,16 @@ RIG = "servo_hydraulic"
 
 
 def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str, Any]:
-    """What one line of the results holds; ``tie`` is false where the diagnosis left none that holds the truth.
+    """One line of the results; ``tie`` is false if the diagnosis has no tie with the hidden effect.
 
     Args:
-        random_drives: how many are tried where the plan says that nothing separates.
+        random_drives: number of random drives if the plan finds no separating test.
     """
     began = perf_counter()
     rng = np.random.default_rng([seed, 11, card.number])
     case = cases.made(card, seed, longest=60.0)
     signals = users.signal_map(case.chain)
-    base, twin, old = (users.recording([own], signals) for own in (case.base, case.twin, case.fit))
+    base, twin, old = (users.recording([recording], signals) for recording in (case.base, case.twin, case.fit))
     way = users.drawn_way(rng, case.family, False)
     model, how = users.made(way, base, twin, users.hand_made(base, card.hidden, rng), hidden_rms(case))
     folder.mkdir(parents=True, exist_ok=True)
@@ -54,8 +54,8 @@ def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str,
     planned = perf_counter()
     found = plan(model, old.measurements[DAMPER], group, rig, minutes=None, longest=MINUTES)
     facts |= {"tie": True, "plan_seconds": perf_counter() - planned, "minutes": found.minutes}
-    told = {name: (right, wrong) for name, right, wrong in found.chances.by_truth}
-    right, wrong = told[card.hidden[0]]
+    chances = {name: (right, wrong) for name, right, wrong in found.chances.by_truth}
+    right, wrong = chances[card.hidden[0]]
     facts |= {"right": right, "wrong": wrong, "best": found.chances.best, "would": list(found.would)}
     facts["planned"] = outcome(case, model, signals, _played(found, case, rng), rng, "plan")
     count = 1 if found.separates else random_drives
@@ -68,7 +68,7 @@ def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str,
 def outcome(
     case: Case, model: de.DamperModel, signals: de.SignalMap, drive: Drive, rng: np.random.Generator, name: str
 ) -> dict[str, Any]:
-    """What a diagnosis of the old and a new recording says: right, wrong or tied."""
+    """Outcome of a diagnosis of the old and a new recording: right, wrong or tied."""
     plant, chain = case.effects[-1].on
     new = sampled(name, chain, drive, force_of(plant, drive), rng)
     found = de.diagnose(users.recording([case.fit, new], signals), model)

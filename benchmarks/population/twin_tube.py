@@ -11,7 +11,7 @@ from population.solids import rubbed, stopped
 
 @compiled
 def through_foot(plant, pressure, thin):
-    """Flow in m^3/s from the compression chamber into the reserve: throttled on its way out, drawn in by a check."""
+    """Flow in m^3/s from the compression chamber into the reserve: throttled outwards, through a check inwards."""
     transition = plant.transition * thin * thin
     if pressure <= 0.0:
         return orifice(plant.foot_bleed + plant.intake, pressure, 1e3, plant.density)
@@ -38,7 +38,7 @@ def flows(plant, p1, p2, reserve, held, x, thin, valves, field):
 
 @compiled
 def solve(plant, e1, e2, volume1, volume2, step, p1, p2, reserve, held, x, thin, valves, field, gas):
-    """Both pressures in Pa at the end of a step: Newton's method, its way halved until it comes nearer."""
+    """Both pressures in Pa at the end of a step: Newton's method with steps halved until they improve."""
     through, out = flows(plant, p1, p2, reserve, held, x, thin, valves, field)
     r1 = volume1 * stored(plant, p1, gas) - e1 + step * through
     r2 = volume2 * stored(plant, p2, gas) - e2 - step * through + step * out
@@ -69,7 +69,7 @@ def solve(plant, e1, e2, volume1, volume2, step, p1, p2, reserve, held, x, thin,
 
 @compiled
 def integrate(plant, x_in, v_in, a_in, temperature, current, step, out):
-    """Runs a drive; ``out`` (n, 4) gets force and the pressures of rebound, compression and reserve."""
+    """Runs a drive; ``out`` (n, 4) receives force and the pressures of rebound, compression and reserve."""
     annulus = plant.piston - plant.rod
     memory = np.zeros(MEMORY)
     solid, gas_state, gel_state, valve_state = memory[0:10], memory[10:12], memory[12:16], memory[16:20]

@@ -1,4 +1,4 @@
-"""What a user has: recordings, a signal map, and a model that the verbs made on the recording without the effect."""
+"""A user's data: recordings, a signal map, and a model made by the verbs on the recording without the effect."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,28 +17,28 @@ FITTED = ("viscous_curve", "carrera_akutain", "dahl", "lugre", "bouc_wen", "his_
 IMPROVED = ("linear_viscous", "viscous_curve", "carrera_akutain", "dahl", "coulomb")
 MAGNETIC = ("semi_active_yield", "bouc_wen", "kwok")
 GOOD_ENOUGH = 0.7
-"""Of the rms change that is hidden: beyond, the model's own error on the recording without it is the larger finding,
-and the user improves the model first.
+"""Of the hidden rms change: a model with a larger error on the recording without it needs other effects first, and the
+user improves it beforehand.
 """
 
 
 def signal_map(chain: Chain) -> de.SignalMap:
-    """The user's: default topics, and the stated spring where the gauge carries one."""
-    own = replace(default_signals(DAMPER), spring_rate=chain.spring, preload=chain.preload)
-    return de.SignalMap(dampers={DAMPER: own})
+    """The user's map: default topics, and the stated spring if the gauge carries one."""
+    damper = replace(default_signals(DAMPER), spring_rate=chain.spring, preload=chain.preload)
+    return de.SignalMap(dampers={DAMPER: damper})
 
 
 def recording(several: Sequence[Samples], signals: de.SignalMap) -> de.Recording:
     """The recordings as the product reads them, pooled."""
     each = [
         de.Recording.from_arrays(
-            own.time, own.x, force=own.force, temperature=own.temperature, command=own.current, damper=DAMPER,
-            name=own.name, signals=signals,
+            samples.time, samples.x, force=samples.force, temperature=samples.temperature, command=samples.current,
+            damper=DAMPER, name=samples.name, signals=signals,
         )
-        for own in several
+        for samples in several
     ]  # fmt: skip
-    sources = tuple(source for own in each for source in own.sources)
-    measurements = {DAMPER: tuple(one for own in each for one in own.measurements[DAMPER])}
+    sources = tuple(source for recording in each for source in recording.sources)
+    measurements = {DAMPER: tuple(one for recording in each for one in recording.measurements[DAMPER])}
     return replace(each[0], sources=sources, measurements=measurements)
 
 
@@ -48,7 +48,7 @@ def error(model: DamperModel, measured: de.Recording) -> float:
 
 
 def hand_made(base: de.Recording, hidden: Sequence[str], rng: np.random.Generator) -> DamperModel:
-    """A careful engineer's chain: a curve, gas, friction, and an acceleration term or a lag; less what is hidden."""
+    """A careful engineer's chain: a curve, gas, friction, an acceleration term or a lag; without hidden effects."""
     measurement = base.measurements[DAMPER][0]
     low, high = np.quantile(measurement.kinematics.velocity[measurement.judged], [0.001, 0.999])
     speeds = np.array([0.01, 0.03, 0.06, 0.11, 0.18, 0.28, 0.42, 0.6, 0.85, 1.2])
@@ -82,14 +82,14 @@ def drawn_way(rng: np.random.Generator, family: str, moving_current: bool) -> tu
 def made(
     way: tuple[str, str], base: de.Recording, twin: de.Recording, start: DamperModel, hidden_rms: float
 ) -> tuple[DamperModel, str]:
-    """The user's model, and how it came about.
+    """The user's model, and its origin.
 
-    A fitted model whose own error without the effect is larger than what will be hidden goes through ``improve`` too;
-    where that is not enough either the chain made by hand is tried, and the better of both is the user's.
+    A fitted model whose error without the effect exceeds the hidden change goes through ``improve`` too; if that is not
+    enough, the hand-made chain is tried, and the user has the better of both.
 
     Args:
         twin: another recording without the effect.
-        start: the chain made by hand, not identified yet.
+        start: the hand-made chain before identification.
     """
     verb, name = way
     given = start if name == "hand_made" else name
@@ -111,7 +111,7 @@ def made(
 
 
 def load(path: Path) -> DamperModel:
-    """A model that was kept."""
+    """A saved model."""
     return de.load_model(str(path))
 
 

@@ -1,4 +1,4 @@
-"""Runs cases, each in a process of its own with a limit of time; what is done is a line of JSON and stays."""
+"""Runs cases, each in a separate process with a time limit; every completed case is saved as a line of JSON."""
 
 import json
 import resource
@@ -17,16 +17,16 @@ from population.cases import Card
 _CONTEXT = get_context("spawn")
 
 PATIENCE = 6.0
-"""Longest time of a case, over the processor's time that it may take."""
+"""Longest wall time of a case over its limit of processor time."""
 
 
 class TooLong(Exception):
-    """A case used up its time."""
+    """A case exceeded its time limit."""
 
 
 @dataclass(frozen=True)
 class Order:
-    """How cases are to be judged: ``folder`` keeps recordings and models, ``limit`` is s of the processor per case."""
+    """Options for judging cases: ``folder`` for recordings and models, ``limit`` in s of processor time per case."""
 
     seed: int
     folder: Path
@@ -35,7 +35,7 @@ class Order:
 
 
 def results(cards: Sequence[Card], order: Order, workers: int, place: Path) -> Iterator[dict[str, Any]]:
-    """Records as they become ready, written to ``place`` one by one."""
+    """Records on completion, written to ``place`` one by one."""
     waiting, running = list(reversed(cards)), []
     while waiting or running:
         while waiting and len(running) < workers:
@@ -51,18 +51,18 @@ def results(cards: Sequence[Card], order: Order, workers: int, place: Path) -> I
 
 
 def done(place: Path) -> dict[str, dict[str, Any]]:
-    """Records of an earlier run by the case's name; the last of each counts, and those that failed do not."""
+    """Records of an earlier run by the case's name; the last of each, without failures."""
     if not place.exists():
         return {}
     lines = (json.loads(text) for text in place.read_text(encoding="utf-8").splitlines() if text.endswith("}"))
-    return {own["name"]: own for own in lines if "failed" not in own}
+    return {record["name"]: record for record in lines if "failed" not in record}
 
 
 class _Running:
     """One case in its process."""
 
     def __init__(self, card: Card, order: Order) -> None:
-        # Other work on the machine is no fault of the case.
+        # Other load on the machine must not count.
         self.card, self.began, self.limit = card, monotonic(), PATIENCE * order.limit
         self.end, other = _CONTEXT.Pipe(duplex=False)
         self.process = _CONTEXT.Process(target=_one, args=(card, order, other), daemon=True)
@@ -70,7 +70,7 @@ class _Running:
         other.close()
 
     def result(self) -> dict[str, Any] | None:
-        """The record once it is there; waits for at most a fifth of a second."""
+        """The record when available; waits for at most a fifth of a second."""
         if self.end.poll(0.2):
             try:
                 record = self.end.recv()
@@ -89,15 +89,15 @@ class _Running:
 
 
 def facts(card: Card) -> dict[str, Any]:
-    """What is known of a case before it is made."""
+    """The known facts of a case before its simulation."""
     return {"name": card.name, "kind": card.kind, "hidden": list(card.hidden), "level": card.level}
 
 
 def _limit(seconds: float) -> None:
-    """Has this process stop, where it is, after so much of the processor's time."""
+    """Stops this process after ``seconds`` of processor time."""
 
     def stop(number: int, frame: object) -> None:
-        raise TooLong(f"worked longer than {seconds:g} s")
+        raise TooLong(f"needed more than {seconds:g} s of processor time")
 
     signal.signal(signal.SIGXCPU, stop)
     soft = ceil(seconds)
@@ -110,6 +110,6 @@ def _one(card: Card, order: Order, end: Any) -> None:
         from population.judge import record
 
         found = record(card, order.seed, order.folder, order.improving)
-    except Exception as fault:  # a broken case is counted, and must not end the run
+    except Exception as fault:  # a failed case counts and must not end the run
         found = facts(card) | {"failed": f"{type(fault).__name__}: {fault}", "traceback": traceback.format_exc()}
     end.send(found)

@@ -1,4 +1,4 @@
-"""The benchmarks are no package: their folder goes on the path, as it is when they run."""
+"""Adds the folder of the benchmarks, which are not a package, to the path."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The dampers of the population obey the laws that they stand for, and their cases are what they are called."""
+"""The dampers of the population obey physical laws, and their cases match their names."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ def drive(plant, seed=1, kind="random", speed=0.4, warming=0.0, highest=0.0, sec
 
 
 def plain(plant):
-    """Without what stores energy or remembers beyond chambers and gas."""
+    """Without energy storage and memory other than chambers and gas."""
     return plant._replace(delay_form=0, gel_form=0, foam=0.0, mount_form=0, gas_form=2, release=0.0, place_form=0)
 
 
@@ -45,38 +45,38 @@ def realisations(family, name, seed=1):
 
 @pytest.mark.parametrize("family", (TWIN, MONO, MAGNETO), ids=FAMILIES)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_damper_takes_energy_from_what_moves_it(family, seed):
+def test_a_damper_dissipates_energy(family, seed):
     plant = damper(family, seed)
     for kind in drives.KINDS:
         motion = drive(plant, seed, kind)
         force = simulate.force_of(plant, motion)
         work = np.cumsum(force * motion.v) / drives.RATE
         assert work[-1] > 0.0  # it begins and ends at the same place, at rest
-        # What it gives back on the way is what gas, oil and seals had stored.
+        # Energy returned on the way was stored in gas, oil and seals.
         most = np.max(np.maximum.accumulate(work) - work)
         assert most < 0.5 * (plant.charge * plant.rod + 50.0) * 4.0 * np.abs(motion.x).max()
 
 
 @pytest.mark.parametrize("family", (TWIN, MONO, MAGNETO), ids=FAMILIES)
 @pytest.mark.parametrize("name", IN_THE_DAMPER)
-def test_no_phenomenon_makes_energy(family, name):
+def test_no_phenomenon_produces_energy(family, name):
     _, motion, forms = realisations(family, name)
     still = replace(motion, temperature=np.full(motion.x.size, 30.0), current=np.full(motion.x.size, 0.5))
-    for own in forms:
-        size = min(max(1.0, own.low), own.high)
-        force = simulate.force_of(own.on(size), still)
-        assert np.sum(force * still.v) > 0.0, own.form
+    for form in forms:
+        size = min(max(1.0, form.low), form.high)
+        force = simulate.force_of(form.on(size), still)
+        assert np.sum(force * still.v) > 0.0, form.form
 
 
 @pytest.mark.parametrize("family", (TWIN, MONO, MAGNETO), ids=FAMILIES)
-def test_at_rest_the_gas_alone_pushes(family):
+def test_at_rest_only_the_gas_pushes(family):
     plant = damper(family, 4)
     motion = drive(plant)
     force = simulate.force_of(plant, motion)
     assert force[10] == pytest.approx(-plant.rod * (plant.charge - AMBIENT), rel=0.02, abs=2.0)
 
 
-def test_what_leaves_the_rebound_chamber_of_a_monotube_passes_the_piston():
+def test_oil_that_leaves_the_rebound_chamber_of_a_monotube_passes_the_piston():
     plant = plain(damper(MONO, 5))
     motion = drive(plant)
     _, p1, p2, _ = simulate.run(plant, motion).T
@@ -99,13 +99,13 @@ def test_oil_that_leaves_both_chambers_of_a_twin_tube_is_in_the_reserve():
     motion = drive(plant)
     _, p1, p2, p3 = simulate.run(plant, motion).T
     annulus = plant.piston - plant.rod
-    s1, s2 = (np.array([stored(plant, p, plant.free_gas) for p in own]) for own in (p1, p2))
+    s1, s2 = (np.array([stored(plant, p, plant.free_gas) for p in pressures]) for pressures in (p1, p2))
     inside = (plant.rebound_volume - annulus * motion.x) * s1 + (
         plant.compression_volume + plant.piston * motion.x
     ) * s2
     out = np.array([through_foot(plant, a - b, viscosity(plant, 30.0)) for a, b in zip(p2, p3, strict=True)])
     expected = (-plant.rod * motion.v - out)[1:] / drives.RATE
-    # What a step's solution leaves over is made good by the next one: nothing adds up.
+    # The next step corrects the remainder of a step's solution: errors do not accumulate.
     lost = np.abs(inside[1:] - inside[0] - np.cumsum(expected))
     swept = plant.rod * np.ptp(motion.x)
     assert lost.max() < 1e-2 * swept
@@ -113,19 +113,19 @@ def test_oil_that_leaves_both_chambers_of_a_twin_tube_is_in_the_reserve():
 
 
 @pytest.mark.parametrize("name", IN_THE_DAMPER)
-def test_a_phenomenon_comes_in_three_forms_at_least(name):
-    forms = {own.form for family in (TWIN, MONO, MAGNETO) for own in realisations(family, name)[2]}
+def test_a_phenomenon_has_at_least_three_forms(name):
+    forms = {realisation.form for family in (TWIN, MONO, MAGNETO) for realisation in realisations(family, name)[2]}
     assert len(forms) >= 3
 
 
 @pytest.mark.parametrize("name", IN_THE_DAMPER)
 def test_on_and_off_differ_and_off_is_the_same_every_time(name):
     _, motion, forms = realisations(MONO, name)
-    for own in forms:
-        size = min(max(1.0, own.low), own.high)
-        off = simulate.force_of(own.off(size), motion)
-        assert np.array_equal(off, simulate.force_of(own.off(size), motion))
-        assert not np.array_equal(off, simulate.force_of(own.on(size), motion)), own.form
+    for form in forms:
+        size = min(max(1.0, form.low), form.high)
+        off = simulate.force_of(form.off(size), motion)
+        assert np.array_equal(off, simulate.force_of(form.off(size), motion))
+        assert not np.array_equal(off, simulate.force_of(form.on(size), motion)), form.form
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -140,7 +140,7 @@ def test_a_chain_without_a_fault_shows_the_force_exactly(name):
 
 @pytest.mark.parametrize("late", (-0.003, 0.002))
 @pytest.mark.parametrize("form", (0, 1))
-def test_a_late_force_is_late_by_so_much(late, form):
+def test_a_late_force_has_the_stated_delay(late, form):
     plant = damper(MONO, 8)
     motion = drive(plant)
     force = simulate.in_band(simulate.force_of(plant, motion))
@@ -155,15 +155,15 @@ def test_a_late_force_is_late_by_so_much(late, form):
 def test_a_strength_is_found_within_its_tolerance(name):
     _, motion, forms = realisations(MONO, name, seed=2)
     chain = sensors.drawn(np.random.default_rng(1), 100.0, False)
-    for own in forms:
-        found = in_damper(name, own, chain, motion, MEDIUM)
-        assert found is not None, own.form
+    for form in forms:
+        found = in_damper(name, form, chain, motion, MEDIUM)
+        assert found is not None, form.form
         again = simulate.share(simulate.force_of(found.off[0], motion), simulate.force_of(found.on[0], motion))
         assert again == pytest.approx(found.strength)
         assert again == pytest.approx(MEDIUM, rel=TOLERANCE)
 
 
-def test_a_fault_of_the_chain_has_the_strength_that_was_asked_for():
+def test_a_fault_of_the_chain_has_the_requested_strength():
     plant = damper(MONO, 9)
     motion = drive(plant)
     chain = sensors.drawn(np.random.default_rng(1), 100.0, False)

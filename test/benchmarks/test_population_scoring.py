@@ -1,4 +1,4 @@
-"""The population's figures say what they say, and its runs go on after anything that a case can do."""
+"""The population's figures are correct, and its runs survive any failure of a case."""
 
 from math import isnan, sqrt
 
@@ -13,7 +13,7 @@ from damper_estimator.model import load_model
 
 
 def record(hidden=("friction",), named=(("friction",),), verdict="missing", confidence=0.9, **more):
-    """A record as a line of the results holds it; ``named`` gives each finding's group, its own phenomenon first."""
+    """A record like a line of the results; ``named`` is the group of each finding, its phenomenon first."""
     return {
         "name": "one",
         "kind": "hidden" if hidden else "nothing",
@@ -61,12 +61,12 @@ def record(hidden=("friction",), named=(("friction",),), verdict="missing", conf
     ],
 )
 def test_places_of_the_hidden_effect(named, verdict, first, tied, renamed):
-    own = record(named=named, verdict=verdict)
-    assert (scoring.first(own), scoring.tied(own), scoring.renamed(own)) == (first, tied, renamed)
+    case = record(named=named, verdict=verdict)
+    assert (scoring.first(case), scoring.tied(case), scoring.renamed(case)) == (first, tied, renamed)
 
 
 @pytest.mark.parametrize("verdict", ("missing", "parameters_changed", "unexplained"))
-def test_whatever_is_said_where_nothing_is_hidden_is_an_alarm(verdict):
+def test_any_finding_with_nothing_hidden_is_an_alarm(verdict):
     assert scoring.alarm(record(hidden=(), verdict=verdict))
     assert not scoring.alarm(record(hidden=(), verdict="nothing_missing", named=()))
 
@@ -84,7 +84,7 @@ def test_two_effects_need_two_findings(named, both):
     assert scoring.both(record(hidden=("friction", "inertia"), named=named)) is both
 
 
-def test_what_was_taken_out_again_was_not_put_in():
+def test_a_removed_effect_does_not_count_as_added():
     steps = [["start", None, None], ["add", "dahl", "friction"], ["add", "inertia", "inertia"], ["prune", "dahl", None]]
     assert not scoring.both_added(record(hidden=("friction", "inertia"), steps=steps))
     assert scoring.both_added(record(hidden=("friction", "inertia"), steps=steps[:3]))
@@ -104,29 +104,29 @@ def test_a_skew_must_be_right_or_tied(named, skew, found):
     assert scoring.skew_found(record(named=named, skew=skew, true_skew=0.002)) is found
 
 
-def test_excess_is_wholly_removed_where_the_error_is_that_without_the_effect():
+def test_excess_is_fully_removed_if_the_error_equals_that_without_the_effect():
     assert scoring.removed(record(after=10.0)) == pytest.approx(1.0)
     assert scoring.removed(record(after=50.0)) == 0.0
     assert isnan(scoring.removed(record(before=10.0)))
 
 
 @pytest.mark.parametrize(("hits", "count"), [(0, 7), (3, 11), (9, 10), (20, 20)])
-def test_the_ends_of_an_interval_are_where_the_share_is_just_likely(hits, count):
+def test_at_the_ends_of_an_interval_the_share_is_just_likely(hits, count):
     share = hits / count
     for end in scoring.wilson(hits, count):
         if 0.0 < end < 1.0:
             assert abs(share - end) == pytest.approx(scoring.Z * sqrt(end * (1.0 - end) / count))
 
 
-def test_a_bootstrap_leaves_out_what_is_not_finite_and_holds_its_figure():
+def test_a_bootstrap_ignores_non_finite_values_and_contains_its_figure():
     values = [0.8, 0.9, 1.0, float("nan")]
     middle, low, high = scoring.bootstrap(values, np.median)
     assert middle == 0.9
     assert 0.8 <= low <= middle <= high <= 1.0
-    assert all(isnan(own) for own in scoring.bootstrap([float("nan")], np.median))
+    assert all(isnan(value) for value in scoring.bootstrap([float("nan")], np.median))
 
 
-def test_confidence_that_is_the_share_of_right_findings_has_no_calibration_error():
+def test_confidence_equal_to_the_share_of_right_findings_has_no_calibration_error():
     right = [record(confidence=0.75)] * 3 + [record(confidence=0.75, named=(("inertia",),))]
     rows, gap = scoring.calibration(right)
     assert rows == [(0.75, 0.75, 4)]
@@ -135,21 +135,21 @@ def test_confidence_that_is_the_share_of_right_findings_has_no_calibration_error
     assert gap == pytest.approx(0.5)
 
 
-def test_the_report_holds_every_section_and_every_failure():
-    own = [
+def test_the_report_contains_every_section_and_every_failure():
+    records = [
         record(),
         record(named=(("inertia",),)),
         record(hidden=("friction", "inertia"), kind="pair", named=(("friction",), ("inertia",))),
         record(hidden=()),
         {"name": "broken", "kind": "hidden", "hidden": ["friction"], "level": "weak", "failed": "ValueError: no"},
     ]
-    text = tables.report(own, 7)
+    text = tables.report(records, 7)
     for part in ("seed 7", "broken: ValueError: no", "1 of 2: 50 %", "friction + inertia", "calibration error"):
         assert part in text
-    assert all("FAILED" in tables.line(one) or "N" in tables.line(one) for one in own)
+    assert all("FAILED" in tables.line(one) or "N" in tables.line(one) for one in records)
 
 
-def test_a_case_comes_back_from_the_disk(tmp_path):
+def test_a_saved_case_is_restored(tmp_path):
     time = np.arange(50) / 100.0
     one = Samples("fit", time, 0.01 * np.sin(time), 100.0 * time, None, np.ones(50), 99.0 * time)
     kept = store.Kept({"name": "a"}, Chain(100, 0, 0, 0, 0, 0, 0), dict.fromkeys(store.RECORDINGS, (one, one)),
@@ -159,10 +159,10 @@ def test_a_case_comes_back_from_the_disk(tmp_path):
     assert again.facts == kept.facts
     assert again.chain == kept.chain
     assert len(again.recordings["fit"]) == 2
-    own = again.recordings["fit"][1]
-    assert own.time == pytest.approx(time)
-    assert own.x == pytest.approx(one.x, rel=1e-6)
-    assert own.temperature is None
+    samples = again.recordings["fit"][1]
+    assert samples.time == pytest.approx(time)
+    assert samples.x == pytest.approx(one.x, rel=1e-6)
+    assert samples.temperature is None
     assert store.saved(tmp_path, "b") is None
 
 
@@ -179,21 +179,21 @@ def test_a_case_that_breaks_or_never_ends_is_a_failure_of_that_case_alone(tmp_pa
     assert work.done(place) == {}
 
 
-def test_a_run_goes_on_after_a_line_that_was_cut_off(tmp_path):
+def test_a_run_continues_after_a_truncated_line(tmp_path):
     place = tmp_path / "results.jsonl"
     place.write_text('{"name": "a", "verdict": "missing"}\n{"name": "b", "ver')
     assert list(work.done(place)) == ["a"]
 
 
-def test_a_model_is_rough_where_its_own_error_is_larger_than_what_is_hidden():
+def test_a_model_is_rough_if_its_error_exceeds_the_hidden_change():
     assert not scoring.rough(record(base=49.0, shown=0.1, strengths=[0.1], force_rms=500.0))
     assert scoring.rough(record(base=51.0, shown=0.1, strengths=[0.1], force_rms=500.0))
-    # Against each other both may hide nearly all of it.
+    # Opposite effects can cancel nearly completely.
     assert not scoring.rough(record(base=49.0, shown=0.02, strengths=[0.1, 0.1], force_rms=500.0))
     assert not scoring.rough(record(hidden=(), base=51.0, shown=0.0, strengths=[]))
 
 
-def test_an_effect_that_matters_is_taken_out_of_the_best_model():
+def test_an_effect_that_matters_is_removed_from_the_best_model():
     time = np.arange(4000) / 200.0
     x = 0.01 * np.sin(2.0 * np.pi * 1.5 * time) + 0.006 * np.sin(2.0 * np.pi * 4.0 * time)
     v = np.gradient(x, time)

@@ -1,4 +1,5 @@
-"""The Python line on the inputs of generated C; inputs of recordings, and with all that goes wrong; random models."""
+"""Runs the Python line on the inputs of generated C; inputs from recordings and with all kinds of faults; random
+models."""
 
 from pathlib import Path
 
@@ -31,31 +32,31 @@ def python_line(damper: Damper, given: np.ndarray) -> LineOutput:
 
 
 def last_come(values: np.ndarray, came: np.ndarray, before=np.nan) -> np.ndarray:
-    """The value that came last at each of n samples."""
+    """The last received value at each of n samples."""
     index = np.maximum.accumulate(np.where(came, np.arange(values.size), -1))
     return np.where(index >= 0, values[index], before)
 
 
 def recorded(path: Path, damper: str) -> np.ndarray:
-    """Inputs as a recording brings them: every displacement, with the slow channels that came since the one before."""
+    """Inputs from a recording: every displacement, with the slow channels received since the previous one."""
     with open_bag(path) as bag:
-        own = signals_for(bag, load_signal_map(None), damper).dampers[damper]
+        signals = signals_for(bag, load_signal_map(None), damper).dampers[damper]
         columns = {}
         for role in ("displacement", *SLOW):
-            channel = getattr(own, role)
+            channel = getattr(signals, role)
             if (topic := find_topic(bag, channel.topic)) is not None:
                 columns[role] = bag.columns(topic, (channel.field,))
     motion = columns.pop("displacement")
-    given = inputs(motion.stamp, own.displacement.value(motion.values[:, 0]))
+    given = inputs(motion.stamp, signals.displacement.value(motion.values[:, 0]))
     for role, slow in columns.items():
         last = np.searchsorted(slow.rank, motion.rank) - 1
-        given[role] = getattr(own, role).value(np.where(last >= 0, slow.values[last, 0], np.nan))
+        given[role] = getattr(signals, role).value(np.where(last >= 0, slow.values[last, 0], np.nan))
         given[f"{role}_arrived"] = np.diff(last, prepend=-1) > 0
     return given
 
 
 def random_model(seed: int) -> DamperModel:
-    """A chain of effects as they come, nested in paths and behind compliances, with values inside their bounds."""
+    """A random chain of effects, nested in paths and behind compliances, with values inside their bounds."""
     random = np.random.default_rng([7, seed])
     effects = {name: effect for name, effect in all_effects().items() if effect.kind != "channel"}
 
@@ -85,9 +86,8 @@ def random_model(seed: int) -> DamperModel:
 
 
 def rough(seed: int, size: int, mean_step: float = 2e-3, trouble: float = 1.0) -> np.ndarray:
-    """Inputs with all that goes wrong on a vehicle: uneven stamps, gaps, stamps that go back or repeat, steps of the
-    clock, values that are not finite or jump, slow channels that fall silent or cannot be, doubtful senders;
-    ``trouble`` times as often."""
+    """Inputs with all faults of a vehicle: uneven stamps, gaps, reversed or repeated stamps, steps of the clock,
+    non-finite values and jumps, silent or impossible slow channels, doubtful senders; ``trouble`` times as often."""
     random = np.random.default_rng(seed)
     steps = (random.uniform(0.2, 1.8, size) * mean_step * 1e9).astype(np.int64)
     odd = random.random(size) / max(trouble, 1e-9)
@@ -115,7 +115,7 @@ def rough(seed: int, size: int, mean_step: float = 2e-3, trouble: float = 1.0) -
         values[(random.random(size) > rate) | quiet] = np.nan
         channels[name] = values
     given = inputs(stamp, x, **channels)
-    for name in ("command", "temperature", "pressure"):  # a message that holds no number is a message
+    for name in ("command", "temperature", "pressure"):  # a non-finite message is a message
         given[f"{name}_arrived"][random.random(size) < 0.001] = 1
     given["acceleration"] = random.normal(0.0, 20.0, size)
     given["acceleration_arrived"] = random.random(size) < 0.8

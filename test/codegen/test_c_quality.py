@@ -1,4 +1,4 @@
-"""What compilers, sanitizers and cppcheck say of the generated C, and how exact its single precision is."""
+"""Checks of the generated C by compilers, sanitizers and cppcheck, and the error of its single precision."""
 
 import re
 import shutil
@@ -34,7 +34,7 @@ def exported(name: str, single: bool = False):
 @pytest.mark.parametrize(
     "name", ["carrera_akutain", "semi_active_on_mount", "renault_modified_bouc_wen", "force_surface"]
 )
-def test_compilers_have_nothing_to_warn_of(name, single, compiler, tmp_path):
+def test_compilers_emit_no_warnings(name, single, compiler, tmp_path):
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     for level in ("-O0", "-O3"):
@@ -43,7 +43,7 @@ def test_compilers_have_nothing_to_warn_of(name, single, compiler, tmp_path):
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("seed", range(3))
-def test_compilers_have_nothing_to_warn_of_in_random_chains(seed, compiler, tmp_path):
+def test_compilers_emit_no_warnings_for_random_chains(seed, compiler, tmp_path):
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     CompiledDamper(damper_of(random_model(100 + seed), Choices(name="d"))[0], tmp_path, compiler)
@@ -96,7 +96,7 @@ def test_sanitizers_find_nothing_on_rough_and_random_inputs(name, tmp_path):
 
 
 def _wild(seed: int, size: int) -> np.ndarray:
-    """Inputs of random bits, as a broken sender makes them; stamps within what ROS messages can hold."""
+    """Inputs of random bits, like those of a broken sender; stamps within the range of ROS messages."""
     random = np.random.default_rng(seed)
     given = np.frombuffer(random.bytes(size * one_sample.INPUT.itemsize), one_sample.INPUT).copy()
     step = random.integers(-(10**7), 3 * 10**7, size)
@@ -116,11 +116,11 @@ def test_cppcheck_and_misra_have_only_the_listed_deviations(name, tmp_path):
     CompiledDamper(exported(name), tmp_path)
     call = ["cppcheck", "--enable=warning,performance,portability", "--std=c99", "--quiet", "--addon=misra",
             "--suppress=missingIncludeSystem", "--error-exitcode=0", "d.c"]  # fmt: skip
-    said = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False).stderr
-    rules = set(re.findall(r"misra-c2012-(\d+\.\d+)", said))
-    other = [line for line in said.splitlines() if re.search(r"(error|warning|performance|portability):", line)]
+    output = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False).stderr
+    rules = set(re.findall(r"misra-c2012-(\d+\.\d+)", output))
+    other = [line for line in output.splitlines() if re.search(r"(error|warning|performance|portability):", line)]
     assert not other, other
-    assert rules <= DEVIATIONS, {rule: next(x for x in said.splitlines() if rule in x) for rule in rules - DEVIATIONS}
+    assert rules <= DEVIATIONS, {rule: next(x for x in output.splitlines() if rule in x) for rule in rules - DEVIATIONS}
 
 
 @needs_compiler
@@ -141,7 +141,7 @@ def test_single_precision_follows_a_recording(tmp_path):
 
 @needs_compiler
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
-def test_the_fmus_own_sources_compile_without_warnings(version, tmp_path):
+def test_the_sources_of_an_fmu_compile_without_warnings(version, tmp_path):
     path = tmp_path / "x.fmu"
     write_fmu(load_model("semi_active_yield"), path, Choices(name="x", limits=LIMITS), version)
     shutil.unpack_archive(path, tmp_path / "in", "zip")
@@ -157,7 +157,7 @@ def test_nothing_is_allocated_and_nothing_is_global(tmp_path):
     subprocess.run([find_compiler(), "-std=c99", "-O1", "-c", "d.c", "-o", "d.o"], cwd=tmp_path, check=True)
     symbols = subprocess.run(["nm", "d.o"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.split("\n")
     kinds = {line.split()[-1]: line.split()[-2] for line in symbols if line.strip()}
-    assert not {name for name, kind in kinds.items() if kind in "bBdDC"}, "data that could be changed"
+    assert not {name for name, kind in kinds.items() if kind in "bBdDC"}, "mutable global data"
     assert {name for name, kind in kinds.items() if kind == "U"} <= {
         "exp", "pow", "tanh", "log", "sin", "cos", "sincos", "sqrt", "atan", "memset", "memcpy",
         "_GLOBAL_OFFSET_TABLE_",

@@ -1,4 +1,4 @@
-"""What docs/export.md shows works as it stands there."""
+"""The examples of docs/export.md work as printed."""
 
 import re
 import subprocess
@@ -34,8 +34,8 @@ def test_the_program_in_c_prints_the_forces_of_the_line(tmp_path):
     x = 0.02 * np.sin(20.0 * time)
     rows = "\n".join(f"{t:.6f},{d:.17g}" for t, d in zip(time, x, strict=True))
     (tmp_path / "road.csv").write_text(f"time,displacement\n{rows}\n")
-    said = subprocess.run(["./forces", "road.csv"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-    found = np.array([[float(cell) for cell in line.split(",")] for line in said.split()])
+    output = subprocess.run(["./forces", "road.csv"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    found = np.array([[float(cell) for cell in line.split(",")] for line in output.split()])
     answered = python_line(damper_of(load_model("carrera_akutain"), Choices())[0], inputs(np.arange(500) * 10**6, x))
     assert np.array_equal(found[:, 1], answered.numbers[:, 3, 0])
     assert np.array_equal(found[:, 2], answered.status[:, 0])
@@ -45,8 +45,8 @@ def test_the_quarter_car_settles_on_the_step(tmp_path):
     pytest.importorskip("fmpy", reason="FMPy is not installed")
     assert main(["export", "dahl", "--fmu", str(tmp_path / "front_left.fmu"), "--name", "front_left"]) == 0
     (tmp_path / "quarter_car.py").write_text(shown("python", "FMU2Slave"))
-    said = subprocess.run(
+    output = subprocess.run(
         [sys.executable, "quarter_car.py"], cwd=tmp_path, capture_output=True, text=True, check=True
     ).stdout
-    height, highest = map(float, re.findall(r"(-?[\d.]+) m", said))
+    height, highest = map(float, re.findall(r"(-?[\d.]+) m", output))
     assert 0.0 < height < 0.06 and 0.02 < highest < 0.09

@@ -1,4 +1,4 @@
-"""The C against the Python line: forces, motion, status and verdicts bit for bit, whatever comes in."""
+"""The C against the Python line: forces, motion, status and verdicts bit for bit, for any input."""
 
 import ctypes
 import os
@@ -33,7 +33,7 @@ def fitted(model):
 
 
 def assert_equal(damper: Damper, given: np.ndarray, folder: Path) -> np.ndarray:
-    """All numbers of the C are those of Python; returns the C's outputs for the samples that were used."""
+    """All numbers of the C equal those of Python; returns the C's outputs for the used samples."""
     outputs, verdict = CompiledDamper(damper, folder, None, (*FLAGS, "-O0")).run(given)  # quick to compile
     answered = python_line(damper, given)
     assert np.array_equal(verdict, answered.verdict[:, 0])
@@ -46,7 +46,7 @@ def assert_equal(damper: Damper, given: np.ndarray, folder: Path) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", library_models())
-def test_every_library_model_on_everything_that_goes_wrong(name, tmp_path):
+def test_every_library_model_on_all_kinds_of_faults(name, tmp_path):
     model = fitted(load_model(name))
     damper = Damper("d", deployed(model, 0.0 if name.endswith("unfiltered") else 60.0, 0.1))
     found = assert_equal(damper, rough(len(name), 2500), tmp_path)
@@ -65,16 +65,16 @@ def test_random_chains(seed, tmp_path):
     assert_equal(Damper("d", deployed(model, 45.0, 0.1)), rough(seed, 1200), tmp_path)
 
 
-def test_an_estimate_that_is_too_old_is_stale(tmp_path):
-    own = Damper("d", deployed(fitted(load_model("carrera_akutain")), 60.0, 0.1), stale_after=0.05)
-    library = ctypes.CDLL(str(CompiledDamper(own, tmp_path).library))
+def test_an_old_estimate_is_stale(tmp_path):
+    exported = Damper("d", deployed(fitted(load_model("carrera_akutain")), 60.0, 0.1), stale_after=0.05)
+    library = ctypes.CDLL(str(CompiledDamper(exported, tmp_path).library))
     state, output = ctypes.create_string_buffer(8192), np.zeros(1, one_sample.OUTPUT)
     library.d_init(state)
 
     def status(at: int) -> int:
         return library.d_status_at(state, ctypes.c_int64(at)) & 0xFF
 
-    assert status(0) == STALE  # no sample yet
+    assert status(0) == STALE  # before the first sample
     pointer = output.ctypes.data_as(ctypes.c_void_p)
     for stamp in range(0, 10**9, 10**6):
         given = inputs(np.array([stamp]), np.zeros(1), command=np.ones(1), temperature=np.full(1, 40.0))
@@ -99,8 +99,8 @@ def test_fusion_with_an_accelerometer_and_a_lead(tmp_path):
 )  # fmt: skip
 def test_replay_of_the_shipped_recordings(bag, damper, model, tmp_path):
     path = BAGS / f"{bag}.mcap"
-    own, _ = damper_of(load_model(model), Choices(name="d", cutoff=60.0))
-    outputs, verdict = CompiledDamper(own, tmp_path).run(recorded(path, damper))
+    exported, _ = damper_of(load_model(model), Choices(name="d", cutoff=60.0))
+    outputs, verdict = CompiledDamper(exported, tmp_path).run(recorded(path, damper))
     words = [
         "replay",
         str(path),

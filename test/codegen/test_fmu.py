@@ -1,4 +1,4 @@
-"""FMUs: valid to FMPy, the same forces as the line, and answers instead of crashes."""
+"""FMUs: valid for FMPy, the same forces as the line, and errors instead of crashes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -25,7 +25,7 @@ LIMITS = (0.0, 2.0)
 
 
 class Instance:
-    """One instance of an FMU, whichever its version, by the variables' names."""
+    """One instance of an FMU of any version, with access by the variables' names."""
 
     def __init__(self, path: Path, folder: Path, start: float = 0.0):
         self.description = fmpy.read_model_description(str(path))
@@ -102,8 +102,8 @@ def test_steps_of_a_recording_give_the_forces_of_the_line(units, version, model,
     command = 1.0 + np.sin(stamp * 4e-9)
     is_active = model.startswith("semi")
     given = inputs(stamp, raw["displacement"], **({"command": command} if is_active else {}))
-    own, _ = damper_of(load_model(model), Choices(name="d", limits=LIMITS if is_active else None))
-    answered = python_line(replace(own, limits=None), given)
+    exported, _ = damper_of(load_model(model), Choices(name="d", limits=LIMITS if is_active else None))
+    answered = python_line(replace(exported, limits=None), given)
     unit = Instance(units(model, version, limits=LIMITS if is_active else None), tmp_path)
     inverse = InverseModel(load_model(model), LIMITS) if is_active else None
     for i in range(given.size):
@@ -122,7 +122,7 @@ def test_steps_of_a_recording_give_the_forces_of_the_line(units, version, model,
 
 @needs_compiler
 @both
-def test_what_cannot_be_is_answered_with_an_error_and_changes_nothing(units, version, tmp_path):
+def test_invalid_input_is_an_error_and_changes_nothing(units, version, tmp_path):
     unit = Instance(units("carrera_akutain", version), tmp_path)
     for i in range(100):
         unit.set(displacement=0.01 * np.sin(0.1 * i))
@@ -145,7 +145,7 @@ def test_what_cannot_be_is_answered_with_an_error_and_changes_nothing(units, ver
 
 @needs_compiler
 @both
-def test_instances_have_parameters_of_their_own(units, version, tmp_path):
+def test_instances_have_separate_parameters(units, version, tmp_path):
     one, other = (Instance(units("coulomb", version), tmp_path / name) for name in ("one", "other"))
     address = next(s.address for s in load_model("coulomb").slots if s.parameter.linear)
     value = one.get(address)
@@ -164,7 +164,7 @@ def test_instances_have_parameters_of_their_own(units, version, tmp_path):
 
 @needs_compiler
 @both
-def test_a_saved_state_is_gone_back_to(units, version, tmp_path):
+def test_a_saved_state_is_restored(units, version, tmp_path):
     unit = Instance(units("dahl", version), tmp_path)
 
     def drive(first: int) -> list[float]:

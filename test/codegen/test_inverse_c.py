@@ -28,7 +28,7 @@ def test_currents_and_forces_are_those_of_python(name, with_reach, tmp_path):
     model, given = load_model(name), rough(11, 1500)
     damper = exported(name)
     given["reach"] = with_reach
-    given["command_arrived"][:300] = 0  # the inverse then goes on with its own answers
+    given["command_arrived"][:300] = 0  # the inverse then continues with its own answers
     wanted = np.where(np.arange(given.size) % 50 < 45, 900.0 * np.sin(np.arange(given.size) * 0.05), np.nan)
     outputs, verdict, answers = CompiledDamper(damper, tmp_path).invert(given, wanted)
     answered = python_line(damper, given)
@@ -41,15 +41,15 @@ def test_currents_and_forces_are_those_of_python(name, with_reach, tmp_path):
             found = inverse.again(wanted[i])
         else:
             found = inverse.solve(sample, wanted[i])
-        own = answers[i]
+        answer = answers[i]
         pairs = [
-            (own[n], getattr(found, n)) for n in ("current", "expected", "force_min", "force_max", "dforce_dcurrent")
+            (answer[n], getattr(found, n)) for n in ("current", "expected", "force_min", "force_max", "dforce_dcurrent")
         ]
         assert np.array_equal(*np.transpose(pairs), equal_nan=True), i
-        assert (own["reached"] != 0) == found.reached
+        assert (answer["reached"] != 0) == found.reached
 
 
-def test_the_inverse_follows_samples_that_nobody_asked_about(tmp_path):
+def test_the_inverse_follows_samples_without_requests(tmp_path):
     damper, given = exported("semi_active_on_mount"), rough(12, 800, trouble=0.0)
     library = CompiledDamper(damper, tmp_path)
     given["reach"] = 1

@@ -1,4 +1,4 @@
-"""What the translator makes of Python: the same numbers where it accepts a function, otherwise a named refusal."""
+"""The translator: the same numbers for every accepted function, otherwise a refusal that names the fault."""
 
 import ctypes
 import math
@@ -114,19 +114,19 @@ def calls_the_unknown(a, b):
 @pytest.mark.parametrize(
     "function", [uses_a_list, allocates, calls_itself, calls_the_unknown], ids=lambda f: f.__name__
 )
-def test_what_has_no_counterpart_is_refused_by_name(function):
+def test_constructs_without_counterpart_are_refused_by_name(function):
     with pytest.raises(Untranslatable, match=function.__name__):
         Translator().function(function, [Number(REAL, "a"), Number(REAL, "b")])
 
 
 def reads(values, i):
-    own = values[1:]
-    return own[0] + i
+    rest = values[1:]
+    return rest[0] + i
 
 
 def writes(values, i):
-    own = values[1:]
-    own[0] = 2.0 * i
+    rest = values[1:]
+    rest[0] = 2.0 * i
 
 
 def hands_over(values, i):

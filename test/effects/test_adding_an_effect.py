@@ -1,4 +1,4 @@
-"""The page that shows how to add an effect tells the truth: its file is found, fitted and kept to the contract."""
+"""The page about adding an effect is correct: its file is discovered and runs."""
 
 import re
 from pathlib import Path
@@ -18,7 +18,7 @@ BLOCKS = re.findall(r"```(\w+)\n(.*?)```", PAGE, re.DOTALL)
 
 @pytest.fixture
 def added(tmp_path, monkeypatch):
-    """The page's effect, as one new file in a folder that discovery looks into."""
+    """The page's effect, as one new file in a folder that discovery searches."""
     code = next(text for kind, text in BLOCKS if kind == "python" and "EFFECT" in text)
     (tmp_path / "square_orifice.py").write_text(code)
     monkeypatch.setattr(effects, "__path__", [*effects.__path__, str(tmp_path)])

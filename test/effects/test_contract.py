@@ -1,6 +1,4 @@
-"""What every effect must keep to, checked on all that discovery finds: a new one is tested before its author
-writes a test.
-"""
+"""Requirements on every discovered effect: a new effect is tested before its author writes a test."""
 
 import numpy as np
 import pytest
@@ -29,7 +27,7 @@ every_live_effect = pytest.mark.parametrize("name", [n for n, effect in EFFECTS.
 
 
 def block_of(size, seed=0, wild=1.0):
-    """A plausible motion on uneven steps; ``wild`` stretches it beyond what a damper does."""
+    """A plausible motion on uneven steps; ``wild`` scales it beyond realistic motions."""
     random = np.random.default_rng(seed)
     block = np.empty((ROWS, size))
     block[DT] = random.uniform(0.0005, 0.004, size)
@@ -67,10 +65,12 @@ def random_values(effect, seed):
 
 
 def model_around(effect, values):
-    """The smallest model in which an effect has something to act on."""
+    """The smallest model in which an effect acts."""
     base = make_element(find_effect("linear_viscous"))
-    own = make_element(effect, values, (base,) if effect.kind == "series" else ())
-    effects = {"input": (own, base), "modifier": (base, own), "channel": (base, own)}.get(effect.kind, (own,))
+    element = make_element(effect, values, (base,) if effect.kind == "series" else ())
+    effects = {"input": (element, base), "modifier": (base, element), "channel": (base, element)}.get(
+        effect.kind, (element,)
+    )
     return DamperModel("contract", "test", effects)
 
 
@@ -165,8 +165,8 @@ def test_model_file_gives_the_same_model_back(name):
 
 
 @every_effect
-def test_declared_linear_parameters_scale_the_effects_own_force(name):
-    """With all others kept, the force is homogeneous of degree one in the linear parameters taken together."""
+def test_declared_linear_parameters_scale_the_effects_force(name):
+    """With all others unchanged, the force is homogeneous of degree one in the linear parameters taken together."""
     effect = EFFECTS[name]
     linear = [p.name for p in effect.parameters if p.linear]
     if not linear or effect.kind not in ("source", "channel"):
@@ -188,13 +188,14 @@ def test_only_input_effects_change_the_motion(name):
 
 
 @every_live_effect
-def test_slow_channels_that_come_late_leave_no_trace(name):
-    """The first command, temperature and pressure arrive after the first displacement; what was missed is forgotten."""
+def test_late_slow_channels_leave_no_trace(name):
+    """The first command, temperature and pressure arrive after the first displacement; the missing ones have no later
+    effect."""
     effect = EFFECTS[name]
     base = make_element(find_effect("linear_viscous"))
-    own = make_element(effect, random_values(effect, 6), (base,) if effect.kind == "series" else ())
+    element = make_element(effect, random_values(effect, 6), (base,) if effect.kind == "series" else ())
     semi_active = make_element(find_effect("semi_active_squash"))
-    effects = {"input": (own, semi_active), "modifier": (base, semi_active, own)}.get(effect.kind, (own,))
+    effects = {"input": (element, semi_active), "modifier": (base, semi_active, element)}.get(effect.kind, (element,))
     model = DamperModel("late", "test", effects)
     block = block_of(3000)
     late = block.copy()

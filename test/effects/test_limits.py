@@ -1,4 +1,4 @@
-"""Limits in which one effect must become another, or a known form."""
+"""Limits in which one effect must equal another, or a known form."""
 
 import numpy as np
 import pytest
@@ -36,10 +36,10 @@ DASHPOT = {"rebound": 2000.0, "compression": 1500.0}
 @pytest.mark.parametrize("name", ["kwok", "guo", "cesmeci"])
 def test_sigmoids_saturate_and_without_hysteresis_are_odd_in_velocity(name):
     block = sweep(amplitude=1.0, frequency=5.0)
-    own = force(block, entry(name, force=100.0, damping=50.0, hysteresis=0.0))
+    computed = force(block, entry(name, force=100.0, damping=50.0, hysteresis=0.0))
     limit = 100.0 * (np.pi / 2 if name == "cesmeci" else 1.0)
-    assert np.abs(own).max() == pytest.approx(limit, rel=0.01)
-    assert np.sign(own[np.abs(block[V]) > 0.1]) == pytest.approx(np.sign(block[V][np.abs(block[V]) > 0.1]))
+    assert np.abs(computed).max() == pytest.approx(limit, rel=0.01)
+    assert np.sign(computed[np.abs(block[V]) > 0.1]) == pytest.approx(np.sign(block[V][np.abs(block[V]) > 0.1]))
 
 
 def test_kwok_and_guo_without_hysteresis_are_the_same_and_a_steep_one_is_coulombs():
@@ -62,10 +62,10 @@ def test_guos_loop_opens_with_displacement_and_cesmecis_with_acceleration():
 @pytest.mark.parametrize("name", ["squash_displacement", "squash_stroke_side", "squash_acceleration_sign"])
 def test_squashes_stay_below_their_height_and_reach_half_of_it_at_unit_argument(name):
     block = sweep(amplitude=2.0)
-    own = force(block, entry(name, force=200.0, damping=10.0, **{find_effect(name).parameters[2].name: 0.0}))
-    assert np.abs(own).max() < 200.0
+    computed = force(block, entry(name, force=200.0, damping=10.0, **{find_effect(name).parameters[2].name: 0.0}))
+    assert np.abs(computed).max() < 200.0
     at_one = np.argmin(np.abs(block[V] - 0.1))
-    assert own[at_one] == pytest.approx(200.0 * 10 * block[V][at_one] / (1 + abs(10 * block[V][at_one])))
+    assert computed[at_one] == pytest.approx(200.0 * 10 * block[V][at_one] / (1 + abs(10 * block[V][at_one])))
 
 
 def test_semi_active_force_vanishes_without_current_and_grows_with_it():
@@ -103,20 +103,20 @@ def test_smooth_curve_is_scipys_pchip_between_its_knots():
     v = np.array([-1.0, -0.3, -0.1, 0.0, 0.05, 0.4, 1.0])
     f = np.array([-900.0, -500.0, -250.0, 0.0, 180.0, 180.0, 700.0])
     block = sweep(amplitude=0.06, frequency=2.5)
-    own = force(block, entry("smooth_curve", velocity=v.tolist(), force=f.tolist()))
+    computed = force(block, entry("smooth_curve", velocity=v.tolist(), force=f.tolist()))
     inner = (block[V] >= v[1]) & (block[V] <= v[-2])
-    assert own[inner] == pytest.approx(PchipInterpolator(v, f)(block[V][inner]), abs=1e-9)
+    assert computed[inner] == pytest.approx(PchipInterpolator(v, f)(block[V][inner]), abs=1e-9)
 
 
 def test_force_surface_is_bilinear():
     v, a = np.array([-0.5, -0.1, 0.0, 0.2, 0.5]), np.array([-8.0, 0.0, 3.0, 8.0])
     grid = np.random.default_rng(0).normal(0.0, 300.0, (v.size, a.size))
     block = sweep()
-    own = force(
+    computed = force(
         block, entry("force_surface", velocity=v.tolist(), acceleration=a.tolist(), force=grid.ravel().tolist())
     )
     points = np.stack([block[V].clip(-0.5, 0.5), block[A].clip(-8.0, 8.0)], axis=1)
-    assert own == pytest.approx(RegularGridInterpolator((v, a), grid)(points), abs=1e-9)
+    assert computed == pytest.approx(RegularGridInterpolator((v, a), grid)(points), abs=1e-9)
 
 
 @pytest.mark.parametrize(("name", "values"), [
@@ -132,14 +132,14 @@ def test_rigid_joints_change_nothing(name, values):
 
 def test_a_joint_with_play_moves_without_force_between_its_ends():
     block = sweep(rate=5000)
-    own = force(block, entry("joint_play", (entry("coulomb", force=200.0),), stiffness=5e6, play=0.002))
+    computed = force(block, entry("joint_play", (entry("coulomb", force=200.0),), stiffness=5e6, play=0.002))
     settled = block[T] > 0.3
-    loose = np.abs(own[settled]) < 10.0
-    way = np.abs(block[V][settled])[loose].sum() / 5000 / 2.8  # crossings in 0.7 s at 2 Hz
-    assert way == pytest.approx(0.002, rel=0.15)
+    loose = np.abs(computed[settled]) < 10.0
+    travel = np.abs(block[V][settled])[loose].sum() / 5000 / 2.8  # crossings in 0.7 s at 2 Hz
+    assert travel == pytest.approx(0.002, rel=0.15)
 
 
-def test_fade_is_nothing_at_the_reference_and_linear_beside_it():
+def test_fade_is_zero_at_the_reference_and_linear_around_it():
     for theta, share in ((40.0, 1.0), (60.0, 0.9), (20.0, 1.1)):
         block = sweep(temperature=theta)
         plain = force(block, entry("linear_viscous", **DASHPOT))
@@ -153,44 +153,48 @@ def test_fade_is_nothing_at_the_reference_and_linear_beside_it():
     )
 
 
-def test_end_stops_are_silent_inside_and_progressive_beyond():
+def test_end_stops_are_zero_inside_and_progressive_beyond():
     block = sweep(amplitude=0.06)
-    own = force(
+    computed = force(
         block, entry("end_stop", bump_stiffness=1e6, bump_position=-0.05, top_out_stiffness=2e6, top_out_position=0.04)
     )
     inside = (block[X] > -0.05) & (block[X] < 0.04)
-    assert not own[inside].any()
-    assert own.min() == pytest.approx(-1e6 * 0.01**2) and own.max() == pytest.approx(2e6 * 0.02**2)
+    assert not computed[inside].any()
+    assert computed.min() == pytest.approx(-1e6 * 0.01**2) and computed.max() == pytest.approx(2e6 * 0.02**2)
 
 
-def test_hydraulic_stops_are_silent_inside_never_drive_and_let_the_rod_go_back():
+def test_hydraulic_stops_are_zero_inside_never_drive_and_let_the_rod_return():
     block = sweep(amplitude=0.06)
     stops = {"bump_damping": 3000.0, "bump_position": -0.05, "rebound_damping": 5000.0, "rebound_position": 0.04}
-    own = force(block, entry("hydraulic_stop", **stops, way_back=0.2, depth=0.01))
+    computed = force(block, entry("hydraulic_stop", **stops, way_back=0.2, depth=0.01))
     x, v = block[X], block[V]
-    assert not own[(x > -0.05) & (x < 0.04)].any() and (own * v >= 0.0).all() and own.max() > 100.0 > -100.0 > own.min()
+    assert (
+        not computed[(x > -0.05) & (x < 0.04)].any()
+        and (computed * v >= 0.0).all()
+        and computed.max() > 100.0 > -100.0 > computed.min()
+    )
     free = force(block, entry("hydraulic_stop", **stops, way_back=0.0, depth=0.01))
     assert not free[(x < -0.05) & (v > 0.0)].any() and not free[(x > 0.04) & (v < 0.0)].any()
     both = force(block, entry("hydraulic_stop", **stops, way_back=1.0, depth=0.01))
-    assert own == pytest.approx(0.8 * free + 0.2 * both)
+    assert computed == pytest.approx(0.8 * free + 0.2 * both)
 
 
 @pytest.mark.parametrize("side", [-1.0, 0.0, 0.4, 1.0])
 def test_a_direction_curve_changes_each_direction_by_its_share(side):
     block = sweep()
-    own = force(block, entry("direction_curve", speed=(0.1, 0.3), force=(40.0, 160.0), side=side))
+    computed = force(block, entry("direction_curve", speed=(0.1, 0.3), force=(40.0, 160.0), side=side))
     even = np.interp(np.abs(block[V]), [0.0, 0.1, 0.3], [0.0, 40.0, 160.0])
     even += np.maximum(np.abs(block[V]) - 0.3, 0.0) * 600.0
-    assert own == pytest.approx(np.where(block[V] > 0.0, 1.0 + side, 1.0 - side) * even)
+    assert computed == pytest.approx(np.where(block[V] > 0.0, 1.0 + side, 1.0 - side) * even)
 
 
 def test_isothermal_gas_follows_boyle():
     block = sweep()
-    own = force(block, entry("gas_spring", static_force=300.0, volume=1e-4, rod_area=2e-4, exponent=1.0))
-    assert own * (1e-4 + 2e-4 * block[X]) == pytest.approx(np.full(own.size, -300.0 * 1e-4))
+    computed = force(block, entry("gas_spring", static_force=300.0, volume=1e-4, rod_area=2e-4, exponent=1.0))
+    assert computed * (1e-4 + 2e-4 * block[X]) == pytest.approx(np.full(computed.size, -300.0 * 1e-4))
 
 
-def test_gates_of_both_directions_make_the_whole():
+def test_gates_of_both_directions_add_up_to_the_whole():
     block = sweep()
     half = [
         entry("path", (entry("linear_motion", damping=c), entry("direction_gate", direction=d)))
@@ -208,7 +212,7 @@ def test_quadratic_gas_equals_the_isentropic_one_to_second_order():
     assert force(block, series) == pytest.approx(gas, abs=1e-3)
 
 
-def test_inertia_is_newtons():
+def test_inertia_follows_newton():
     block = sweep()
     assert force(block, entry("inertia", mass=2.5)) == pytest.approx(2.5 * block[A])
 

@@ -32,16 +32,17 @@ def force(name, block, before=(), **values):
 
 @pytest.mark.parametrize("name", STATEFUL)
 def test_error_falls_with_the_step_at_least_as_the_declared_order_says(name):
-    """Against the effect itself at a 64 times finer step; in the mean over the record, since reversals fall
-    between samples.
+    """Against the effect itself at a 64 times finer step; as a mean over the record, since reversals fall between
+    samples.
     """
     effect = find_effect(name)
     base = make_element(find_effect("linear_viscous"))
     values = {"linear_viscous": {}, "cavitation_limit": {"limit": 200.0}}.get(name, {})
-    own = make_element(effect, values, (base,) if effect.kind == "series" else ())
-    effects = {"input": (own, make_element(find_effect("semi_active_squash")), base), "modifier": (base, own)}.get(
-        effect.kind, (own,)
-    )
+    element = make_element(effect, values, (base,) if effect.kind == "series" else ())
+    effects = {
+        "input": (element, make_element(find_effect("semi_active_squash")), base),
+        "modifier": (base, element),
+    }.get(effect.kind, (element,))
     model = DamperModel("m", "", effects)
     rates = (500, 1000, 2000)
     fine = model.force(sine(64 * rates[0], frequency=1.7))
@@ -52,7 +53,7 @@ def test_error_falls_with_the_step_at_least_as_the_declared_order_says(name):
         coarse = model.force(sine(rate, frequency=1.7))
         errors.append(np.mean(np.abs(coarse - fine[::step][: coarse.size])[5:]) / scale)
     if errors[-1] < 1e-5:
-        return  # exact, but for a delay line's samples, which stand no closer than 0.8 ms
+        return  # exact, except for the samples of a delay line, at least 0.8 ms apart
     slope = np.polyfit(np.log(1.0 / np.array(rates)), np.log(np.array(errors) + 1e-15), 1)[0]
     assert slope > effect.order - 0.35, errors
 
@@ -68,19 +69,19 @@ def test_dahl_becomes_coulomb_as_its_stiffness_grows():
 
 
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 1.5, 2.0])
-def test_dahl_follows_its_closed_form_over_a_monotone_way(exponent):
+def test_dahl_follows_its_closed_form_over_a_monotone_travel(exponent):
     way = np.linspace(0.0, 0.004, 200)
     block = sine(1000, 0.199)
     block[X] = way
     block[V] = 0.02
-    own = force("dahl", block, force=80.0, stiffness=5e4, exponent=exponent)
+    computed = force("dahl", block, force=80.0, stiffness=5e4, exponent=exponent)
     y, h = 1.0, way[1] / 200
     expected = [0.0]
     for _ in range(199):
         for _ in range(200):
             y = max(y - h * 5e4 / 80.0 * y**exponent, 0.0)
         expected.append(80.0 * (1.0 - y))
-    assert own == pytest.approx(expected, abs=0.1)
+    assert computed == pytest.approx(expected, abs=0.1)
 
 
 def test_dahl_does_not_depend_on_the_rate():
@@ -93,9 +94,9 @@ def test_dahl_does_not_depend_on_the_rate():
 @pytest.mark.parametrize("n", [1.0, 1.5, 3.0, 8.0])
 def test_bouc_wen_saturates_at_its_limit(n):
     values = {"alpha": 150.0, "delta": 400.0, "beta": 180.0, "gamma": 90.0, "n": n}
-    own = force("bouc_wen", sine(1000, 2.0, amplitude=0.05), **values)
+    computed = force("bouc_wen", sine(1000, 2.0, amplitude=0.05), **values)
     limit = 150.0 * (400.0 / 270.0) ** (1.0 / n)
-    assert np.abs(own).max() == pytest.approx(limit, rel=1e-3)
+    assert np.abs(computed).max() == pytest.approx(limit, rel=1e-3)
 
 
 def test_bouc_wens_scale_of_z_is_redundant_with_alpha():
@@ -112,26 +113,24 @@ def test_shifted_bouc_wen_without_shift_is_bouc_wen():
     assert force("bouc_wen_shifted", block, mu=0.0) == pytest.approx(force("bouc_wen", block), abs=1e-12)
 
 
-def test_renault_hysteresis_leaves_the_peaks_of_its_sines_alone_and_closes_in_fast_compression():
-    """At the peak velocity of a sine of the table's frequency the compensation takes away all that the hysteresis
-    gives.
-    """
+def test_renault_hysteresis_keeps_the_peaks_of_its_sines_and_closes_in_fast_compression():
+    """At the peak velocity of a sine of the table's frequency the compensation cancels the hysteresis."""
     frequency, peak = 1.5, 0.4
     values = {"alpha": 120.0, "delta": 600.0, "beta": 300.0, "gamma": 70.0, "n": 3.0, "frequency": frequency}
     block = sine(6000, 2.0, peak / (2 * np.pi * frequency), frequency)
-    own = force("renault_hysteresis", block, **values)
+    computed = force("renault_hysteresis", block, **values)
     last_cycle = slice(-4001, None)
     rebound_peak = np.argmax(block[V][last_cycle])
-    assert own[last_cycle][rebound_peak] == pytest.approx(0.0, abs=0.02 * 120.0)
+    assert computed[last_cycle][rebound_peak] == pytest.approx(0.0, abs=0.02 * 120.0)
     fast_compression = block[V][last_cycle] < -0.3
-    assert np.abs(own[last_cycle][fast_compression]).max() < 1e-9
+    assert np.abs(computed[last_cycle][fast_compression]).max() < 1e-9
 
 
 def test_lugre_slides_at_coulombs_force_plus_viscous():
     block = sine(2000, 0.1)
     block[V] = 0.2
-    own = force("lugre", block, force=60.0, excess=0.0, stiffness=2e5, viscous=100.0)
-    assert own[-1] == pytest.approx(60.0 + 20.0, rel=1e-6)
+    computed = force("lugre", block, force=60.0, excess=0.0, stiffness=2e5, viscous=100.0)
+    assert computed[-1] == pytest.approx(60.0 + 20.0, rel=1e-6)
 
 
 def test_a_zero_delay_changes_nothing_and_a_delay_shifts():
@@ -154,17 +153,17 @@ def test_the_longest_delay_fits_at_any_rate(rate):
     assert not np.array(out)[time < 0.15].any()
 
 
-def test_cavitation_cuts_compression_and_holds_it_until_the_void_is_filled():
+def test_cavitation_limits_compression_until_the_void_is_filled():
     block = sine(20000, 2.0)
     base = make_element(find_effect("linear_viscous"), {"rebound": 3000.0, "compression": 3000.0})
     plain = DamperModel("m", "", (base,)).force(block)
-    own = force("cavitation_limit", block, before=(base,), limit=200.0, held=1.0)
-    assert own.min() == pytest.approx(-200.0)
-    held = own != plain
-    assert own[held] == pytest.approx(-200.0)
-    # Piston travel less what flows in at the speed of the limit: what was opened is closed again, beyond the reversal.
+    limited = force("cavitation_limit", block, before=(base,), limit=200.0, held=1.0)
+    assert limited.min() == pytest.approx(-200.0)
+    is_limited = limited != plain
+    assert limited[is_limited] == pytest.approx(-200.0)
+    # Piston travel less the inflow at the limit's speed: the void closes again after the reversal.
     inflow = 200.0 / 3000.0
-    edges = np.flatnonzero(np.diff(held.astype(int)))
+    edges = np.flatnonzero(np.diff(is_limited.astype(int)))
     for first, last in zip(edges[::2], edges[1::2], strict=False):
         opened = np.sum((-block[V, first + 1 : last] - inflow) * block[DT, first + 1 : last])
         assert abs(opened) < 1e-4
@@ -175,7 +174,7 @@ def test_heat_fades_the_force_and_a_cold_damper_does_not():
     block = sine(200, 60.0, amplitude=0.05)
     base = make_element(find_effect("linear_viscous"), {"rebound": 3000.0, "compression": 3000.0})
     plain = DamperModel("m", "", (base,)).force(block)
-    own = force("dissipation_fade", block, before=(base,), fade=0.01, capacity=200.0)
-    share = own[np.abs(plain) > 10] / plain[np.abs(plain) > 10]
+    faded = force("dissipation_fade", block, before=(base,), fade=0.01, capacity=200.0)
+    share = faded[np.abs(plain) > 10] / plain[np.abs(plain) > 10]
     assert share[0] == pytest.approx(1.0, abs=1e-3)
     assert share[-1] < 0.9 and (np.diff(share) < 1e-3).all()

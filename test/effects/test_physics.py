@@ -1,4 +1,4 @@
-"""Each effect does what its equation says: values by hand and limits."""
+"""Each effect follows its equation: values computed by hand, and limits."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def motion(x=0.0, v=0.0, a=0.0, command=np.nan, dt=0.001):
 
 
 def force(name, block, before=(), path=(), **values):
-    """Force of one effect behind the entries ``before``."""
+    """Force of one effect after the entries ``before``."""
     return DamperModel("m", "", (*before, make_element(find_effect(name), values, path))).force(block)
 
 
@@ -90,7 +90,7 @@ def test_force_lag_of_a_step_is_exponential_and_of_a_ramp_exact():
     assert ramp == pytest.approx(time - tau + tau * np.exp(-time / tau), abs=1e-12)
 
 
-def test_command_lag_leaves_the_motion_outside_its_path_alone():
+def test_command_lag_does_not_change_the_motion_outside_its_path():
     lag = entry("command_lag", time_constant=0.02)
     inside = make_element(find_effect("path"), {}, (lag, entry("coulomb", force=10.0)))
     block = motion(v=1.0, command=np.array([0.0] + [1.0] * 20))
@@ -121,13 +121,13 @@ def test_oil_spring_and_dashpot_converge_to_the_maxwell_element_at_first_order(s
     for size in (steps, 2 * steps, 4 * steps):
         t = np.linspace(0.0, time, size + 1)
         block = motion(x=0.01 * np.sin(omega * t), v=0.01 * omega * np.cos(omega * t), dt=time / size)
-        own = force("oil_spring", block, path=(entry("linear_viscous", rebound=c, compression=c),),
+        computed = force("oil_spring", block, path=(entry("linear_viscous", rebound=c, compression=c),),
                     stiffness_rebound=k, stiffness_compression=k)  # fmt: skip
         tau = c / k
-        # tau F' + F = c v with the starting value of a spring that is already loaded
+        # tau F' + F = c v with the start value of a loaded spring
         steady = c * 0.01 * omega * (np.cos(omega * t) + omega * tau * np.sin(omega * t)) / (1 + (omega * tau) ** 2)
         exact = steady + (c * 0.01 * omega - steady[0]) * np.exp(-t / tau)
-        errors.append(np.abs(own - exact)[-1])
+        errors.append(np.abs(computed - exact)[-1])
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([1.0, 1.0], abs=0.15)
 

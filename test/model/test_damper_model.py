@@ -1,4 +1,4 @@
-"""The model as a list of effects: composition laws, list verbs, files."""
+"""The model as a list of effects: composition laws, list methods, files."""
 
 import numpy as np
 import pytest
@@ -88,14 +88,14 @@ def test_sources_commute(names, random):
     assert forces[0] == pytest.approx(forces[1], abs=1e-8)
 
 
-def test_a_path_equals_its_entries_side_by_side():
+def test_a_path_equals_its_entries_without_the_path():
     block = sweep()
     flat = DamperModel("m", "", (entry("linear_viscous"), entry("coulomb")))
     nested = DamperModel("m", "", (entry("linear_viscous"), entry("path", path=(entry("coulomb"),))))
     assert flat.force(block) == pytest.approx(nested.force(block), abs=1e-9)
 
 
-def test_a_modifier_at_the_end_of_a_path_acts_on_that_path_only():
+def test_a_modifier_at_the_end_of_a_path_acts_only_on_that_path():
     block = sweep()
     gained = entry("path", path=(entry("coulomb"), entry("position_gain", gain=1.0)))
     both = DamperModel("m", "", (entry("linear_viscous"), gained)).force(block)
@@ -103,7 +103,7 @@ def test_a_modifier_at_the_end_of_a_path_acts_on_that_path_only():
     assert both - alone == pytest.approx(DamperModel("m", "", (entry("linear_viscous"),)).force(block), abs=1e-9)
 
 
-def test_stretches_start_afresh():
+def test_the_state_resets_between_parts():
     model = DamperModel("m", "", (entry("linear_viscous"), entry("force_lag", time_constant=0.05)))
     block = sweep(100)
     block[DT, 50] = 0.0
@@ -111,7 +111,7 @@ def test_stretches_start_afresh():
     assert np.array_equal(model.force(block)[50:], model.force(second))
 
 
-def test_a_lost_command_does_not_spoil_what_comes_after():
+def test_a_lost_command_does_not_affect_later_samples():
     model = DamperModel("m", "", (entry("command_lag"), entry("linear_viscous"), entry("force_lag")))
     block = sweep(60)
     block[V, 20:23] = np.nan
@@ -148,7 +148,7 @@ def test_values_are_changed_by_address_and_by_vector():
         model.with_values({"coulomb.mu": 1.0})
 
 
-def test_effects_go_where_their_kind_belongs():
+def test_effects_are_added_where_their_kind_belongs():
     model = DamperModel("m", "", (entry("linear_viscous"), entry("force_lag")))
     model = model.with_effect(entry("coulomb")).with_effect(entry("force_offset"))
     model = model.with_effect(entry("position_gain")).with_effect(entry("command_lag"))
@@ -157,7 +157,7 @@ def test_effects_go_where_their_kind_belongs():
     ]  # fmt: skip
 
 
-def test_a_series_effect_wraps_the_sources_and_leaves_them_when_taken_out():
+def test_a_series_effect_wraps_the_sources_and_releases_them_when_removed():
     model = DamperModel("m", "", (entry("linear_viscous"), entry("coulomb"), entry("force_lag")))
     spring = find_effect("oil_spring")
     wrapped = model.with_effect(make_element(spring, path=model.effects[:2]))
@@ -165,7 +165,7 @@ def test_a_series_effect_wraps_the_sources_and_leaves_them_when_taken_out():
     assert wrapped.without("oil_spring").effects == model.effects
 
 
-def test_without_an_unknown_label_names_those_there_are():
+def test_removing_an_unknown_label_lists_the_known_ones():
     with pytest.raises(InputError, match="coulomb"):
         DamperModel("m", "", (entry("coulomb"),)).without("dahl#2")
 

@@ -1,4 +1,4 @@
-"""Tables of a model: the steady force, read back as it was written."""
+"""Tables of a model: the steady force, written and read back."""
 
 import numpy as np
 import pytest
@@ -28,13 +28,13 @@ CURVE = {"viscous_curve": {"velocity": [-0.8, -0.13, 0.0, 0.21, 0.9], "force": [
 
 
 def at(model, velocities):
-    """Forces of a memoryless model, each velocity a start of its own."""
+    """Forces of a memoryless model, each velocity from a new start."""
     block = np.zeros((ROWS, len(velocities)))
     block[V] = velocities
     return model.force(block)
 
 
-def test_tables_read_back_into_a_viscous_curve_give_the_same_force(tmp_path):
+def test_tables_read_into_a_viscous_curve_have_the_same_force(tmp_path):
     model = model_of(CURVE)
     write_tables(model, force_table(model), tmp_path)
     again = curve_model(read_table(tmp_path / "force_velocity.csv"))
@@ -42,7 +42,7 @@ def test_tables_read_back_into_a_viscous_curve_give_the_same_force(tmp_path):
     assert at(again, v) == pytest.approx(at(model, v), rel=1e-12, abs=1e-9)
 
 
-def test_the_property_file_holds_the_same_curve_in_millimetres():
+def test_the_property_file_contains_the_same_curve_in_millimetres():
     model = model_of(CURVE)
     table = force_table(model)
     text = property_text(model, table, 0, 0)
@@ -52,12 +52,12 @@ def test_the_property_file_holds_the_same_curve_in_millimetres():
     assert all(name in text for name in ("[MDI_HEADER]", "[UNITS]", "[CURVE]"))
 
 
-def test_the_grid_keeps_the_knots_of_the_models_own_curves():
+def test_the_grid_contains_the_knots_of_the_models_curves():
     assert set(CURVE["viscous_curve"]["velocity"]) <= set(velocity_grid(model_of(CURVE)))
 
 
 @pytest.mark.parametrize("velocity", [0.004, 0.05, 0.7, -0.3])
-def test_friction_has_slid(velocity):
+def test_friction_is_sliding(velocity):
     model = model_of(CURVE, {"dahl": {"force": 80.0, "stiffness": 1e6}})
     expected = at(model_of(CURVE), [velocity])[0] + 80.0 * np.sign(velocity)
     assert steady_force(model, velocity, 0.0) == pytest.approx(expected, abs=0.1)
@@ -67,12 +67,12 @@ def test_at_rest_the_table_has_the_middle_of_the_loop():
     assert steady_force(model_of(CURVE, {"dahl": {"force": 80.0}}), 0.0, 0.0) == pytest.approx(10.0, abs=0.5)
 
 
-def test_lags_have_passed():
+def test_lags_have_settled():
     lagged = model_of(CURVE, {"force_lag": {}})
     assert steady_force(lagged, 0.5, 0.0) == pytest.approx(at(model_of(CURVE), [0.5])[0], rel=1e-6)
 
 
-def test_position_is_taken_where_it_was_asked_for():
+def test_the_position_is_the_requested_one():
     model = model_of({"gas_spring": {"static_force": 200.0, "volume": 0.00015, "rod_area": 0.00015, "exponent": 1.4}})
     forces = [steady_force(model, 0.1, x) for x in (-0.03, 0.0, 0.03)]
     assert forces == pytest.approx([-200.0 * (1.0 / (1.0 + x)) ** 1.4 for x in (-0.03, 0.0, 0.03)], rel=1e-6)
@@ -106,24 +106,24 @@ def test_the_verb_writes_the_files_and_says_that_memory_is_lost(tmp_path, capsys
     assert (tmp_path / "out" / "force_velocity.csv").read_text().splitlines()[0] == ",".join(COLUMNS)
 
 
-def test_a_file_that_is_no_table_is_refused(tmp_path):
+def test_a_file_that_is_not_a_table_is_refused(tmp_path):
     (tmp_path / "x.csv").write_text("a,b\n1,2\n")
     with pytest.raises(InputError, match=r"x\.csv: is not a force-velocity table"):
         read_table(tmp_path / "x.csv")
 
 
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path, capsys):
+def test_a_folder_that_cannot_be_created_is_refused(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["export", "bouc_wen", "--tables", str(tmp_path / "file" / "x"), "--velocity=0.1"]) == 1
     assert "cannot be created" in capsys.readouterr().err
 
 
 REGION = {"region": {"velocity": [-0.4, 0.6], "command": [0.0, 2.0]}}
-# F = 2000 v - 2400 v^3 turns round at 0.53 m/s and reverses at 0.91 m/s.
+# F = 2000 v - 2400 v^3 peaks at 0.53 m/s and changes sign at 0.91 m/s.
 TURNING = {"velocity_polynomial": {"linear": 2.0, "cubic": -2.4e-6}}
 
 
-def test_outside_the_region_a_table_goes_on_straight_from_its_edge():
+def test_outside_the_region_a_table_continues_linearly_from_its_edge():
     curve = {"viscous_curve": {"velocity": [-0.4, 0.0, 0.6], "force": [-900.0, 0.0, 600.0]}}
     table = force_table(model_of(curve, fit=REGION), np.array([-2.0, -0.4, 0.0, 0.3, 0.6, 1.2]))
     assert table.force[0, 0] == pytest.approx([-4500.0, -900.0, 0.0, 300.0, 600.0, 1200.0])
@@ -138,7 +138,7 @@ def test_no_table_reverses_outside_the_region_though_its_model_does(edge):
     assert (force * v >= 0.0).all() and (np.diff(force) >= -1e-9).all()
 
 
-def test_inside_the_region_a_table_holds_what_the_model_gives_whatever_is_asked_for_outside():
+def test_inside_the_region_a_table_equals_the_model_whatever_the_outer_points():
     v = np.array([-0.3, -0.1, 0.2, 0.5])
     model = model_of(CURVE, fit=REGION)
     wide = force_table(model, np.concatenate([[-2.0], v, [2.0]]))

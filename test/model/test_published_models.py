@@ -52,7 +52,7 @@ def test_lozoya_santos_table_15_gives_its_recomputed_peaks(current, peaks):
     assert (force.max(), force.min()) == pytest.approx(peaks, abs=1.0)
 
 
-def test_his_table_3_misses_table_1_as_the_notes_say():
+def test_his_table_3_misses_table_1_as_noted():
     ratios = {speed: np.array(forces_at_peaks("his_piecewise", speed)) / peaks for speed, peaks in HIS_PEAKS.items()}
     assert ratios[0.1][0] == pytest.approx(1.13, abs=0.01)
     assert ratios[0.5][0] == pytest.approx(0.96, abs=0.01)
@@ -103,7 +103,7 @@ def test_black_box_12_equals_the_corrected_equation(damper):
 
 @pytest.mark.parametrize(("inner", "outer"), [(3, 4), (3, 5), (4, 6), (5, 6), (4, 7), (9, 10), (1, 2)])
 def test_nesting_black_boxes_contain_the_smaller_ones(inner, outer):
-    """The larger model with its additions switched off gives the smaller one's force."""
+    """The larger model with its additions switched off has the smaller one's force."""
     block = sine(2.0, 0.01)
     small, large = load_model(f"black_box_{inner}"), load_model(f"black_box_{outer}")
     shared = {
@@ -124,10 +124,10 @@ def test_renaults_points_saturate_as_recomputed(point, saturated):
 
 
 @pytest.mark.parametrize("name", sorted(library_models()))
-def test_every_model_names_its_source_and_gives_finite_forces_at_its_own_values(name):
+def test_every_model_names_its_source_and_has_finite_forces_at_its_values(name):
     model = load_model(name)
     force = model.force(sine(1.5, 0.02, 0.5, samples_per_cycle=300))
     assert model.name == name and len(model.source) > 10 and model.notes
     assert np.isfinite(force).all()
-    if name not in ("force_surface", "viscous_curve"):  # tables that only data can fill
+    if name not in ("force_surface", "viscous_curve"):  # tables that need data
         assert np.ptp(force) > 1.0

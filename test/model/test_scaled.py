@@ -1,4 +1,4 @@
-"""Modifiers that scale a series element: the same physics whoever scales, and clear refusals."""
+"""Modifiers that scale a series element: the same physics for all of them, and clear refusals."""
 
 import numpy as np
 import pytest
@@ -42,20 +42,20 @@ def test_scales_multiply():
 
 
 def test_position_is_that_of_the_damper_and_not_the_deflection():
-    """Without a motion but with a place: what scales by the place acts, where the deflection is next to nothing."""
+    """Without motion at a position: a scale over the position acts, although the deflection is almost zero."""
     there = model({"position_gain": {"gain": 1.0, "middle": 0.1, "scale": 0.1}})
     motion = block()
     expected = 1.0 + ((motion[X] - 0.1) / 0.1) ** 2
     assert expected.min() > 1.5
-    scaled, bare = (np.abs(own.force(motion))[10:].max() for own in (there, model()))  # the first sample is stiff
+    scaled, bare = (np.abs(tested.force(motion))[10:].max() for tested in (there, model()))  # the first sample is stiff
     assert scaled > 1.01 * bare
 
 
 def test_contributions_still_add_up_and_the_file_gives_the_same_model_back():
-    own = load_model("spencer")
-    parts = own.contributions(block())
-    assert sum(parts.values()) == pytest.approx(own.force(block()), abs=1e-9)
-    assert parse_model(yaml.safe_load(model_yaml(own)), "again") == own
+    spencer = load_model("spencer")
+    parts = spencer.contributions(block())
+    assert sum(parts.values()) == pytest.approx(spencer.force(block()), abs=1e-9)
+    assert parse_model(yaml.safe_load(model_yaml(spencer)), "again") == spencer
 
 
 def test_without_the_series_element_its_scale_goes_too():
@@ -63,7 +63,7 @@ def test_without_the_series_element_its_scale_goes_too():
 
 
 @pytest.mark.parametrize(
-    ("effects", "said"),
+    ("effects", "message"),
     [
         ([{"scaled": [GAIN]}, "viscous"], "must be first in the path of a series effect"),
         ([{"path": ["viscous", {"scaled": [GAIN]}]}], "must be first in the path of a series effect"),
@@ -72,6 +72,6 @@ def test_without_the_series_element_its_scale_goes_too():
         ([{"dashpot": {"path": [{"scaled": [GAIN]}]}}], "its path is empty"),
     ],
 )
-def test_scaled_elsewhere_is_refused(effects, said):
-    with pytest.raises(InputError, match=said):
+def test_scaled_elsewhere_is_refused(effects, message):
+    with pytest.raises(InputError, match=message):
         parse_model({"name": "m", "effects": effects}, "m").force(block())

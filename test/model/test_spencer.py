@@ -48,7 +48,7 @@ def published():
 
         run = solve_ivp(slopes, (first, last), state, "LSODA", rtol=1e-8, atol=1e-10, dense_output=True)
         at = np.linspace(first, last, round((last - first) / FINE), endpoint=False)
-        y_rate = np.array([rates(t, own)[0] for t, own in zip(at, run.sol(at).T, strict=True)])
+        y_rate = np.array([rates(t, state_at)[0] for t, state_at in zip(at, run.sol(at).T, strict=True)])
         times.append(at)
         forces.append((C1A + C1B * run.sol(at)[2]) * y_rate + K1 * (motion(at)[0] - X0))
         state = run.sol(last)
@@ -62,17 +62,19 @@ def modelled(step):
     block = np.full((ROWS, time.size), np.nan)
     block[T], block[DT] = time, np.diff(time, prepend=0.0)
     block[X], block[V], block[A] = 0.01 * x, 0.01 * velocity, -(OMEGA**2) * 0.01 * x
-    # The command that was in force during the step.
+    # The command during the step.
     block[COMMAND] = voltage(time - 0.5 * step)
     return time, load_model("spencer").force(block)
 
 
-def test_follows_the_published_equations_ever_closer_as_the_step_shrinks(published):
+def test_converges_to_the_published_equations_with_the_step(published):
     time, force = published
     errors = []
     for step in (1e-3, 5e-4, 2.5e-4, 1.25e-4):
-        own_time, own = modelled(step)
-        errors.append(np.sqrt(np.mean((np.interp(time, own_time, own) - force)[time > 0.05] ** 2)) / force.std())
+        computed_time, computed = modelled(step)
+        errors.append(
+            np.sqrt(np.mean((np.interp(time, computed_time, computed) - force)[time > 0.05] ** 2)) / force.std()
+        )
     assert errors[0] < 0.03 and errors[-1] < 0.005
     slope = np.polyfit(np.log([8.0, 4.0, 2.0, 1.0]), np.log(errors), 1)[0]
     assert slope > 0.6

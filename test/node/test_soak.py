@@ -39,8 +39,8 @@ def test_no_fault_makes_a_wrong_force_good_or_keeps_the_loop_passive(domain):
 
 
 def sorts(done: subprocess.CompletedProcess) -> set[tuple[str, ...]]:
-    """The findings of a campaign, without numbers, with the faults at that time."""
-    assert "sorts of violations; again with" in done.stdout, done.stdout[-6000:] + done.stderr[-3000:]
+    """What a campaign found, without its numbers, with the faults during which it came."""
+    assert "kinds of violations; repeat with" in done.stdout, done.stdout[-6000:] + done.stderr[-3000:]
     texts = re.findall(r"^VIOLATION round \d+, at [\d.]+ s: (.*); during or after (.*)$", done.stdout, re.MULTILINE)
     assert bool(texts) == bool(done.returncode), done.stdout[-6000:] + done.stderr[-3000:]
     return {(re.sub(r"-?\d[\d.]*", "#", what), *(kind for kind in KINDS if kind in faults)) for what, faults in texts}

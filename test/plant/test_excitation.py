@@ -1,4 +1,4 @@
-"""Bench excitations: what they are called is what they do."""
+"""Bench excitations match their names."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_no_excitation_leaves_the_stroke(name: str, damper: str) -> None:
 
 
 @EVERY_EXCITATION
-def test_a_seed_gives_the_same_motion_again_and_another_seed_another(name: str) -> None:
+def test_a_seed_repeats_its_motion_and_another_seed_differs(name: str) -> None:
     first, again, other = (bench_drive(name, PASSENGER, 12.0, seed, COARSE).displacement for seed in (1, 1, 4))
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)

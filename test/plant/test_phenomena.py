@@ -36,7 +36,7 @@ def rough() -> Drive:
     return replace(drive, current=current_steps(6.0, 1, STEP))
 
 
-def test_every_phenomenon_of_the_vocabulary_is_there() -> None:
+def test_every_phenomenon_of_the_vocabulary_exists() -> None:
     assert set(PHENOMENA) == CHAIN | {
         "gas_spring", "friction", "oil_compressibility", "blow_off", "valve_delay", "cavitation", "temperature_fade",
         "position_dependence", "end_stop", "mount_compliance", "inertia", "asymmetry", "current", "hysteresis",
@@ -92,13 +92,13 @@ def test_errors_of_the_chain_go_both_ways(name: str, sign: float, rough: Drive) 
     assert found.strength == pytest.approx(0.1, rel=0.03)
 
 
-def test_a_record_that_does_not_excite_an_effect_says_so() -> None:
+def test_a_record_that_does_not_excite_an_effect_reports_it() -> None:
     slow = bench_drive("slow", SETUP.damper, 8.0, 1, STEP)
     for name in ("end_stop", "inertia", "cavitation"):
         assert calibrate(name, SETUP, slow, 0.1).strength < 0.03
 
 
-def test_a_strength_that_cannot_be_is_refused(rough: Drive) -> None:
+def test_an_impossible_strength_is_refused(rough: Drive) -> None:
     with pytest.raises(ValueError, match="between 0 and 1"):
         calibrate("friction", SETUP, rough, 1.5)
 
@@ -131,7 +131,7 @@ def test_with_nothing_hidden_all_records_are_of_one_setup() -> None:
     assert case.fit_strength == case.unseen_strength == 0.0
 
 
-def test_what_lies_above_the_band_does_not_count() -> None:
+def test_frequencies_above_the_band_do_not_count() -> None:
     time = np.arange(20000) * STEP
     slow, fast = np.sin(2 * np.pi * 5.0 * time), np.sin(2 * np.pi * 150.0 * time)
     middle = slice(3000, 17000)

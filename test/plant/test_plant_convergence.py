@@ -1,4 +1,4 @@
-"""The step's error: its order, its size, and the same numbers without the compiler."""
+"""The error of the step: its order and size, and the same numbers without the compiler."""
 
 import os
 import subprocess

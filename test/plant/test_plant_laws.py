@@ -38,7 +38,7 @@ def test_force_at_rest_follows_the_polytropic_gas_as_the_rod_goes_in(damper: Dam
     truth = simulate(damper, drive_of(np.full(50, deep)))
     share = (damper.geometry.rod / damper.geometry.bore) ** 2
     pressure = damper.gas.pressure * (1.0 + share * deep / damper.gas.length) ** -damper.gas.exponent
-    # The oil gives way a little, so that the gas is squeezed less than the rod's volume says.
+    # The oil is compressed a little, so the gas is compressed by less than the rod's volume.
     assert truth.gas_pressure == pytest.approx(pressure, rel=5e-3)
     assert truth.gas_pressure[0] < pressure
 
@@ -57,7 +57,7 @@ def test_without_motion_the_force_does_not_change(damper: Damper, phenomenon: st
 
 
 @EVERY_DAMPER
-def test_no_oil_is_lost_or_made(damper: Damper) -> None:
+def test_oil_is_conserved(damper: Damper) -> None:
     truth = simulate(damper, sine(0.03, 4.0, 4))
     chambers = parts_of(damper).chambers
     place = chambers.piston_area * truth.floating_piston
@@ -76,7 +76,7 @@ def test_no_oil_is_lost_or_made(damper: Damper) -> None:
     needle=st.floats(0.3, 3.0),
     name=st.sampled_from(sorted(DAMPERS)),
 )
-def test_a_closed_cycle_takes_energy_out(
+def test_a_closed_cycle_dissipates_energy(
     amplitude: float, frequency: float, stiffer: float, needle: float, name: str
 ) -> None:
     damper = DAMPERS[name].with_part("oil", bulk_modulus=stiffer * DAMPERS[name].oil.bulk_modulus)
@@ -107,7 +107,7 @@ class TestCavitation:
         lowest = simulate(self.damper, self.drive).rebound_pressure.min()
         assert self.damper.oil.vapour_pressure < lowest < 3.0 * self.damper.oil.vapour_pressure
 
-    def test_the_force_is_clamped_by_the_gas_pressure(self) -> None:
+    def test_the_gas_pressure_limits_the_force(self) -> None:
         truth = simulate(self.damper, self.drive)
         area = pi / 4 * self.damper.geometry.bore**2
         clamp = area * (truth.gas_pressure.max() - AMBIENT_PRESSURE) + 150.0  # seals, floating piston
@@ -125,7 +125,7 @@ class TestCavitation:
         assert refilling.any()
         assert (truth.force[refilling] < full.force[refilling] - 100.0).all()
 
-    def test_liquid_that_stands_tension_makes_no_void(self) -> None:
+    def test_liquid_that_withstands_tension_forms_no_void(self) -> None:
         full = simulate(self.damper.with_part("oil", vapour_pressure=-5e7), self.drive)
         assert full.rebound_pressure.min() < 0.0
         assert full.rebound_void.max() < 1e-7

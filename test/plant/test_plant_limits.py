@@ -1,4 +1,4 @@
-"""The simulated damper against closed forms, where single phenomena go to a limit."""
+"""The simulated damper against closed forms, in limits of single phenomena."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_soft_oil_opens_the_loop_more_at_higher_frequency(damper: Damper) -> Non
     soft = on(off(damper, "friction", "current"), "oil_compressibility", 6.0)
 
     def lag(frequency: float) -> float:
-        """Velocity at which the force passes its value at rest, relative to the peak velocity."""
+        """Velocity at which the force equals its value at rest, relative to the peak velocity."""
         time = STEP * np.arange(round(3.0 / frequency / STEP))
         drive = Drive("sine", STEP, 0.002 * np.cos(2.0 * np.pi * frequency * time), np.zeros_like(time))
         truth = simulate(soft, drive)
@@ -69,7 +69,7 @@ def test_soft_oil_opens_the_loop_more_at_higher_frequency(damper: Damper) -> Non
 
 
 @EVERY_DAMPER
-def test_a_harder_lighter_mount_comes_nearer_to_no_mount(damper: Damper) -> None:
+def test_a_stiffer_lighter_mount_approaches_no_mount(damper: Damper) -> None:
     drive = two_tones()
     rigid = simulate(damper, drive).force
 
@@ -81,7 +81,7 @@ def test_a_harder_lighter_mount_comes_nearer_to_no_mount(damper: Damper) -> None
     assert deviation(4e7) < 0.02
 
 
-def test_a_soft_mount_takes_part_of_the_stroke() -> None:
+def test_a_soft_mount_absorbs_part_of_the_stroke() -> None:
     drive = two_tones()
     truth = simulate(on(PASSENGER, "mount_compliance", 3.0), drive)
     deflection = drive.displacement - truth.rod
@@ -91,7 +91,7 @@ def test_a_soft_mount_takes_part_of_the_stroke() -> None:
     assert np.corrcoef(elastic, truth.force)[0, 1] > 0.98
 
 
-def test_fast_shims_follow_at_once() -> None:
+def test_fast_shims_follow_immediately() -> None:
     drive = two_tones()
     fast, none = (simulate(on(PASSENGER, "valve_delay", 0.02), drive).force, simulate(PASSENGER, drive).force)
     assert np.sqrt(np.mean((fast - none) ** 2)) < 5e-3 * np.std(none)
@@ -111,7 +111,7 @@ def test_inertia_adds_mass_times_acceleration() -> None:
     assert difference == pytest.approx(3.0 * drive.acceleration, abs=1e-9 * np.abs(drive.acceleration).max() + 1e-9)
 
 
-def test_equal_valves_make_equal_pressures_both_ways() -> None:
+def test_equal_valves_produce_equal_pressures_in_both_directions() -> None:
     parts = parts_of(off(PASSENGER, "asymmetry"))
     for velocity in (0.02, 0.1, 0.4, 1.0):
         assert steady_pressure(parts, velocity) == pytest.approx(-steady_pressure(parts, -velocity), rel=1e-6)
@@ -160,7 +160,7 @@ def test_more_current_more_force_after_the_field_has_built_up() -> None:
     assert stepped.field[after] == pytest.approx(2.0, rel=0.01)
 
 
-def test_the_bump_stop_pushes_only_beyond_its_place() -> None:
+def test_the_bump_stop_pushes_only_beyond_its_position() -> None:
     damper = on(PASSENGER, "end_stop", 2.0)
     time = STEP * np.arange(10000)
     drive = Drive("sine", STEP, 0.03 * np.sin(2.0 * np.pi * 2.0 * time), np.zeros_like(time))

@@ -1,4 +1,4 @@
-"""Sensors: each imperfection does what its parameter says, in the sign conventions of the signal map."""
+"""Sensors: each imperfection matches its parameter, in the sign conventions of the signal map."""
 
 from dataclasses import replace
 
@@ -107,7 +107,7 @@ def test_jitter_makes_the_steps_uneven(truth: Truth) -> None:
     assert steps.std() == pytest.approx(5e4 * np.sqrt(2.0), rel=0.1)
 
 
-def test_a_seed_gives_the_same_noise_and_one_clock_the_same_stamps(truth: Truth) -> None:
+def test_a_seed_repeats_the_noise_and_a_clock_seed_the_stamps(truth: Truth) -> None:
     first, again = (measure(truth, Sensors(), 1) for _ in range(2))
     neighbour = measure(truth, Sensors(), 2, clock_seed=1)
     assert np.array_equal(first.force.value, again.force.value)
@@ -116,7 +116,7 @@ def test_a_seed_gives_the_same_noise_and_one_clock_the_same_stamps(truth: Truth)
     assert not np.array_equal(first.force.value, neighbour.force.value)
 
 
-def test_the_truth_stands_beside_the_measurement(truth: Truth) -> None:
+def test_the_truth_accompanies_the_measurement(truth: Truth) -> None:
     sensed = measure(truth, replace(PERFECT, skew=0.003, force_offset=50.0), 1)
     assert np.array_equal(sensed.true_force.stamp, sensed.displacement.stamp)
     assert sensed.true_force.value == pytest.approx(at_stamps(truth, sensed.true_force, truth.force), abs=INTERPOLATION)

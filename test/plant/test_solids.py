@@ -12,7 +12,7 @@ REACH = 1e-4
 
 
 def walk(places: np.ndarray, sliders: np.ndarray | None = None) -> np.ndarray:
-    """Shares along a path, committing every place."""
+    """Shares along a path, committing every position."""
     sliders = np.zeros(ELEMENTS) if sliders is None else sliders
     shares = np.empty(places.size)
     for number, place in enumerate(places):
@@ -36,14 +36,14 @@ def test_a_reversal_turns_the_force_over_twice_the_reach() -> None:
 
 
 @given(st.lists(st.floats(-1e-3, 1e-3), min_size=2, max_size=30))
-def test_the_force_depends_on_the_path_not_on_how_finely_it_is_walked(corners: list[float]) -> None:
+def test_the_force_depends_on_the_path_not_on_its_discretisation(corners: list[float]) -> None:
     path = np.array([0.0, *corners])
     fine = np.interp(np.arange(0.0, path.size - 1 + 1e-9, 0.125), np.arange(path.size), path)
     assert walk(path)[-1] == pytest.approx(walk(fine)[-1], abs=1e-9)
 
 
 @given(st.lists(st.floats(-1e-3, 1e-3), min_size=2, max_size=20))
-def test_a_closed_path_never_gives_energy(corners: list[float]) -> None:
+def test_a_closed_path_never_produces_energy(corners: list[float]) -> None:
     legs = len(corners) + 1
     path = np.interp(np.linspace(0, legs, 60 * legs), np.arange(legs + 1), [0.0, *corners, 0.0])
     twice = np.concatenate((path, path))

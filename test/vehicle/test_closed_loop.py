@@ -1,4 +1,4 @@
-"""A ride with a controller in the loop: what it records and how it is judged."""
+"""A ride with a controller in the loop: its record and its measures."""
 
 from dataclasses import replace
 
@@ -28,9 +28,9 @@ def made(force, wanted) -> Ride:
     return Ride(1e-3, zero, force, wanted, zero, zero, zero, 5000.0)
 
 
-def test_there_are_at_least_twelve_scenarios():
+def test_at_least_twelve_scenarios_exist():
     assert len(CORNER_CASES) * len(SURFACES) >= 12
-    assert len({own.name for own in SURFACES}) == len(SURFACES)
+    assert len({surface.name for surface in SURFACES}) == len(SURFACES)
 
 
 def test_the_same_command_on_the_same_seed_is_the_same_ride(trials):
@@ -38,12 +38,12 @@ def test_the_same_command_on_the_same_seed_is_the_same_ride(trials):
     assert tracking_ratio(trials, "low", "again") == 1.0
 
 
-def test_a_steady_current_gives_an_edge_of_what_is_attainable(trials):
-    """The lag is out of play: the damper on the road and the one on the same motion alone agree."""
-    own = trials["low"]
-    nearest = np.min(np.abs(own.attainable - own.ride.force), axis=0)
-    assert np.sqrt(np.mean(nearest**2)) < 0.01 * own.ride.force.std()
-    width = np.ptp(own.attainable, axis=0)
+def test_a_steady_current_yields_a_limit_of_the_attainable_range(trials):
+    """Without the lag the damper on the road and on the same motion agree."""
+    trial = trials["low"]
+    nearest = np.min(np.abs(trial.attainable - trial.ride.force), axis=0)
+    assert np.sqrt(np.mean(nearest**2)) < 0.01 * trial.ride.force.std()
+    width = np.ptp(trial.attainable, axis=0)
     assert width.max() > 500.0
 
 
@@ -51,7 +51,7 @@ def test_more_current_means_less_stroke(trials):
     assert trials["high"].measures.peak_stroke < trials["low"].measures.peak_stroke
 
 
-def test_the_wish_counts_as_far_as_it_could_be_given():
+def test_the_desired_force_counts_within_the_attainable_range():
     count = 4000
     force = np.full(count, 100.0)
     limits = np.stack([np.full(count, -50.0), np.full(count, 130.0)])
@@ -62,16 +62,16 @@ def test_the_wish_counts_as_far_as_it_could_be_given():
     assert found.wanted_n == pytest.approx(5.0)
 
 
-def test_measures_are_those_of_the_judged_part():
+def test_measures_cover_the_judged_part():
     step = 1e-3
     time = step * np.arange(4000)
     late = time >= 1.0
     shaking = np.where(late, np.sin(2.0 * np.pi * 5.0 * time), 50.0)
-    own = replace(
+    ride = replace(
         made(np.zeros(4000), np.zeros(4000)), body_acceleration=shaking, tyre_force=np.where(late, -2500.0, 9000.0),
         travel=np.where(late, 0.01, 0.5),
     )  # fmt: skip
-    found = ride_measures(own, np.zeros((2, 4000)), start=1.0)
+    found = ride_measures(ride, np.zeros((2, 4000)), start=1.0)
     assert found.acceleration == pytest.approx(np.sqrt(0.5), rel=1e-6)
     assert found.weighted_acceleration == pytest.approx(np.sqrt(np.mean(wk_weighted(shaking, step)[late] ** 2)))
     assert found.tyre_load == pytest.approx(0.5)

@@ -1,4 +1,4 @@
-"""The comfort simulation: single curves, and where a model with memory differs from its own."""
+"""The comfort simulation: single curves, and their differences to models with memory."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,8 @@ def test_friction_shows_at_small_excitation_and_less_and_less_at_large():
     curve = single_curve(model)
     amplitudes = (0.0005, 0.005, 0.03)
     runs, others = (
-        [comfort_run(CAR, dict.fromkeys(AXLES, own), a, seconds=12.0) for a in amplitudes] for own in (model, curve)
+        [comfort_run(CAR, dict.fromkeys(AXLES, tested), a, seconds=12.0) for a in amplitudes]
+        for tested in (model, curve)
     )
     for rms in differences(runs, others).values():
         assert rms[0] > 2.0 * rms[1] > 4.0 * rms[2]

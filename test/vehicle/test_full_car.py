@@ -56,18 +56,18 @@ def analytic(car: FullCar, rates: tuple[float, float], frequency: float, posts: 
 @pytest.mark.parametrize("rates", [(1500.0, 1300.0), (300.0, 6000.0)])
 def test_the_swept_linear_car_has_the_analytic_transfer_functions(rates: tuple[float, float]) -> None:
     models = {"front": viscous(rates[0]), "rear": viscous(rates[1])}
-    seconds, still = 30.0, 30.0  # what is left of a resonance of a hundredth of the critical damping dies out
+    seconds, still = 30.0, 30.0  # a resonance at a hundredth of the critical damping decays
     height = sweep(0.01, seconds=seconds, still=still)
     run = on_posts(CAR, models, four_posts(height))
     for front in (True, False):
-        # One line of the spectrum in the middle of each band: over several the mean lies beside a sharp resonance.
+        # One line of the spectrum in the middle of each band: a mean over several misses a sharp resonance.
         line = 1.0 / (seconds + still)
         found = transfer(height, run.over_axle(front), run.step, low=41.5 * line, high=348.5 * line, width=line)
         wanted = [analytic(CAR, rates, f, np.ones(4))[0 if front else 2] for f in found.frequency]
         assert np.abs(found.value - wanted).max() < 0.005 * np.abs(wanted).max()
 
 
-def test_a_single_post_moves_all_corners_as_newton_says() -> None:
+def test_a_single_post_moves_all_corners_by_newtons_laws() -> None:
     """Roll and the anti-roll bars take part only where the posts differ."""
     rates, frequency, step = (1500.0, 1300.0), 1.7, 2.5e-4
     time = step * np.arange(round(14.0 / step))
@@ -96,7 +96,7 @@ def test_the_simulation_converges_with_the_second_order() -> None:
     assert errors[2] < 1e-4 * finest.std()
 
 
-def test_at_rest_nothing_moves_whatever_the_dampers_carry() -> None:
+def test_at_rest_nothing_moves_whatever_the_static_damper_forces() -> None:
     models = {axle: load_model("renault_modified_bouc_wen") for axle in ("front", "rear")}
     run = on_posts(CAR, models, np.zeros((4, 4000)))
     assert np.abs(run.body).max() < 1e-9
@@ -118,7 +118,7 @@ def test_a_sweep_covers_its_frequencies_at_its_amplitude_and_ends_at_rest() -> N
     assert power[(frequency > 0.45) & (frequency < 6.05)].sum() > 0.99 * power.sum()
 
 
-def test_a_model_that_gives_no_number_is_an_error() -> None:
+def test_a_model_without_finite_force_is_an_error() -> None:
     wild = DamperModel("wild", "test", (make_element(find_effect("viscous"), {"rate": 1e5}),))
     heavy = replace(CAR, front=replace(CAR.front, wheel_mass=0.05))
     with pytest.raises(FloatingPointError, match="no finite motion"):
@@ -140,7 +140,7 @@ def car_file(tmp_path: Path) -> Callable[[str, str], Path]:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ("mass: 1160.0", "mass: -3.0", "body.mass = -3.0 is not a number above 0"),
         ("mass: 1160.0", "mass: .inf", "body.mass = inf is not a number above 0"),
@@ -149,16 +149,16 @@ def car_file(tmp_path: Path) -> Callable[[str, str], Path]:
         ("front:", "front: 3\nx:", "front is missing or not a mapping"),
     ],
 )
-def test_a_wrong_file_is_refused_in_one_line_with_all_that_is_wrong(
-    car_file: Callable[[str, str], Path], old: str, new: str, said: str
+def test_a_wrong_file_is_refused_in_one_line_with_all_faults(
+    car_file: Callable[[str, str], Path], old: str, new: str, message: str
 ) -> None:
     with pytest.raises(InputError, match="correct the file") as refusal:
         load_car(car_file(old, new))
-    assert said in str(refusal.value)
+    assert message in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
 
-def test_a_file_gives_what_is_in_it(car_file: Callable[[str, str], Path]) -> None:
+def test_a_file_is_loaded_with_its_values(car_file: Callable[[str, str], Path]) -> None:
     changed = load_car(car_file("anti_roll_rate: 5000.0", "anti_roll_rate: 0.0"))
     assert changed.rear.anti_roll_rate == 0.0
     assert replace(changed, rear=CAR.rear) == CAR

@@ -26,12 +26,12 @@ def test_a_step_in_the_road_compresses_first_and_dies_out(name: str) -> None:
     travel = travel_on(name, 0.02 * np.clip((time - 0.1) / 0.02, 0.0, 1.0))
     first = travel[(time > 0.1) & (time < 0.2)]
     assert first.min() < -0.004
-    # Friction may hold the rod where it is.
+    # Friction can keep the rod in place.
     stuck = 2.0 * DAMPERS[name].seal.force * 1.5 / CORNERS[name].spring_rate
     assert np.abs(travel[time > 3.5]).max() < stuck + 1e-3
 
 
-def test_without_damping_force_the_body_swings_at_its_own_frequency() -> None:
+def test_without_damping_force_the_body_swings_at_its_natural_frequency() -> None:
     damper = DAMPERS["passenger_front"]
     open_valves = damper.with_part("piston", bleed_area=1e-3, ring_gap=1e-8)
     open_valves = open_valves.with_part("seal", force=0.0, per_pressure=0.0, viscous=0.0)
@@ -102,8 +102,8 @@ def test_an_unknown_excitation_is_an_error() -> None:
         drive("moon", DAMPERS["light_car"], 10.0, 1)
 
 
-def test_a_road_in_stretches_is_the_road_as_a_whole() -> None:
-    """The slope at a seam is that of one side, so that the agreement is that of the step."""
+def test_a_road_in_stretches_equals_the_whole_road() -> None:
+    """The slope at a seam is one-sided, so the agreement is that of the step."""
     rng = np.random.default_rng(3)
     road = 0.01 * np.cumsum(np.convolve(rng.standard_normal(4000), np.ones(100) / 100, "same")) * STEP * 50
     current = np.full(road.size, 0.5)

@@ -28,7 +28,7 @@ def test_the_classes_are_those_of_the_standard() -> None:
     assert values == pytest.approx([16e-6, 64e-6, 256e-6, 1024e-6, 4096e-6])
 
 
-def test_the_same_seed_is_the_same_road_at_every_step_and_another_seed_another() -> None:
+def test_a_seed_repeats_its_road_at_every_step_and_another_seed_differs() -> None:
     coarse = road_height("C", SPEED, 4000, 4e-3, seed=1)
     fine = road_height("C", SPEED, 16000, 1e-3, seed=1)
     other = road_height("C", SPEED, 4000, 4e-3, seed=2)
@@ -42,7 +42,7 @@ def test_a_road_shorter_than_every_wave_is_refused() -> None:
         road_height("C", 0.01, 10, 1e-3, seed=1)
 
 
-def test_a_bump_is_as_high_and_as_long_as_it_says() -> None:
+def test_a_bump_has_the_stated_height_and_length() -> None:
     time = np.arange(0.0, 1.0, 1e-4)
     height = bump_height(0.05, 1.0, 10.0, time, 0.3)
     assert height.max() == pytest.approx(0.05)

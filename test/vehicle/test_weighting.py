@@ -1,4 +1,4 @@
-"""Wk against the values that the standards print."""
+"""Wk against the values of the standards."""
 
 import numpy as np
 import pytest
