@@ -16,7 +16,7 @@ import numpy as np
 from damper_estimator.codegen import Choices, damper_of
 from damper_estimator.codegen.build import FLAGS, build_library, find_compiler
 from damper_estimator.codegen.c_source import Damper
-from damper_estimator.codegen.running import CompiledDamper, inputs
+from damper_estimator.codegen.compiled_damper import CompiledDamper, inputs
 from damper_estimator.model import load_model
 
 RATE, SECONDS, ROUNDS = 1000, 3600, 3

@@ -28,7 +28,7 @@ from bench_identification import measurement
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import fit
 from damper_estimator.model import DamperModel, load_model, make_element
-from damper_estimator.model.export import steady_force
+from damper_estimator.model.force_table import steady_force
 from damper_estimator.plant import DAMPERS, Damper, Drive, bench_drive, current_steps
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, A, V, X

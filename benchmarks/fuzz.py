@@ -133,7 +133,7 @@ def yaml_examples(folder: str) -> list[bytes]:
 def models(folder: Path) -> tuple[Callable[[bytes], None], list[bytes]]:
     """Model files; an accepted model must run with finite forces or a degraded status."""
     from damper_estimator.model import load_model
-    from damper_estimator.model.files import model_yaml, parse_model
+    from damper_estimator.model.model_files import model_yaml, parse_model
     from damper_estimator.runtime import Line, deployed
 
     path = folder / "x.yaml"

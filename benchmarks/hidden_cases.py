@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 from damper_estimator.cli.synth_files import write_record
 from damper_estimator.identification import fit
 from damper_estimator.model import DamperModel, parse_model
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.plant import (
     DAMPERS,
     PHENOMENA,

@@ -17,7 +17,7 @@ from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, add_signals, 
 from damper_estimator.cli.export_code import add_code_arguments, write_code
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
-from damper_estimator.model.export import force_table, write_tables
+from damper_estimator.model.force_table import force_table, write_tables
 
 EXAMPLES = (
     "export mine.yaml --c controller",

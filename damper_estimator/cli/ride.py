@@ -27,7 +27,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.model import load_model, save_model
 from damper_estimator.vehicle import CORNER_CASES, LIMITS, SURFACES, Corner
-from damper_estimator.vehicle.comparison import Trial, compare_commands, tracking_ratio
+from damper_estimator.vehicle.command_comparison import Trial, compare_commands, tracking_ratio
 
 EXAMPLES = (
     "ride --surface bump --seconds 8",

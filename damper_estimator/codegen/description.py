@@ -4,7 +4,7 @@ from datetime import date
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from damper_estimator import __version__
-from damper_estimator.codegen.unit import FIRST_INPUT, FIRST_PARAMETER, Output, Unit, outputs_of
+from damper_estimator.codegen.fmu_variables import FIRST_INPUT, FIRST_PARAMETER, Output, Unit, outputs_of
 
 _SI = {
     "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s2": {"m": 1, "s": -2}, "N": {"kg": 1, "m": 1, "s": -2},

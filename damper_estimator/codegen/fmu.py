@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.codegen.build import FLAGS, build_library, find_compiler
+from damper_estimator.codegen.c_files import Choices, damper_of, sources_of
 from damper_estimator.codegen.c_source import today
 from damper_estimator.codegen.description import build_description, model_description
-from damper_estimator.codegen.export import Choices, damper_of, sources_of
-from damper_estimator.codegen.unit import Unit, inputs_of
+from damper_estimator.codegen.fmu_variables import Unit, inputs_of
 from damper_estimator.codegen.values import literal
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel

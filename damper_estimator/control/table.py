@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.model.export import read_table
+from damper_estimator.model.force_table import read_table
 
 VELOCITIES = (-1.5, -1.0, -0.7, -0.5, -0.35, -0.25, -0.17, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.17, 0.25, 0.35,
               0.5, 0.7, 1.0, 1.5)  # fmt: skip

@@ -17,7 +17,7 @@ from damper_estimator.identification.record import record_of, region_of
 from damper_estimator.identification.rows import pooled
 from damper_estimator.identification.selection import narrowed
 from damper_estimator.model import DamperModel
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 
 
 def fit_spread(

@@ -15,7 +15,7 @@ from damper_estimator.fleet.shares import Shares
 from damper_estimator.identification.excitations import Split
 from damper_estimator.identification.sources import Place, Totals, added_up
 from damper_estimator.identification.unknowns import Unknowns
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.signals.cycles import Cycle
 
 

@@ -25,7 +25,7 @@ from damper_estimator.fleet.manifest import Recording
 from damper_estimator.fleet.rows import FAILED, kept_row, write_row
 from damper_estimator.fleet.task import Options, Task, digest, task_folder
 from damper_estimator.model import load_model
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 
 _AHEAD = 4  # tasks under way per thread: one runs, the others wait beside it
 _COUNTED = 5.0  # s between two counts of the workers

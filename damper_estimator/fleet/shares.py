@@ -11,7 +11,7 @@ from damper_estimator.fleet.cluster import answering
 from damper_estimator.fleet.held import Source, Summary, answers, channel_below, channel_range, summary
 from damper_estimator.identification.samples import Samples
 from damper_estimator.model import DamperModel
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.numerics import order_statistics
 
 LOOK = 5.0  # s between two looks for workers that are gone

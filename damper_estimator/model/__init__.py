@@ -2,7 +2,7 @@
 
 from damper_estimator.model.damper_model import DamperModel, Slot
 from damper_estimator.model.element import Element, make_element
-from damper_estimator.model.files import library_models, load_model, parse_model, save_model
+from damper_estimator.model.model_files import library_models, load_model, parse_model, save_model
 from damper_estimator.model.stream import Stream
 
 __all__ = [

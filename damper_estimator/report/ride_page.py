@@ -7,7 +7,7 @@ import numpy as np
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import INK, LINE, Figure, apart, axis, line, short
 from damper_estimator.vehicle import LIMITS
-from damper_estimator.vehicle.comparison import Trial, tracking_ratio
+from damper_estimator.vehicle.command_comparison import Trial, tracking_ratio
 
 COLOURS = {"passive": "@samples", "table": "@model1", "model": "@model0"}
 SHOWN = 1.5

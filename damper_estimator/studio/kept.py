@@ -18,7 +18,7 @@ from damper_estimator.diagnosis import Step
 from damper_estimator.errors import InputError
 from damper_estimator.files import json_text, write_text
 from damper_estimator.model import parse_model
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.numbers import number
 from damper_estimator.signals import parse_signal_map, signal_map_yaml
 from damper_estimator.studio.folder import Folder

@@ -5,7 +5,7 @@ run = on_posts(load_car("compact_car"), {"front": model, "rear": model}, four_po
 """
 
 from damper_estimator.vehicle.closed_loop import CornerSensors, Ride, RunningRide, Sensed, attainable, ride
-from damper_estimator.vehicle.excitation import EXCITATIONS, ROADS, drive
+from damper_estimator.vehicle.damper_drives import EXCITATIONS, ROADS, drive
 from damper_estimator.vehicle.four_posts import PostRun, Transfer, four_posts, on_posts, sweep, transfer
 from damper_estimator.vehicle.full_car import WHEELS, Axle, Body, FullCar, library_vehicles, load_car
 from damper_estimator.vehicle.quarter_car import CORNERS, QuarterCar, RunningCar, suspension_travel

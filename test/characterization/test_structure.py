@@ -9,7 +9,7 @@ from damper_estimator.characterization.structure import (
     semi_active_structure,
     structure_model,
 )
-from damper_estimator.model.files import model_yaml, parse_model
+from damper_estimator.model.model_files import model_yaml, parse_model
 
 TABLE_9 = [
     ((0, 1, 1), "simple"), ((1, 1, 1), "simple"), ((0, 1), "simple"),

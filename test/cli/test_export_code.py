@@ -75,7 +75,7 @@ def test_single_precision_says_how_far_it_is_off(tmp_path, capsys):
 
 
 def test_without_a_compiler_c_is_written_all_the_same(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("damper_estimator.codegen.export.find_compiler", lambda: None)
+    monkeypatch.setattr("damper_estimator.codegen.c_files.find_compiler", lambda: None)
     assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--float", "--name", "a"]) == 0
     assert (tmp_path / "a.c").exists() and "was not measured" in capsys.readouterr().out
 

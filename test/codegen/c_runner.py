@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.codegen.c_source import Damper
-from damper_estimator.codegen.running import inputs
+from damper_estimator.codegen.compiled_damper import inputs
 from damper_estimator.effects.discovery import all_effects, find_effect
 from damper_estimator.model import DamperModel, make_element
 from damper_estimator.recordings import open_bag

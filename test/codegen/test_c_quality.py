@@ -11,8 +11,8 @@ from c_runner import python_line, random_model, recorded, rough
 
 from damper_estimator.codegen import Choices, damper_of, one_sample, write_fmu
 from damper_estimator.codegen.build import FLAGS, build_library, find_compiler
-from damper_estimator.codegen.export import single_error
-from damper_estimator.codegen.running import CompiledDamper
+from damper_estimator.codegen.c_files import single_error
+from damper_estimator.codegen.compiled_damper import CompiledDamper
 from damper_estimator.model import library_models, load_model
 from damper_estimator.runtime.estimates import FIELDS
 from damper_estimator.signals.admission import DUPLICATE

@@ -12,7 +12,7 @@ from c_runner import python_line
 from damper_estimator.cli.main import main
 from damper_estimator.codegen import Choices, damper_of
 from damper_estimator.codegen.build import find_compiler
-from damper_estimator.codegen.running import inputs
+from damper_estimator.codegen.compiled_damper import inputs
 from damper_estimator.model import load_model
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")

@@ -13,7 +13,7 @@ from damper_estimator.cli.main import main
 from damper_estimator.codegen import Choices, damper_of, one_sample
 from damper_estimator.codegen.build import FLAGS, find_compiler
 from damper_estimator.codegen.c_source import Damper
-from damper_estimator.codegen.running import CompiledDamper, inputs
+from damper_estimator.codegen.compiled_damper import CompiledDamper, inputs
 from damper_estimator.model import library_models, load_model
 from damper_estimator.recordings import open_bag
 from damper_estimator.runtime import deployed

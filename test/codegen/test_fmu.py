@@ -8,8 +8,8 @@ import pytest
 from c_runner import python_line, recorded
 
 from damper_estimator.codegen import Choices, build, damper_of, write_fmu
+from damper_estimator.codegen.compiled_damper import inputs
 from damper_estimator.codegen.fmu import tunable_parameters
-from damper_estimator.codegen.running import inputs
 from damper_estimator.control import InverseModel
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model

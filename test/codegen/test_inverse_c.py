@@ -8,7 +8,7 @@ from c_runner import python_line, rough
 
 from damper_estimator.codegen import Choices, damper_of
 from damper_estimator.codegen.build import find_compiler
-from damper_estimator.codegen.running import CompiledDamper
+from damper_estimator.codegen.compiled_damper import CompiledDamper
 from damper_estimator.control import InverseModel
 from damper_estimator.model import load_model
 from damper_estimator.signals.admission import DUPLICATE

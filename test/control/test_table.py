@@ -53,7 +53,7 @@ def test_too_few_samples_are_refused():
 
 def test_a_table_is_read_from_the_file_that_export_writes(tmp_path):
     from damper_estimator.model import load_model
-    from damper_estimator.model.export import force_table, write_tables
+    from damper_estimator.model.force_table import force_table, write_tables
 
     model = load_model("semi_active_on_mount")
     written = force_table(model, np.array([-0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6]), commands=(0.0, 0.7, 1.4))

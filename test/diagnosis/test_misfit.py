@@ -10,7 +10,7 @@ from damper_estimator.diagnosis import diagnose, with_misfit
 from damper_estimator.diagnosis.misfit import KEY, misfit_of, without_misfit
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model, parse_model
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from damper_estimator.effects.discovery import all_effects, find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import make_element, parse_model
 from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.model.program import packed
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
 

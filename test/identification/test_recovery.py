@@ -6,7 +6,7 @@ import pytest
 from damper_estimator.identification import fit
 from damper_estimator.identification.knots import with_placed_knots
 from damper_estimator.model import load_model
-from damper_estimator.model.files import library_models
+from damper_estimator.model.model_files import library_models
 
 FAR = 4.5  # standard errors: farther off, a value is wrong
 PERTURBED = 0.25  # standard deviation of the starts' logarithm

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model, make_element, parse_model, save_model
-from damper_estimator.model.files import library_models, model_yaml
+from damper_estimator.model.model_files import library_models, model_yaml
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.model import load_model
-from damper_estimator.model.files import library_models
+from damper_estimator.model.model_files import library_models
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
 
 NAMES = [

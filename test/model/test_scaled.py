@@ -6,7 +6,7 @@ import yaml
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model, parse_model
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, TEMPERATURE, A, T, V, X
 
 

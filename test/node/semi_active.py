@@ -8,7 +8,7 @@ import yaml
 from rig import MS, START, Rig
 
 from damper_estimator.model import load_model
-from damper_estimator.model.export import force_table, write_tables
+from damper_estimator.model.force_table import force_table, write_tables
 from damper_estimator.recordings import floats, joint_states
 
 DAMPERS = ("left", "right")

@@ -325,7 +325,7 @@ def test_a_command_in_another_unit_is_sent_in_that_unit():
 
 
 def load_model_from(content: dict):
-    from damper_estimator.model.files import parse_model
+    from damper_estimator.model.model_files import parse_model
 
     return parse_model(content, "test")
 

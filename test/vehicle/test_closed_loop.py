@@ -7,7 +7,7 @@ import pytest
 
 from damper_estimator.control import ConstantCommand
 from damper_estimator.vehicle import CORNER_CASES, LIMITS, REST, SURFACES, Ride, Surface, ride_measures, wk_weighted
-from damper_estimator.vehicle.comparison import compare_commands, tracking_ratio
+from damper_estimator.vehicle.command_comparison import compare_commands, tracking_ratio
 
 CORNER = CORNER_CASES["semi_active"]
 BUMP = Surface("bump", 8.0)

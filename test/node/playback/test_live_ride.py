@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.model import load_model
-from damper_estimator.model.export import force_table, write_tables
+from damper_estimator.model.force_table import force_table, write_tables
 from damper_estimator.vehicle import CORNER_CASES, LIMITS, REST, SURFACES, surface_height
 
 MODEL = "semi_active_on_mount"

@@ -6,7 +6,7 @@ import pytest
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
-from damper_estimator.model.export import (
+from damper_estimator.model.force_table import (
     COLUMNS,
     curve_model,
     force_table,
@@ -16,7 +16,7 @@ from damper_estimator.model.export import (
     velocity_grid,
     write_tables,
 )
-from damper_estimator.model.files import parse_model
+from damper_estimator.model.model_files import parse_model
 from damper_estimator.signals.layout import ROWS, V
 
 

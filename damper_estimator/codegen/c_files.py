@@ -10,13 +10,13 @@ import numpy as np
 
 from damper_estimator.codegen.build import FLAGS, find_compiler
 from damper_estimator.codegen.c_source import Damper, Sources, sources, today
-from damper_estimator.codegen.running import CompiledDamper, inputs
+from damper_estimator.codegen.compiled_damper import CompiledDamper, inputs
 from damper_estimator.codegen.values import Untranslatable
 from damper_estimator.control import checked_limits, usable_limits
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.model import DamperModel
-from damper_estimator.model.files import model_yaml
+from damper_estimator.model.model_files import model_yaml
 from damper_estimator.runtime import deployed
 from damper_estimator.signals import DamperSignals
 from damper_estimator.signals.fusion import Fusion
