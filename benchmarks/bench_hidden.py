@@ -96,7 +96,7 @@ def run(plan: Plan) -> dict[str, Any]:
 def judged_by() -> str:
     """Fingerprint of the code that determines a verdict."""
     package = Path(__file__).resolve().parents[1] / "damper_estimator"
-    sources = [source for room in JUDGING for source in sorted((package / room).rglob("*.py"))]
+    sources = [source for folder in JUDGING for source in sorted((package / folder).rglob("*.py"))]
     sources.append(Path(__file__).with_name("hidden_verdicts.py"))
     return sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:12]
 

@@ -106,7 +106,7 @@ def _drive(process: subprocess.Popen, kind: str, case: Case, seconds: float) -> 
     node = rclpy.create_node("driver", start_parameter_services=False)
     quality = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
     publisher = node.create_publisher(JointState, TOPIC, quality)
-    beside = case.beside(node, kind == "node")
+    before_message = case.before_message(node, kind == "node")
     answers: list[tuple[bytes, float]] = []
     topic, answer = ("relayed", JointState) if kind == "relay" else ("/damper_estimator/force", DamperForces)
     take = lambda data: answers.append((data[4:12], time.perf_counter()))  # noqa: E731
@@ -120,7 +120,7 @@ def _drive(process: subprocess.Popen, kind: str, case: Case, seconds: float) -> 
     _await(executor, process, lambda: publisher.get_subscription_count() and node.count_publishers(topic) > 0)
     gc.collect()
     gc.disable()
-    sent, cpu = _send(executor, process, publisher.publish, messages, rate, beside)
+    sent, cpu = _send(executor, process, publisher.publish, messages, rate, before_message)
     gc.enable()
     node.destroy_subscription(subscription)
     back, first = dict(answers), int(rate * WARM_UP)
@@ -144,7 +144,7 @@ def _await(executor: object, process: subprocess.Popen, is_there: Callable[[], o
 
 def _send(
     executor: object, process: subprocess.Popen, publish: Callable, messages: list[bytes], rate: float,
-    beside: Callable[[int], None],
+    before_message: Callable[[int], None],
 ) -> tuple[np.ndarray, float]:  # fmt: skip
     """Sends at the rate; returns the times of sending (n,) in s, and the CPU of the process in cores."""
     sent, start, cpu, begin = np.zeros(len(messages)), time.perf_counter() + 0.01, 0.0, 0.0
@@ -154,7 +154,7 @@ def _send(
             executor.spin_once(timeout_sec=max(due - now, 0.0))
         if i == int(rate * WARM_UP):
             cpu, begin = _cpu(process.pid), now
-        beside(i)
+        before_message(i)
         sent[i] = time.perf_counter()
         publish(message)
     used = (_cpu(process.pid) - cpu) / (time.perf_counter() - begin)

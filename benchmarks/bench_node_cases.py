@@ -47,7 +47,7 @@ class Case:
         """Parameters of the node in addition to the common ones."""
         return dict(self.make(folder))
 
-    def beside(self, node: object, is_node: bool) -> Callable[[int], None]:
+    def before_message(self, node: object, is_node: bool) -> Callable[[int], None]:
         """The action before message i."""
         return self.sends(node, is_node)
 

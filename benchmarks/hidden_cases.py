@@ -118,10 +118,10 @@ def make_case(plan: Plan, folder: Path) -> dict[str, Any]:
         "force_rms": float(without_zero(_judged_force(found["unseen"])).std()),
     }
     place.parent.mkdir(parents=True, exist_ok=True)
-    beside = place.with_suffix(f".{os.getpid()}.part")
-    with beside.open("wb") as stream:
+    partial = place.with_suffix(f".{os.getpid()}.part")
+    with partial.open("wb") as stream:
         _Pickler(stream).dump(case)
-    beside.rename(place)
+    partial.rename(place)
     return case
 
 

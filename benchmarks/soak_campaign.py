@@ -238,11 +238,11 @@ class Campaign:
                     self.judge.excuse(k, fault.kind.excuse, self.time + MEMORY)
             if fault.kind.is_unsure:
                 self.judge.expect_nothing(fault.dampers, self.time)
-            is_over = fault.is_last and fault.store.get("told", False)
+            is_over = fault.is_last and fault.store.get("announced", False)
             if fault.run is not None:
                 is_over = next(fault.run, self) is self
             elif fault.is_last:
-                fault.store["told"] = True  # it acts on one more sample
+                fault.store["announced"] = True  # it acts on one more sample
             if is_over:
                 self.active.remove(fault)
                 self._recent = [(n, u) for n, u in self._recent if self.time < u] + [(fault.kind.name, self.time + 1.0)]

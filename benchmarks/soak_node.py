@@ -18,14 +18,14 @@ from soak_plant import NAMES
 
 EXECUTABLE = Path(sysconfig.get_path("scripts")) / "estimator_node"
 NODE = "/damper_estimator"
-DISPLACEMENT, FORCE, WISH = "/suspension/displacement", "/suspension/force", f"{NODE}/desired_force"
+DISPLACEMENT, FORCE, DESIRED_FORCE = "/suspension/displacement", "/suspension/force", f"{NODE}/desired_force"
 STATES = "sensor_msgs/msg/JointState"
 TYPES = {
     "current": "std_msgs/msg/Float64", "temperature": "sensor_msgs/msg/Temperature",
     "pressure": "sensor_msgs/msg/FluidPressure", "acceleration": "geometry_msgs/msg/AccelStamped",
 }  # fmt: skip
 TOPICS = {f"/suspension/{name}/{role}": kind for role, kind in TYPES.items() for name in NAMES} | {
-    FORCE: STATES, WISH: STATES, DISPLACEMENT: STATES,
+    FORCE: STATES, DESIRED_FORCE: STATES, DISPLACEMENT: STATES,
 }  # fmt: skip
 PR_SET_PDEATHSIG = 1  # of prctl(2)
 PATIENCE = 120.0  # s, for a busy machine

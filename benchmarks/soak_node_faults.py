@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from soak_faults import Fault, on_node
-from soak_node import DISPLACEMENT, WISH
+from soak_node import DESIRED_FORCE, DISPLACEMENT
 from soak_plant import NAMES, SAFE
 from soak_wire import States, joint_state
 
@@ -65,10 +65,10 @@ def _(fault: Fault, campaign) -> Iterator[None]:
     yield
 
 
-@on_node("wish for a stranger")
+@on_node("desired force for a stranger")
 def _(fault: Fault, campaign) -> Iterator[None]:
     while campaign.time < fault.until:
-        campaign.node.publish(WISH, joint_state(["stranger", ""], campaign.stamp, (), [1e9, 1.0]))
+        campaign.node.publish(DESIRED_FORCE, joint_state(["stranger", ""], campaign.stamp, (), [1e9, 1.0]))
         yield
 
 
@@ -77,7 +77,7 @@ def _(fault: Fault, campaign) -> Iterator[None]:
     while campaign.time < fault.until:
         name = NAMES[fault.random.integers(len(NAMES))]
         campaign.node.publish(f"/suspension/{name}/temperature", b"\0\1\0\0" + fault.random.bytes(5))
-        campaign.node.publish(WISH, b"\0\1\0\0" + fault.random.bytes(9))
+        campaign.node.publish(DESIRED_FORCE, b"\0\1\0\0" + fault.random.bytes(9))
         yield
 
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from soak_faults import Fault
 from soak_judge import Judge
-from soak_node import FORCE, WISH, SoakedNode
+from soak_node import DESIRED_FORCE, FORCE, SoakedNode
 from soak_plant import NAMES, Driver, Sample, Sensors
 from soak_wire import joint_state, number, stamped
 
@@ -43,8 +43,8 @@ class Slow:
             gauge = force + self._sensors.gauge * noise.standard_normal(len(NAMES))
             self._send_efforts(FORCE, "gauge", gauge, now, stamp)
             phase = np.arange(4.0)
-            wish = -330.0 + 450.0 * np.sin(4.0 * now + phase) + 250.0 * np.sin(19.0 * now + phase)
-            for k in self._send_efforts(WISH, "wish", wish, now, stamp):
+            desired = -330.0 + 450.0 * np.sin(4.0 * now + phase) + 250.0 * np.sin(19.0 * now + phase)
+            for k in self._send_efforts(DESIRED_FORCE, "desired force", desired, now, stamp):
                 self._judge.desired_at[k] = now
 
     def _altered(self, role: str, k: int, value: float, now: float) -> list[float]:

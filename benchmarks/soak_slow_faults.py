@@ -68,16 +68,16 @@ for _name, _act in SLOW_KINDS.items():
 
 for _name, _value in {"NaN": np.nan, "infinite": np.inf, "huge": 1e300, "-huge": -1e9}.items():
 
-    @on_slow("wish", _name)
-    def _(fault: Fault, value: float, k: int, wish: float = _value) -> list[float]:
-        return [wish]
+    @on_slow("desired force", _name)
+    def _(fault: Fault, value: float, k: int, desired: float = _value) -> list[float]:
+        return [desired]
 
 
-@on_slow("wish", "silent", 0.2, 1.0)
+@on_slow("desired force", "silent", 0.2, 1.0)
 def _(fault: Fault, value: float, k: int) -> list[float]:
     return []
 
 
-@on_slow("wish", "flood")
+@on_slow("desired force", "flood")
 def _(fault: Fault, value: float, k: int) -> list[float]:
     return [value] * 10

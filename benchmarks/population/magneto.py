@@ -25,7 +25,7 @@ def held_back(plant, layers, travel, yielding, reach):
 
 
 @compiled
-def beside(plant, pressure, x, thin):
+def bypass_flow(plant, pressure, x, thin):
     """Flow in m^3/s that bypasses the gap: leak, relief, position-dependent passages."""
     flow = pressure * plant.leak / thin
     flow += orifice(blow_off(plant, pressure), pressure, 2e3, plant.density)
@@ -45,7 +45,7 @@ def solve(plant, layers, excess, volume, step, start, back, x, thin, yielding, v
             trial = q if side == 0 else q + nudge
             p = held_back(plant, layers, trial * step / annulus, yielding, reach)
             p += (viscous + plant.gap_square * abs(trial)) * trial
-            flow = trial + beside(plant, p, x, thin)
+            flow = trial + bypass_flow(plant, p, x, thin)
             value = volume * stored(plant, p + back, gas) - excess + step * flow
             if side == 0:
                 left = value

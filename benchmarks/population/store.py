@@ -39,9 +39,9 @@ def save(folder: Path, name: str, kept: Kept) -> None:
                     arrays[f"{role}.{number}.{field.name}"] = values.astype(kind)
     de.save_model(kept.model, folder / f"{name}.yaml")
     (folder / f"{name}.json").write_text(json.dumps({"facts": kept.facts, "chain": kept.chain.__dict__}))
-    beside = folder / f"{name}.part.npz"
-    np.savez(beside, **arrays)
-    beside.rename(folder / f"{name}.npz")
+    partial = folder / f"{name}.part.npz"
+    np.savez(partial, **arrays)
+    partial.rename(folder / f"{name}.npz")
 
 
 def saved(folder: Path, name: str) -> Kept | None:

@@ -7,7 +7,7 @@ compliance in front of a path solves
     F_compliance(d, r) = F_path(v - r),      r = (d - d_before) / dt      (backward Euler; r = 0 on the first sample)
 
 The left side rises with d and the right side falls, so the root is unique. The search starts from the last rate and the
-last slope, goes on by secants and bisects where a secant leaves the bracket or is slow to close it. Kernels are called
+last slope, continues with secants and bisects if a secant leaves the bracket or closes it slowly. Kernels are called
 by their addresses, and so are the loops: compiled once for all models and callers. Modifiers that scale the compliance
 act on its force, with the input motion of the series: command, temperature and position of the damper.
 """

@@ -36,8 +36,8 @@ def gas_pressure(gas, rest_volume, piston_volume, warmth):
     ``warmth`` is the absolute temperature over that at the start. At 3 % of its volume the floating piston bottoms, and
     the pressure no longer rises.
     """
-    room = max(rest_volume - piston_volume, 0.03 * rest_volume)
-    return gas.pressure * warmth * (rest_volume / room) ** gas.exponent
+    volume = max(rest_volume - piston_volume, 0.03 * rest_volume)
+    return gas.pressure * warmth * (rest_volume / volume) ** gas.exponent
 
 
 @compiled

@@ -39,7 +39,7 @@ def ride_measures(ride: Ride, attainable: np.ndarray, start: float, desired: np.
 
     Args:
         attainable: (2, n) N, lowest and highest force on this motion.
-        wish: (n,) N, replaces the ride's desired force.
+        desired: (n,) N, replaces the ride's desired force.
     """
     part = slice(round(start / ride.step), None)
     raw = (ride.wanted if desired is None else desired)[part]

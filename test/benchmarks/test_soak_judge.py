@@ -83,7 +83,7 @@ def test_every_channel_has_kinds_of_faults():
         "pressure",
         "acceleration",
         "gauge",
-        "wish",
+        "desired force",
         "parameters",
         "process",
     )

@@ -20,7 +20,7 @@ from damper_estimator.signals.admission import DUPLICATE
 BAGS = Path(__file__).parents[2] / "bags"
 LIMITS = (0.0, 2.0)
 COMMANDED = {name for name, path in library_models().items() if "semi_active" in path.read_text(encoding="utf-8")}
-needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler is installed")
 
 
 def exported(name: str, single: bool = False):

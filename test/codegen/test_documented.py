@@ -15,7 +15,7 @@ from damper_estimator.codegen.build import find_compiler
 from damper_estimator.codegen.compiled_damper import inputs
 from damper_estimator.model import load_model
 
-pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler is installed")
 TEXT = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
 
 

@@ -22,7 +22,7 @@ from damper_estimator.runtime.estimates import FIELDS
 from damper_estimator.signals.admission import DUPLICATE
 from damper_estimator.signals.fusion import Fusion
 
-pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler is installed")
 REGION = {"displacement": [-0.05, 0.05], "velocity": [-2.0, 2.0], "command": [0.0, 1.2], "temperature": [10.0, 80.0]}
 BAGS = Path(__file__).parents[2] / "bags"
 CHAINS = int(os.environ.get("DAMPER_C_CHAINS", "25"))

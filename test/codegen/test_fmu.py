@@ -18,7 +18,7 @@ from damper_estimator.runtime.estimates import FIELDS
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 pytest.importorskip("fmpy.validation")
 pytest.importorskip("fmpy.fmi3")
-needs_compiler = pytest.mark.skipif(build.find_compiler() is None, reason="there is no C compiler")
+needs_compiler = pytest.mark.skipif(build.find_compiler() is None, reason="no C compiler is installed")
 both = pytest.mark.parametrize("version", ["2.0", "3.0"])
 BAGS = Path(__file__).parents[2] / "bags"
 LIMITS = (0.0, 2.0)

@@ -13,7 +13,7 @@ from damper_estimator.control import InverseModel
 from damper_estimator.model import load_model
 from damper_estimator.signals.admission import DUPLICATE
 
-pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler is installed")
 LIMITS = (0.0, 2.0)
 NAMES = ("force_min", "force_max", "dforce_dvelocity", "dforce_dcurrent")
 

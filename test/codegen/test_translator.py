@@ -11,7 +11,7 @@ from damper_estimator.codegen.build import build_library, find_compiler
 from damper_estimator.codegen.translator import Translator
 from damper_estimator.codegen.values import LONG, REAL, Array, Number, Untranslatable, whole
 
-needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler is installed")
 SPECIAL = (0.0, -0.0, 1.0, -1.0, 2.5, -7.25, 1e-300, 1e300, math.inf, -math.inf, math.nan)
 
 

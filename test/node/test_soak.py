@@ -10,7 +10,7 @@ SOAK = Path(__file__).resolve().parents[2] / "benchmarks" / "soak.py"
 KINDS = (
     "displacement NaN", "displacement gap", "displacement jump", "displacement late", "displacement other endianness",
     "current silent", "current wild", "current NaN", "temperature NaN", "temperature silent", "clock forward",
-    "wish NaN", "parameters: refused",
+    "desired force NaN", "parameters: refused",
 )  # fmt: skip
 SECONDS, RATE = 40, 250  # a slow rate, for a machine that runs other tests as well
 
