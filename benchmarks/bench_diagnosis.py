@@ -17,10 +17,10 @@ from itertools import islice
 from pathlib import Path
 
 from page_tables import write_tables
+from population.case_processes import Order, done, results
 from population.cases import PHENOMENA, Card, deck
-from population.real import there
-from population.tables import line, report
-from population.work import Order, done, results
+from population.real_cases import there
+from population.result_tables import line, report
 
 OUT = Path("out/population")
 CASES, FULL_CASES = 150, 600

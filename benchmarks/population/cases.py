@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from population import drives, families, sensors
-from population.calibration import LEAST_SHOWN, LEVELS, MEDIUM, Switched, in_chain, in_damper, shown
+from population import drives, families, measurement_chain
+from population.damper_phenomena import IN_THE_DAMPER
 from population.drives import Drive
-from population.parts import FAMILIES, MAGNETO, MONO, TWIN, Plant
-from population.phenomena import IN_THE_DAMPER
+from population.measurement_chain import FAULTS, Chain, Samples, late_by, sampled
+from population.plant_parameters import FAMILIES, MAGNETO, MONO, TWIN, Plant
 from population.realisation import scene_of
-from population.sensors import FAULTS, Chain, Samples, late_by, sampled
 from population.simulate import Unstable, force_of, in_band, rms, run, share
+from population.strength_search import LEAST_SHOWN, LEVELS, MEDIUM, Switched, in_chain, in_damper, shown
 
 PHENOMENA = (*IN_THE_DAMPER, *FAULTS)
 ALIKE = (
@@ -120,7 +120,7 @@ def _tried(card: Card, rng: np.random.Generator, longest: float, attempt: int) -
     out = run(plant, first[1])
     spread = float(out[:, 0].std())
     coil_over = rng.random() < (0.7 if "spring_rate_error" in card.hidden else 0.2)
-    chain = _with_slow_channels(card, rng, sensors.drawn(rng, spread, coil_over), first[1], moves or acts)
+    chain = _with_slow_channels(card, rng, measurement_chain.drawn(rng, spread, coil_over), first[1], moves or acts)
     effects = _hidden(card, rng, plant, chain, first[1], scene_of(first[1], out))
     if effects is None:
         return None
@@ -213,7 +213,7 @@ def _recorded(card, rng, setting, effects, off, on, attempt) -> Case | None:
     forces["twin"] = force_of(off[0], unseen) if effects else forces["unseen"]
     strength = 0.0
     if effects:
-        one, other = (sensors.gauge(chain, unseen, force) for chain, force in
+        one, other = (measurement_chain.gauge(chain, unseen, force) for chain, force in
                       ((off[1], forces["twin"]), (on[1], forces["unseen"])))  # fmt: skip
         strength = rms(in_band(other - one)) / float(in_band(forces["unseen"]).std())
         wanted = LEVELS.get(card.level, MEDIUM)

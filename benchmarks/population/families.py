@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from population.flows import DISCHARGE
-from population.parts import AMBIENT, MAGNETO, MONO, TWIN, Plant
+from population.plant_parameters import AMBIENT, MAGNETO, MONO, TWIN, Plant
 
 
 def drawn(rng: np.random.Generator, family: int) -> Plant:

@@ -3,7 +3,7 @@
 from math import exp, log, sqrt
 
 from damper_estimator.compiled import compiled
-from population.parts import AMBIENT
+from population.plant_parameters import AMBIENT
 
 DISCHARGE = 0.7
 VOID = 1e-6

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from population.parts import ENDLESS, MAGNETO, TWIN, Plant
+from population.plant_parameters import ENDLESS, MAGNETO, TWIN, Plant
 from population.realisation import Realisation, Scene, plain
 
 

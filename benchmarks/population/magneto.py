@@ -5,10 +5,10 @@ from math import exp
 import numpy as np
 
 from damper_estimator.compiled import compiled
+from population.common_step import MEMORY, aerate, gauge_force, magnetise, rod_motion, rod_side, settle
 from population.flows import blow_off, gas_pressure, gelled, orifice, placed, stored, viscosity
-from population.parts import AMBIENT
-from population.shared import MEMORY, aerate, gauge_force, magnetise, rod_motion, rod_side, settle
-from population.solids import rubbed, stopped
+from population.friction_and_stops import rubbed, stopped
+from population.plant_parameters import AMBIENT
 
 LAYERS = (0.3, 1.0, 2.2)
 """Yield travels of the layers of the gap, which yield one after the other, relative to ``reach``."""

@@ -1,7 +1,7 @@
 """Each phenomenon in several realisations: a drawn damper without it, and with it at any magnitude.
 
 "Off" and "on" differ in nothing but the phenomenon. A magnitude m is a physical number around 1; a search for m sets
-the strength in a recording (``cases.py``).
+the strength in a recording (``strength_search.py``).
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from population.drives import Drive
-from population.parts import Plant
+from population.plant_parameters import Plant
 
 Switch = Callable[[float], Plant]
 

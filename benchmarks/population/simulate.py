@@ -6,7 +6,7 @@ import numpy as np
 
 from population import magneto, monotube, twin_tube
 from population.drives import RATE, Drive
-from population.parts import Plant
+from population.plant_parameters import Plant
 
 KERNELS = (twin_tube.integrate, monotube.integrate, magneto.integrate)
 

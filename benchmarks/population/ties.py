@@ -10,13 +10,13 @@ from scipy.interpolate import CubicSpline
 
 import damper_estimator as de
 from damper_estimator.planning import load_rig, plan
-from population import cases, drives, families, users
+from population import cases, drives, families, user_models
+from population.case_records import hidden_rms
 from population.cases import Card, Case
 from population.drives import RATE, Drive
-from population.judge import hidden_rms
-from population.sensors import sampled
+from population.measurement_chain import sampled
 from population.simulate import force_of
-from population.users import DAMPER
+from population.user_models import DAMPER
 
 MINUTES = 3.0
 """Longest test."""
@@ -33,10 +33,10 @@ def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str,
     began = perf_counter()
     rng = np.random.default_rng([seed, 11, card.number])
     case = cases.made(card, seed, longest=60.0)
-    signals = users.signal_map(case.chain)
-    base, twin, old = (users.recording([recording], signals) for recording in (case.base, case.twin, case.fit))
-    way = users.drawn_way(rng, case.family, False)
-    model, how = users.made(way, base, twin, users.hand_made(base, card.hidden, rng), hidden_rms(case))
+    signals = user_models.signal_map(case.chain)
+    base, twin, old = (user_models.recording([recording], signals) for recording in (case.base, case.twin, case.fit))
+    way = user_models.drawn_way(rng, case.family, False)
+    model, how = user_models.made(way, base, twin, user_models.hand_made(base, card.hidden, rng), hidden_rms(case))
     folder.mkdir(parents=True, exist_ok=True)
     de.save_model(model, folder / f"{card.name}.yaml")
     first = de.diagnose(old, model)
@@ -71,7 +71,7 @@ def outcome(
     """Outcome of a diagnosis of the old and a new recording: right, wrong or tied."""
     plant, chain = case.effects[-1].on
     new = sampled(name, chain, drive, force_of(plant, drive), rng)
-    found = de.diagnose(users.recording([case.fit, new], signals), model)
+    found = de.diagnose(user_models.recording([case.fit, new], signals), model)
     groups = [[one.phenomenon, *one.tied_with] for one in found.findings]
     truth = case.card.hidden[0]
     if groups and groups[0] == [truth]:

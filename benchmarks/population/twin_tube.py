@@ -3,10 +3,10 @@
 import numpy as np
 
 from damper_estimator.compiled import compiled
+from population.common_step import MEMORY, aerate, gauge_force, magnetise, rod_motion, rod_side, settle
 from population.flows import gas_pressure, gelled, lagged, orifice, stored, through_piston, valve_areas, viscosity
-from population.parts import AMBIENT
-from population.shared import MEMORY, aerate, gauge_force, magnetise, rod_motion, rod_side, settle
-from population.solids import rubbed, stopped
+from population.friction_and_stops import rubbed, stopped
+from population.plant_parameters import AMBIENT
 
 
 @compiled

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from population import cases, drives, families, sensors, simulate
-from population.calibration import MEDIUM, TOLERANCE, in_chain, in_damper
+from population import cases, drives, families, measurement_chain, simulate
+from population.damper_phenomena import IN_THE_DAMPER
 from population.flows import stored, through_piston, valve_areas, viscosity
-from population.parts import AMBIENT, FAMILIES, MAGNETO, MONO, TWIN
-from population.phenomena import IN_THE_DAMPER
+from population.measurement_chain import FAULTS
+from population.plant_parameters import AMBIENT, FAMILIES, MAGNETO, MONO, TWIN
 from population.realisation import scene_of
-from population.sensors import FAULTS
+from population.strength_search import MEDIUM, TOLERANCE, in_chain, in_damper
 from population.twin_tube import through_foot
 
 SECONDS = 6.0
@@ -133,9 +133,11 @@ def test_a_chain_without_a_fault_shows_the_force_exactly(name):
     plant = damper(MONO, 7)
     motion = drive(plant)
     force = simulate.force_of(plant, motion)
-    chain = sensors.drawn(np.random.default_rng(1), force.std(), coil_over=False)
+    chain = measurement_chain.drawn(np.random.default_rng(1), force.std(), coil_over=False)
     for form in range(3):
-        assert np.array_equal(sensors.gauge(sensors.faulty(chain, name, form, 0.0), motion, force), force)
+        assert np.array_equal(
+            measurement_chain.gauge(measurement_chain.faulty(chain, name, form, 0.0), motion, force), force
+        )
 
 
 @pytest.mark.parametrize("late", (-0.003, 0.002))
@@ -144,9 +146,11 @@ def test_a_late_force_has_the_stated_delay(late, form):
     plant = damper(MONO, 8)
     motion = drive(plant)
     force = simulate.in_band(simulate.force_of(plant, motion))
-    chain = sensors.faulty(sensors.drawn(np.random.default_rng(1), 100.0, False), "channel_skew", form, late)
-    shown = sensors.gauge(chain, motion, force)
-    shift = round(sensors.late_by(chain) * drives.RATE)
+    chain = measurement_chain.faulty(
+        measurement_chain.drawn(np.random.default_rng(1), 100.0, False), "channel_skew", form, late
+    )
+    shown = measurement_chain.gauge(chain, motion, force)
+    shift = round(measurement_chain.late_by(chain) * drives.RATE)
     inner = slice(500, -500)
     assert np.roll(force, shift)[inner] == pytest.approx(shown[inner], abs=1e-6 * np.abs(force).max())
 
@@ -154,7 +158,7 @@ def test_a_late_force_has_the_stated_delay(late, form):
 @pytest.mark.parametrize("name", ("friction", "inertia", "oil_compressibility", "hysteresis"))
 def test_a_strength_is_found_within_its_tolerance(name):
     _, motion, forms = realisations(MONO, name, seed=2)
-    chain = sensors.drawn(np.random.default_rng(1), 100.0, False)
+    chain = measurement_chain.drawn(np.random.default_rng(1), 100.0, False)
     for form in forms:
         found = in_damper(name, form, chain, motion, MEDIUM)
         assert found is not None, form.form
@@ -166,7 +170,7 @@ def test_a_strength_is_found_within_its_tolerance(name):
 def test_a_fault_of_the_chain_has_the_requested_strength():
     plant = damper(MONO, 9)
     motion = drive(plant)
-    chain = sensors.drawn(np.random.default_rng(1), 100.0, False)
+    chain = measurement_chain.drawn(np.random.default_rng(1), 100.0, False)
     found = in_chain("force_gain_error", 0, -1.0, plant, chain, motion, MEDIUM)
     assert found.size < 0.0
     assert found.strength == pytest.approx(MEDIUM, rel=TOLERANCE)

@@ -4,9 +4,9 @@ from math import isnan, sqrt
 
 import numpy as np
 import pytest
-from population import best, scoring, store, tables, users, work
+from population import ablated_models, case_processes, result_tables, saved_cases, scoring, user_models
 from population.cases import Card
-from population.sensors import Chain, Samples
+from population.measurement_chain import Chain, Samples
 
 import damper_estimator as de
 from damper_estimator.model import load_model
@@ -143,19 +143,19 @@ def test_the_report_contains_every_section_and_every_failure():
         record(hidden=()),
         {"name": "broken", "kind": "hidden", "hidden": ["friction"], "level": "weak", "failed": "ValueError: no"},
     ]
-    text = tables.report(records, 7)
+    text = result_tables.report(records, 7)
     for part in ("seed 7", "broken: ValueError: no", "1 of 2: 50 %", "friction + inertia", "calibration error"):
         assert part in text
-    assert all("FAILED" in tables.line(one) or "N" in tables.line(one) for one in records)
+    assert all("FAILED" in result_tables.line(one) or "N" in result_tables.line(one) for one in records)
 
 
 def test_a_saved_case_is_restored(tmp_path):
     time = np.arange(50) / 100.0
     one = Samples("fit", time, 0.01 * np.sin(time), 100.0 * time, None, np.ones(50), 99.0 * time)
-    kept = store.Kept({"name": "a"}, Chain(100, 0, 0, 0, 0, 0, 0), dict.fromkeys(store.RECORDINGS, (one, one)),
-                      load_model("viscous_curve"))  # fmt: skip
-    store.save(tmp_path, "a", kept)
-    again = store.saved(tmp_path, "a")
+    recordings = dict.fromkeys(saved_cases.RECORDINGS, (one, one))
+    kept = saved_cases.Kept({"name": "a"}, Chain(100, 0, 0, 0, 0, 0, 0), recordings, load_model("viscous_curve"))
+    saved_cases.save(tmp_path, "a", kept)
+    again = saved_cases.saved(tmp_path, "a")
     assert again.facts == kept.facts
     assert again.chain == kept.chain
     assert len(again.recordings["fit"]) == 2
@@ -163,26 +163,26 @@ def test_a_saved_case_is_restored(tmp_path):
     assert samples.time == pytest.approx(time)
     assert samples.x == pytest.approx(one.x, rel=1e-6)
     assert samples.temperature is None
-    assert store.saved(tmp_path, "b") is None
+    assert saved_cases.saved(tmp_path, "b") is None
 
 
 def test_a_case_that_breaks_or_never_ends_is_a_failure_of_that_case_alone(tmp_path):
     place = tmp_path / "results.jsonl"
     cards = [Card(0, "hidden", ("no such phenomenon",), "medium")]
-    order = work.Order(1, tmp_path, improving=False, limit=120.0)
-    (broken,) = work.results(cards, order, 1, place)
+    order = case_processes.Order(1, tmp_path, improving=False, limit=120.0)
+    (broken,) = case_processes.results(cards, order, 1, place)
     assert "no such phenomenon" in broken["failed"]
     assert "Traceback" in broken["traceback"]
-    (late,) = work.results(cards, work.Order(1, tmp_path, False, 0.01), 1, place)
+    (late,) = case_processes.results(cards, case_processes.Order(1, tmp_path, False, 0.01), 1, place)
     assert "longer" in late["failed"]
     assert len(place.read_text().splitlines()) == 2
-    assert work.done(place) == {}
+    assert case_processes.done(place) == {}
 
 
 def test_a_run_continues_after_a_truncated_line(tmp_path):
     place = tmp_path / "results.jsonl"
     place.write_text('{"name": "a", "verdict": "missing"}\n{"name": "b", "ver')
-    assert list(work.done(place)) == ["a"]
+    assert list(case_processes.done(place)) == ["a"]
 
 
 def test_a_model_is_rough_if_its_error_exceeds_the_hidden_change():
@@ -198,11 +198,11 @@ def test_an_effect_that_matters_is_removed_from_the_best_model():
     x = 0.01 * np.sin(2.0 * np.pi * 1.5 * time) + 0.006 * np.sin(2.0 * np.pi * 4.0 * time)
     v = np.gradient(x, time)
     force = 900.0 * v + 120.0 * np.tanh(v / 0.005)
-    measured = users.recording([Samples("one", time, x, force, None, None, force)], de.SignalMap())
-    ranking = best.ranked(measured, measured, ("dahl", "linear_viscous"))
-    less = best.ablated(ranking, measured, measured, np.random.default_rng(0))
+    measured = user_models.recording([Samples("one", time, x, force, None, None, force)], de.SignalMap())
+    ranking = ablated_models.ranked(measured, measured, ("dahl", "linear_viscous"))
+    less = ablated_models.ablated(ranking, measured, measured, np.random.default_rng(0))
     assert ranking[0][1].name == "dahl"
     assert (less.effect, less.phenomenon) == ("dahl", "friction")
-    assert less.error == ranking[0][0] < users.error(less.model, measured)
-    with pytest.raises(best.NothingMatters):
-        best.ablated(ranking[1:], measured, measured, np.random.default_rng(0))
+    assert less.error == ranking[0][0] < user_models.error(less.model, measured)
+    with pytest.raises(ablated_models.NothingMatters):
+        ablated_models.ablated(ranking[1:], measured, measured, np.random.default_rng(0))

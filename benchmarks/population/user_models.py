@@ -9,8 +9,8 @@ import numpy as np
 import damper_estimator as de
 from damper_estimator.model import DamperModel, parse_model
 from damper_estimator.signals import default_signals
-from population.calibration import rms
-from population.sensors import Chain, Samples
+from population.measurement_chain import Chain, Samples
+from population.strength_search import rms
 
 DAMPER = "damper"
 FITTED = ("viscous_curve", "carrera_akutain", "dahl", "lugre", "bouc_wen", "his_non_hysteresis")

@@ -9,7 +9,7 @@ import damper_estimator as de
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
-from population.users import error
+from population.user_models import error
 
 TRIED = (
     "mr_damper_on_mount", "mr_damper_with_play", "lozoya_santos_inertial_simple_symmetric",

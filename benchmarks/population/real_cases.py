@@ -14,13 +14,13 @@ from scipy.interpolate import CubicSpline
 
 import damper_estimator as de
 from population import families
-from population.calibration import LEAST_SHOWN, LEVELS, MEDIUM, found
 from population.cases import ATTEMPTS, PHENOMENA, Card
+from population.damper_phenomena import IN_THE_DAMPER
 from population.drives import RATE, Drive
-from population.phenomena import IN_THE_DAMPER
+from population.measurement_chain import FAULTS, Chain, Samples, faulty, gauge, late_by
 from population.realisation import scene_of
-from population.sensors import FAULTS, Chain, Samples, faulty, gauge, late_by
 from population.simulate import Unstable, force_of, in_band, rms, run
+from population.strength_search import LEAST_SHOWN, LEVELS, MEDIUM, found
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("DAMPER_SHARED_DATA", ROOT.parent / "shared" / "data"))

@@ -3,7 +3,7 @@
 from math import exp, pi, sqrt, tanh
 
 from damper_estimator.compiled import compiled
-from population.parts import AMBIENT
+from population.plant_parameters import AMBIENT
 
 
 @compiled

@@ -11,7 +11,7 @@ from population.hydraulic import (
     oil_compressibility,
     valve_delay,
 )
-from population.parts import MAGNETO, Plant
+from population.plant_parameters import MAGNETO, Plant
 from population.realisation import Realisation, Scene, plain
 from population.simulate import lightest
 

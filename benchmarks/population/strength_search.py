@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from population.damper_phenomena import Realisation
 from population.drives import Drive
-from population.parts import Plant
-from population.phenomena import Realisation
-from population.sensors import FAULTS, Chain, faulty, gauge
+from population.measurement_chain import FAULTS, Chain, faulty, gauge
+from population.plant_parameters import Plant
 from population.simulate import force_of, in_band, rms, share
 
 WEAK, MEDIUM, STRONG = 0.04, 0.10, 0.20

@@ -6,8 +6,8 @@ from math import exp, tanh
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from population.parts import AMBIENT
-from population.solids import joint, massed
+from population.friction_and_stops import joint, massed
+from population.plant_parameters import AMBIENT
 
 MEMORY = 28
 """Solids 0 to 9 (friction 0 to 3, ringing mass 4, 5, joint 6, gauge 7), gas 10, gel 12, valves 16, air 20, magnet 22,

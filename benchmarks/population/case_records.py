@@ -10,39 +10,39 @@ import numpy as np
 
 import damper_estimator as de
 from damper_estimator.model import DamperModel
-from population import best, cases, real, store, users
+from population import ablated_models, cases, real_cases, saved_cases, user_models
 from population.cases import Card, Case
-from population.sensors import Samples
-from population.users import DAMPER
+from population.measurement_chain import Samples
+from population.user_models import DAMPER
 
 
 def record(card: Card, seed: int, folder: Path, improving: bool) -> dict[str, Any]:
     """One line of the results."""
-    kept = store.saved(folder, card.name)
+    kept = saved_cases.saved(folder, card.name)
     if kept is None:
         kept = prepared(card, seed)
-        store.save(folder, card.name, kept)
+        saved_cases.save(folder, card.name, kept)
     return kept.facts | judged(kept, improving) | {"all_cpu": process_time()}
 
 
-def prepared(card: Card, seed: int) -> store.Kept:
+def prepared(card: Card, seed: int) -> saved_cases.Kept:
     """The case of a card with its user's model."""
     return _real(card, seed) if card.kind == "real" else _simulated(card, seed)
 
 
-def _simulated(card: Card, seed: int) -> store.Kept:
+def _simulated(card: Card, seed: int) -> saved_cases.Kept:
     began = perf_counter()
     case = cases.made(card, seed)
     simulated = perf_counter()
     rng = np.random.default_rng([seed, 3, card.number])
-    signals = users.signal_map(case.chain)
-    recordings = {role: (getattr(case, role),) for role in store.RECORDINGS}
-    base, twin = (users.recording(recordings[role], signals) for role in ("base", "twin"))
+    signals = user_models.signal_map(case.chain)
+    recordings = {role: (getattr(case, role),) for role in saved_cases.RECORDINGS}
+    base, twin = (user_models.recording(recordings[role], signals) for role in ("base", "twin"))
     moving = case.family == "magneto" and case.base.current is not None and np.ptp(case.base.current) > 0.1
-    way = users.drawn_way(rng, case.family, bool(moving and "current" not in card.hidden))
+    way = user_models.drawn_way(rng, case.family, bool(moving and "current" not in card.hidden))
     if card.kind == "nothing" and way[0] == "fit":  # effects that a rough model lacks are really missing
-        way = ("fit", "hand_made") if rng.random() < 0.4 else ("improve", str(rng.choice(users.IMPROVED)))
-    model, how = users.made(way, base, twin, users.hand_made(base, card.hidden, rng), hidden_rms(case))
+        way = ("fit", "hand_made") if rng.random() < 0.4 else ("improve", str(rng.choice(user_models.IMPROVED)))
+    model, how = user_models.made(way, base, twin, user_models.hand_made(base, card.hidden, rng), hidden_rms(case))
     facts = _facts(card) | {
         "family": case.family,
         "drive": list(case.drive),
@@ -59,7 +59,7 @@ def _simulated(card: Card, seed: int) -> store.Kept:
         "simulate_seconds": simulated - began,
         "model_seconds": perf_counter() - simulated,
     }
-    return store.Kept(facts, case.chain, recordings, model)
+    return saved_cases.Kept(facts, case.chain, recordings, model)
 
 
 def _facts(card: Card) -> dict[str, Any]:
@@ -67,17 +67,17 @@ def _facts(card: Card) -> dict[str, Any]:
     return {name: getattr(card, name) for name in names} | {"hidden": list(card.hidden)}
 
 
-def _real(card: Card, seed: int) -> store.Kept:
+def _real(card: Card, seed: int) -> saved_cases.Kept:
     began = perf_counter()
-    case = real.made(card, seed)
+    case = real_cases.made(card, seed)
     simulated = perf_counter()
-    signals = users.signal_map(case.chain)
-    base, twin = (users.recording(case.recordings[role], signals) for role in ("base", "twin"))
-    ranking = best.ranked(base, twin)
+    signals = user_models.signal_map(case.chain)
+    base, twin = (user_models.recording(case.recordings[role], signals) for role in ("base", "twin"))
+    ranking = ablated_models.ranked(base, twin)
     model, facts = ranking[0][1], _facts(card) | {"hidden": list(case.hidden)}
     how, form = f"fit {model.name}", case.form
     if card.hidden == ("ablation",):
-        less = best.ablated(ranking, base, twin, np.random.default_rng([seed, 5, card.number]))
+        less = ablated_models.ablated(ranking, base, twin, np.random.default_rng([seed, 5, card.number]))
         model, how, form = less.model, f"fit {less.model.name} without {less.effect}", "ablation"
         facts |= {"hidden": [less.phenomenon], "whole": less.error}
     facts |= {
@@ -96,7 +96,7 @@ def _real(card: Card, seed: int) -> store.Kept:
         "simulate_seconds": simulated - began,
         "model_seconds": perf_counter() - simulated,
     }
-    return store.Kept(facts, case.chain, case.recordings, model)
+    return saved_cases.Kept(facts, case.chain, case.recordings, model)
 
 
 def hidden_rms(case: Case) -> float:
@@ -105,13 +105,13 @@ def hidden_rms(case: Case) -> float:
     return spread * max((effect.strength for effect in case.effects), default=0.04)
 
 
-def judged(kept: store.Kept, improving: bool) -> dict[str, Any]:
+def judged(kept: saved_cases.Kept, improving: bool) -> dict[str, Any]:
     """The product's results for a case, and the quality of its model.
 
     ``improve`` begins with a diagnosis, which then counts; two of three cases have no separate one.
     """
-    signals = users.signal_map(kept.chain)
-    recordings = {role: users.recording(result, signals) for role, result in kept.recordings.items()}
+    signals = user_models.signal_map(kept.chain)
+    recordings = {role: user_models.recording(samples, signals) for role, samples in kept.recordings.items()}
     result: dict[str, Any] = {}
     improving = improving and bool(kept.facts["hidden"])
     if improving:
@@ -132,9 +132,9 @@ def judged(kept: store.Kept, improving: bool) -> dict[str, Any]:
         "findings": [_finding(one) for one in diagnosis.findings],
         "moved": [one.name for one in diagnosis.moved],
         "skew": _skew(diagnosis.signals) - _skew(signals.dampers[DAMPER]),
-        "before": users.error(kept.model, recordings["unseen"]),
-        "base": kept.facts.get("whole") or users.error(kept.model, recordings["twin"]),
-        "own_base": users.error(kept.model, recordings["base"]),
+        "before": user_models.error(kept.model, recordings["unseen"]),
+        "base": kept.facts.get("whole") or user_models.error(kept.model, recordings["twin"]),
+        "own_base": user_models.error(kept.model, recordings["base"]),
         "force_rms": float(np.concatenate([one.truth for one in kept.recordings["unseen"]]).std()),
         "noise_floor": diagnosis.noise_floor_n,
         "memory_mb": getrusage(RUSAGE_SELF).ru_maxrss / 1024.0,
@@ -149,13 +149,13 @@ def timed(work: Callable[[], Any], name: str) -> tuple[Any, dict[str, float]]:
 
 
 def _improved(
-    kept: store.Kept, recordings: Mapping[str, de.Recording], better: de.ImprovementResults
+    kept: saved_cases.Kept, recordings: Mapping[str, de.Recording], better: de.ImprovementResults
 ) -> dict[str, Any]:
-    unseen = users.recording(kept.recordings["unseen"], better.corrected_map())
+    unseen = user_models.recording(kept.recordings["unseen"], better.corrected_map())
     return {
         "steps": [[step.action, step.effect, step.phenomenon] for step in better.steps],
         "improve_verdict": better.verdict,
-        "after": users.error(better.model, unseen),
+        "after": user_models.error(better.model, unseen),
         "bias": bias(better.model, recordings["unseen"], kept.recordings["unseen"]),
     }
 

@@ -9,8 +9,8 @@ import numpy as np
 
 import damper_estimator as de
 from damper_estimator.model import DamperModel
-from population.sensors import Chain, Samples
-from population.users import load
+from population.measurement_chain import Chain, Samples
+from population.user_models import load
 
 RECORDINGS = ("base", "fit", "unseen", "twin")
 

@@ -107,7 +107,7 @@ def _limit(seconds: float) -> None:
 def _one(card: Card, order: Order, end: Any) -> None:
     try:
         _limit(order.limit)
-        from population.judge import record
+        from population.case_records import record
 
         found = record(card, order.seed, order.folder, order.improving)
     except Exception as fault:  # a failed case counts and must not end the run
