@@ -25,11 +25,11 @@ from hour_bag import write_hour
 
 from damper_estimator import __version__
 from damper_estimator.cli.synth_files import DISPLACEMENT, EPOCH, FORCE
-from damper_estimator.fleet.carry import carry_out
 from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.manifest import find_recordings
-from damper_estimator.fleet.rows import write_rows
-from damper_estimator.fleet.run import Asked, Fleet, Tally
+from damper_estimator.fleet.result_rows import write_rows
+from damper_estimator.fleet.scheduling import Fleet, FleetRequest, TaskCounts
+from damper_estimator.fleet.task_execution import execute
 from damper_estimator.fleet.verbs import Compare, Diagnose, Fit, Replay, work
 from damper_estimator.plant import DAMPERS, Sensors, measure, simulate
 from damper_estimator.recordings import BagWriter, Stream, joint_states
@@ -64,7 +64,7 @@ class Run:
     """Cost of one run: wall time in s, and the tally with the workers' seconds."""
 
     seconds: float
-    tally: Tally
+    tally: TaskCounts
     fleet: Fleet
 
     @property
@@ -76,12 +76,12 @@ def run(client: Client, folder: Path, output: Path, show_progress=lambda tally: 
     """``fleet compare`` with pages over a folder, from scratch, including the table at its end."""
     rmtree(output, ignore_errors=True)
     recordings = find_recordings([str(folder / "**" / "*.mcap")])
-    fleet = Fleet(Asked(Compare(), MODEL, output), recordings, work, show_progress)
+    fleet = Fleet(FleetRequest(Compare(), MODEL, output), recordings, work, show_progress)
     began = time.perf_counter()
     fleet.run(client)
     write_rows(output, "compare", fleet.tasks)
-    done = Run(time.perf_counter() - began, fleet.tally, fleet)
-    assert fleet.tally.failed == 0 and fleet.tally.done == len(recordings)
+    done = Run(time.perf_counter() - began, fleet.counts, fleet)
+    assert fleet.counts.failed == 0 and fleet.counts.done == len(recordings)
     return done
 
 
@@ -98,11 +98,11 @@ def warmed(client: Client, folder: Path, workers: int) -> None:
 
 
 def _warm(path: str, folder: str) -> None:
-    from damper_estimator.fleet.look import take_look
+    from damper_estimator.fleet.recording_overview import read_overview
     from damper_estimator.fleet.task import Task
 
-    look = take_look(path, "", folder)
-    facts = dict.fromkeys(("recording_checksum", "model_checksum", "signals_checksum", "vehicle"), look.checksum)
+    overview = read_overview(path, "", folder)
+    facts = dict.fromkeys(("recording_checksum", "model_checksum", "signals_checksum", "vehicle"), overview.checksum)
     work(Task(Compare(), path, "front", "", MODEL, folder, True, facts))
 
 
@@ -134,7 +134,7 @@ def many(folder: Path, count: int) -> None:
         warmed(client, folder / "bags", 2)
         before = loopback_bytes()
 
-        def show_progress(tally: Tally) -> None:
+        def show_progress(tally: TaskCounts) -> None:
             if tally.done % max(count // 40, 1) == 0 and (not seen or seen[-1][0] != tally.done):
                 seen.append((tally.done, sum(client.run(resident).values()) + resident()))
 
@@ -145,7 +145,7 @@ def many(folder: Path, count: int) -> None:
     report(f"{count} recordings of 10 s: {result.rate:.3g} a second on two workers, {result.tally.failed} failed")
     report(f"resident memory of all processes: {early:.0f} MB in the second quarter, {late:.0f} MB in the last")
     task = result.fleet.tasks[0]
-    sent = len(pickle.dumps((carry_out, task, work, __version__)))
+    sent = len(pickle.dumps((execute, task, work, __version__)))
     report(f"a task is {sent} bytes; loopback traffic {travelled / 1e3:.1f} kB per recording, heartbeats included")
 
 
@@ -221,17 +221,17 @@ def hour(folder: Path) -> None:
     for options in (Compare(), Fit(), Diagnose(), Replay()):
         with connected(None, 1, CLUSTER) as client:
             fleet = Fleet(
-                Asked(options, MODEL, folder / "out"),
+                FleetRequest(options, MODEL, folder / "out"),
                 [replace(recording, dampers=("front_left",)) for recording in find_recordings([str(path)])],
                 work,
                 lambda tally: None,
             )
             fleet.run(client)
             (peak,) = client.run(peak_memory).values()
-        assert fleet.tally.failed == 0
-        written = sum(path.stat().st_size for path in fleet.asked.output.rglob(f"*.{options.verb}.*")) / 1e6
+        assert fleet.counts.failed == 0
+        written = sum(path.stat().st_size for path in fleet.request.output.rglob(f"*.{options.verb}.*")) / 1e6
         report(
-            f"{options.verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.tally.seconds:.0f} s, "
+            f"{options.verb} of one damper of an hour at 1 kHz ({size:.0f} MB): {fleet.counts.seconds:.0f} s, "
             f"peak {peak:.0f} MB, {written:.1f} MB written"
         )
 

@@ -1,4 +1,4 @@
-"""Damper force estimation in real time, and the reasons why an estimate is wrong.
+"""Damper force estimation in real time, and diagnosis of wrong estimates.
 
     import damper_estimator as de
 
@@ -8,9 +8,9 @@
     found = de.diagnose(recording, model)
 
 Everything is in SI units; displacement is positive in extension, force positive where it resists extension. Results
-show themselves in notebooks and have ``figure()``, ``to_dict()``, ``to_dataframe()`` and ``save(path)``. With several
-dampers a result is a mapping by name. What cannot be used raises ``InputError`` with one line. The names below are
-imported when they are used; docs/python.md is the tour.
+are displayed in notebooks and have ``figure()``, ``to_dict()``, ``to_dataframe()`` and ``save(path)``. With several
+dampers a result is a mapping by name. Unusable input raises ``InputError`` with a one-line text. The names below
+are imported when they are used; docs/python.md is a tour.
 """
 
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
-"""Compiles the numerical kernels where numba is installed; without it the same functions run as plain Python.
+"""Compiles the numerical kernels if numba is installed; without it the same functions run as plain Python.
 
 Results are the same to the last few bits (numba's ``fastmath`` stays off); only the speed differs, by a factor of about
-a hundred on blocks. ``NUMBA_DISABLE_JIT=1`` switches compilation off where numba is installed.
+a hundred on blocks. ``NUMBA_DISABLE_JIT=1`` disables compilation.
 """
 
 import re
@@ -16,16 +16,16 @@ try:
 except ImportError:
     COMPILED = False
 
-_MADE: list = []
-"""Every function that was put in machine code, or will be when it is first called."""
+_DISPATCHERS: list = []
+"""Every compiled function, including those that are compiled at their first call."""
 _IMPORT = re.compile(r"^from (?P<module>damper_estimator[\w.]*) import (?P<names>\([^)]*\)|.*)", re.MULTILINE)
 
 
 def _drop_stale_machine_code(package: Path) -> None:
     """Removes cached machine code older than any source file that it can depend on.
 
-    numba looks only at the file of the function itself, so an edited helper or constant in a file that it imports
-    would go unnoticed.
+    numba checks only the file of the function itself and would miss an edited helper or constant in a file that it
+    imports.
     """
     imports: dict[Path, tuple[Path, ...]] = {}
     for index in package.rglob("*.nbi"):
@@ -61,25 +61,25 @@ if COMPILED:
     _drop_stale_machine_code(Path(__file__).parent)
 
 
-def _where_there_is_room(save: Callable) -> Callable:
-    """Saving of machine code that a full disk does not turn into an error of the computation."""
+def _tolerating_full_disk(save: Callable) -> Callable:
+    """A function that stores machine code, without an error if the disk is full."""
 
-    def forgiving(*what: object) -> None:
+    def save_if_possible(*arguments: object) -> None:
         with suppress(OSError):
-            save(*what)
+            save(*arguments)
 
-    return forgiving
+    return save_if_possible
 
 
 def compiled(function: Callable) -> Callable:
-    """Decorator: the function in machine code, cached beside its file (or in the user's cache where that is
+    """Decorator: the function in machine code, cached next to its file (or in the user's cache if that is
     read-only).
     """
     return _in_machine_code(function, "never")
 
 
 def inlined(function: Callable) -> Callable:
-    """The same for a small function that is called once per sample: it becomes a part of each of its callers."""
+    """As ``compiled``, for a small function that is called once per sample: it is inlined in its callers."""
     return _in_machine_code(function, "always")
 
 
@@ -89,17 +89,17 @@ def _in_machine_code(function: Callable, inline: str) -> Callable:
     try:
         dispatcher = njit(cache=True, error_model="numpy", inline=inline)(function)
     except RuntimeError:
-        # A read-only installation and no home folder: nowhere to keep machine code, so every start compiles again.
+        # A read-only installation without a home folder cannot store machine code, so every start compiles again.
         dispatcher = njit(error_model="numpy", inline=inline)(function)
     else:
-        dispatcher._cache.save_overload = _where_there_is_room(dispatcher._cache.save_overload)
-    _MADE.append(dispatcher)
+        dispatcher._cache.save_overload = _tolerating_full_disk(dispatcher._cache.save_overload)
+    _DISPATCHERS.append(dispatcher)
     return dispatcher
 
 
 def machine_code_folders() -> list[Path]:
-    """Where the machine code of the modules imported so far is kept; empty where nothing is compiled or kept."""
-    return sorted({Path(own.stats.cache_path) for own in _MADE if own.stats.cache_path})
+    """Folders with the machine code of the modules imported so far; empty if nothing is compiled or stored."""
+    return sorted({Path(dispatcher.stats.cache_path) for dispatcher in _DISPATCHERS if dispatcher.stats.cache_path})
 
 
 if COMPILED:
@@ -108,9 +108,9 @@ if COMPILED:
 
     @intrinsic
     def borrowed(typing, arrays):
-        """The same array, or tuple of arrays, without counts of references, which cost more than a small kernel does.
+        """The same array, or tuple of arrays, without reference counting, which takes longer than a small kernel.
 
-        Only for arguments of a compiled function: its caller keeps them alive.
+        Only for arguments of a compiled function, which its caller keeps alive.
         """
 
         def code(context, builder, signature, arguments):
@@ -123,7 +123,7 @@ if COMPILED:
             (kind,), (value,) = signature.args, arguments
             if isinstance(kind, Array):
                 return uncounted(kind, value)
-            parts = [uncounted(own, builder.extract_value(value, i)) for i, own in enumerate(kind)]
+            parts = [uncounted(element, builder.extract_value(value, i)) for i, element in enumerate(kind)]
             return context.make_tuple(builder, kind, parts)
 
         return arrays(arrays), code
@@ -136,5 +136,5 @@ else:
 
 
 def plain(function: Callable) -> Callable:
-    """The uncompiled function behind ``compiled``; tests hold the two together."""
+    """The uncompiled function behind ``compiled``; tests compare the two."""
     return getattr(function, "py_func", function)

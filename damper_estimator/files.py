@@ -1,4 +1,4 @@
-"""Files: writing so that nothing is lost (beside the target first, then moved into place), JSON, and reading YAML."""
+"""Writes files atomically (to a temporary file that replaces the target), formats JSON, reads YAML."""
 
 import json
 import math
@@ -15,11 +15,11 @@ from damper_estimator.errors import InputError, did_you_mean_file
 
 
 @contextmanager
-def written_beside(path: str | Path) -> Iterator[Path]:
-    """Yields a path beside ``path``; it takes ``path``'s place when the block ends well, and vanishes when it fails.
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Yields a temporary path next to ``path`` that replaces it if the block succeeds, and is removed if it fails.
 
     Raises:
-        InputError: where the folder is missing or cannot be written to.
+        InputError: if the folder is missing or not writable.
     """
     target = Path(path)
     partial = target.with_name(f".{target.name}.{os.getpid()}.part")
@@ -27,7 +27,7 @@ def written_beside(path: str | Path) -> Iterator[Path]:
         yield partial
         os.replace(partial, target)
     except OSError as error:
-        # An OSError about some other file is not ours to explain.
+        # An OSError about another file is left to the caller.
         if error.filename not in (None, str(partial), partial):
             raise
         raise InputError(f"{target}: cannot be written ({error.strerror}); choose another place with -o") from error
@@ -37,18 +37,18 @@ def written_beside(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Writes a text file in one step; the old file stays until the new one is complete."""
-    with written_beside(path) as partial:
+    """Writes a text file atomically."""
+    with replacing(path) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
 def json_text(results: Mapping[str, object]) -> str:
-    """Results as JSON; NaN and infinite become null: JSON has neither."""
+    """Results as JSON; NaN and infinity become null, since JSON has neither."""
     return json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def plain(value: Any) -> Any:
-    """The value in JSON's own types: NumPy scalars and arrays, tuples and paths turned into them."""
+    """The value in JSON's types; converts NumPy scalars and arrays, tuples and paths."""
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
@@ -64,7 +64,7 @@ def read_yaml(path: str | Path) -> object:
     """The content of a YAML file, as data.
 
     Raises:
-        InputError: one line; where it cannot be read, or is no YAML.
+        InputError: if it cannot be read, or is not YAML.
     """
     try:
         return yaml.safe_load(Path(path).read_text(encoding="utf-8"))

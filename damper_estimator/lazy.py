@@ -1,4 +1,4 @@
-"""Names that a package offers without importing their modules before they are used."""
+"""Names of a package whose modules are imported at first use."""
 
 import ast
 from collections.abc import Callable
@@ -10,18 +10,18 @@ from pathlib import Path
 def lazy_names(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """``__getattr__`` and ``__dir__`` of a package (PEP 562) that imports a name's module at its first use.
 
-    The names are those that the package's ``if TYPE_CHECKING:`` block imports, so they are listed once, where type
-    checkers and editors see them.
+    The names are those that the package's ``if TYPE_CHECKING:`` block imports, so they are listed only once, where
+    type checkers and editors see them.
 
     Args:
         package, file: its ``__name__`` and ``__file__``.
     """
 
     def find(name: str) -> object:
-        home = None if name.startswith("__") else _type_checking_imports(file).get(name)
-        if home is None:
+        module = None if name.startswith("__") else _type_checking_imports(file).get(name)
+        if module is None:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        return getattr(import_module(home), name)
+        return getattr(import_module(module), name)
 
     def names() -> list[str]:
         return sorted({*vars(import_module(package)), *_type_checking_imports(file)})

@@ -1,10 +1,10 @@
-"""Numbers as people read them."""
+"""Formats numbers for text."""
 
 import numpy as np
 
 
 def number(value: float, digits: int = 3) -> str:
-    """So many digits, without an exponent where it is large, or a dash where it is not known."""
+    """``digits`` significant digits, without an exponent if large; a dash if not finite."""
     if not np.isfinite(value):
         return "–"
     text = f"{value:.{digits}g}"

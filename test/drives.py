@@ -29,20 +29,20 @@ def write_drive(path, dampers=("front_left",), force=True, seed=0, current=None,
     streams = [
         Stream(
             f"/suspension/{name}/temperature", "sensor_msgs/msg/Temperature", slow,
-            temperatures(slow, own[3][::RATE]),
+            temperatures(slow, drive[3][::RATE]),
         )
-        for name, own in zip(dampers, every, strict=True)
+        for name, drive in zip(dampers, every, strict=True)
     ]  # fmt: skip
     if current is not None:
         streams.append(
             Stream(f"/suspension/{dampers[0]}/current", "std_msgs/msg/Float64", stamp - 1000, floats(current))
         )
-    position = np.stack([own[1] for own in every], axis=1)
+    position = np.stack([drive[1] for drive in every], axis=1)
     streams.append(
         Stream("/suspension/displacement", STATE, stamp, joint_states(list(dampers), stamp, position=position))
     )
     if force:
-        effort = np.stack([own[2] for own in every], axis=1)
+        effort = np.stack([drive[2] for drive in every], axis=1)
         streams.append(Stream("/suspension/force", STATE, stamp, joint_states(list(dampers), stamp, effort=effort)))
     with BagWriter(path) as bag:
         bag.write_streams(streams)

@@ -32,7 +32,7 @@ def place(tmp_path_factory):
     write_drive(folder / "drive.mcap", seconds=8.0)
     write_drive(folder / "another_drive.mcap", seed=5, seconds=8.0)
     time, x, force, _ = samples()
-    rows = "\n".join(f"{t:.6f},{1e3 * own:.6f},{f:.6f}" for t, own, f in zip(time, x, force, strict=True))
+    rows = "\n".join(f"{t:.6f},{1e3 * d:.6f},{f:.6f}" for t, d, f in zip(time, x, force, strict=True))
     (folder / "bench.csv").write_text(f"time,x,load\n{rows}\n")
     (folder / "columns.yaml").write_text(COLUMNS)
     (folder / "map.yaml").write_text("filter: {cutoff: 50.0}\n")
@@ -68,13 +68,13 @@ def test_the_files_of_the_tour_are_written(tour, place):
 
 @pytest.mark.parametrize("name", ["recording", "fitted", "result", "found", "better", "estimates"])
 def test_all_that_the_tour_makes_shows_itself_shortly(tour, name):
-    own = tour[name]
-    assert "\n" not in repr(own) and len(repr(own)) < 300
-    table = own._repr_html_()
+    result = tour[name]
+    assert "\n" not in repr(result) and len(repr(result)) < 300
+    table = result._repr_html_()
     assert ElementTree.fromstring(table).tag == "div" and len(table) < 6000
-    assert "bags" in own.to_dict() or own.to_dict().keys() == {"output", "dampers"}
+    assert "bags" in result.to_dict() or result.to_dict().keys() == {"output", "dampers"}
     if name != "recording":
-        assert own.figure().data
+        assert result.figure().data
 
 
 def test_a_model_shows_its_effects_in_one_line(tour):
@@ -84,7 +84,7 @@ def test_a_model_shows_its_effects_in_one_line(tour):
 def test_a_result_that_holds_models_stands_for_them(tour):
     expected = de.compare(tour["recording"], tour["fitted"].models)
     found = de.compare(tour["recording"], tour["fitted"])
-    assert found.rmse_n == expected.rmse_n and found.asked == expected.asked
+    assert found.rmse_n == expected.rmse_n and found.request == expected.request
     one = de.fit(tour["recording"], tour["fitted"], fix="*", free="linear_viscous.rebound")
     assert [p.name for p in one.parameters] == ["linear_viscous.rebound"]
 
@@ -112,7 +112,7 @@ def test_tables_are_data_frames_where_pandas_is_installed(tour):
         (lambda place: de.fit(de.read(place / "drive.mcap"), "no_such_model"), "no_such_model"),
         (lambda place: de.diagnose(_without_force(), "coulomb"), "no damper has a measured force; diagnose needs one"),
         (lambda place: de.improve(_without_force(), "coulomb"), "no damper has a measured force; improve needs one"),
-        (lambda place: de.diagnose(_without_force(), "coulomb", mode="new"), "choose both, kept, refit"),
+        (lambda place: de.diagnose(_without_force(), "coulomb", mode="new"), "choose one of both, kept, refit"),
         (lambda place: de.fit(place / "drive.mcap", "coulomb"), "is not a recording; read it first: read(path)"),
         (
             lambda place: de.diagnose(
@@ -153,9 +153,11 @@ def test_a_name_that_is_not_there_is_an_attribute_error():
 
 def test_every_public_name_is_documented():
     for name in de.__all__:
-        own = getattr(de, name)
-        assert own.__doc__ and own.__doc__.strip(), name
-        parts = [part for key, part in vars(own).items() if not key.startswith("_")] if isinstance(own, type) else []
+        public = getattr(de, name)
+        assert public.__doc__ and public.__doc__.strip(), name
+        parts = (
+            [part for key, part in vars(public).items() if not key.startswith("_")] if isinstance(public, type) else []
+        )
         described = [part for part in parts if callable(part) or isinstance(part, (property, classmethod))]
         assert all(part.__doc__ for part in described), name
 
@@ -166,5 +168,5 @@ def test_arrays_and_the_bag_of_the_same_samples_agree(place):
     slow = np.where(np.arange(time.size) % 200 == 0, warm, np.nan)
     memory = de.Recording.from_arrays(time, x, force=force, temperature=slow, damper="front_left")
     for model in ("linear_viscous", "carrera_akutain"):
-        one, other = (de.compare(own, model) for own in (bag, memory))
+        one, other = (de.compare(recording, model) for recording in (bag, memory))
         assert one.rmse_n == other.rmse_n and one.noise_floor_n == other.noise_floor_n

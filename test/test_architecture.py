@@ -1,4 +1,4 @@
-"""The rooms stay apart: who may import whom, where ROS is, how long a piece of code may be."""
+"""Architecture: allowed imports between packages, ROS in one package, length of files and functions."""
 
 import ast
 import importlib
@@ -15,7 +15,7 @@ PACKAGE = ROOT / "damper_estimator"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 ROOT_MODULES = {"compiled", "errors", "files", "lazy", "numbers", "share"}
 
-# What each room may import of the others; a room is added here when it is built. `signals.layout` is one module.
+# The packages that each package may import. `signals.layout` is a single module.
 ALLOWED = {
     "recordings": set(),
     "signals": {"recordings"},
@@ -49,19 +49,19 @@ ALLOWED = {
     },
 }  # fmt: skip
 ALLOWED["cli"] = set(ALLOWED) - {"node"}
-# The public API is made of the workflows, and of what their functions take and give.
+# The public API consists of the workflows and the types of their arguments and results.
 PUBLIC = {"workflows", "model", "signals"}
-# Rooms that use all others, and are used, through ``__init__`` alone; the rows of the sample block are a public module.
-THROUGH_THE_FRONT = {"workflows"}
+# Packages that import others, and are imported, only through ``__init__``; the rows of the sample block are public.
+THROUGH_INIT = {"workflows"}
 PUBLIC_MODULES = {"signals.layout"}
-# Facade methods: DamperModel.to_c and to_fmu import the export when they are called, and at no other time.
+# Facade methods: DamperModel.to_c and to_fmu import the export only when they are called.
 FACADES = {"model/damper_model.py": {"workflows"}}
 
 ROS = {"rclpy", "launch", "launch_ros", "ament_index_python"}
 ROS_MESSAGES = re.compile(r"\w+_(msgs|interfaces)$")
 LONGEST_FUNCTION = 60
 LONGEST_FILE = 300
-# Written in pieces: this file is searched as well.
+# Split, because this file is searched as well.
 REGISTRIES = re.compile(
     "|".join(("pypi" + r"\.org", "python" + "hosted", "registry" + r"\.npmjs", "deb" + r"\.debian"))
 )
@@ -79,36 +79,38 @@ def imported(path: Path) -> set[str]:
     return names
 
 
-def room(path: Path) -> str | None:
-    """The room a file is in; None for the modules of the root."""
+def package_of(path: Path) -> str | None:
+    """The package of a file; None for the modules of the root."""
     parts = path.relative_to(PACKAGE).parts
     return parts[0] if len(parts) > 1 else None
 
 
-def trespasses(path: Path) -> list[str]:
-    """What the file imports from rooms that its own room may not look into."""
-    own = room(path)
+def forbidden_imports(path: Path) -> list[str]:
+    """Imports from packages that the package of the file may not import."""
+    home = package_of(path)
     inside = {name.removeprefix("damper_estimator.") for name in imported(path) if name.startswith("damper_estimator.")}
-    foreign = {name for name in inside if (PACKAGE / name.split(".")[0]).is_dir() and name.split(".")[0] != own}
-    allowed = ALLOWED.get(own, set()) if own else {"__main__.py": {"cli"}, "__init__.py": PUBLIC}.get(path.name, set())
+    foreign = {name for name in inside if (PACKAGE / name.split(".")[0]).is_dir() and name.split(".")[0] != home}
+    allowed = (
+        ALLOWED.get(home, set()) if home else {"__main__.py": {"cli"}, "__init__.py": PUBLIC}.get(path.name, set())
+    )
     allowed = allowed | FACADES.get(path.relative_to(PACKAGE).as_posix(), set())
     return sorted(name for name in foreign if not any(name == a or name.startswith(f"{a}.") for a in allowed))
 
 
-def behind_the_front(path: Path) -> list[str]:
-    """Modules of other rooms that the file imports past their ``__init__``, where that is not allowed."""
-    own = room(path)
+def private_imports(path: Path) -> list[str]:
+    """Modules of other packages that the file imports without permission to bypass ``__init__``."""
+    home = package_of(path)
     modules = {
         node.module.removeprefix("damper_estimator.")
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("damper_estimator.")
     }
-    past = {name for name in modules if "." in name and name.split(".")[0] != own} - PUBLIC_MODULES
-    return sorted(name for name in past if own in THROUGH_THE_FRONT or name.split(".")[0] in THROUGH_THE_FRONT)
+    past = {name for name in modules if "." in name and name.split(".")[0] != home} - PUBLIC_MODULES
+    return sorted(name for name in past if home in THROUGH_INIT or name.split(".")[0] in THROUGH_INIT)
 
 
-def culprits(find: Callable[[Path], Collection[str]]) -> dict[str, Collection[str]]:
-    """What ``find`` finds wrong, by file."""
+def violations(find: Callable[[Path], Collection[str]]) -> dict[str, Collection[str]]:
+    """Results of ``find`` by file, if any."""
     return {str(path.relative_to(ROOT)): wrong for path in SOURCES if (wrong := find(path))}
 
 
@@ -124,12 +126,12 @@ def long_functions(path: Path) -> list[str]:
     return [node.name for node in functions if node.end_lineno - node.lineno >= LONGEST_FUNCTION]
 
 
-def test_a_file_imports_only_what_its_room_may():
-    assert culprits(trespasses) == {}
+def test_files_import_only_allowed_packages():
+    assert violations(forbidden_imports) == {}
 
 
-def test_workflows_use_rooms_and_are_used_through_their_front_alone():
-    assert culprits(behind_the_front) == {}
+def test_workflows_import_packages_and_are_imported_only_through_init():
+    assert violations(private_imports) == {}
 
 
 def test_a_name_that_a_lazy_package_offers_is_not_that_of_a_module_in_it():
@@ -151,33 +153,35 @@ def test_no_verb_imports_another_verb():
     verbs = {f"cli.{path.stem}" for path in (PACKAGE / "cli").glob("*.py") if "def add_arguments(" in path.read_text()}
 
     def imported_verbs(path: Path) -> list[str]:
-        names = {name.removeprefix("damper_estimator.") for name in imported(path)} if room(path) == "cli" else set()
+        names = (
+            {name.removeprefix("damper_estimator.") for name in imported(path)} if package_of(path) == "cli" else set()
+        )
         return sorted(verb for verb in verbs if any(name.startswith(f"{verb}.") for name in names))
 
-    assert culprits(imported_verbs) == {}
+    assert violations(imported_verbs) == {}
 
 
-def test_ros_is_imported_in_the_node_alone():
-    assert culprits(lambda path: () if room(path) == "node" else ros_imports(path)) == {}
+def test_only_the_node_imports_ros():
+    assert violations(lambda path: () if package_of(path) == "node" else ros_imports(path)) == {}
 
 
 def test_functions_stay_short():
-    assert culprits(long_functions) == {}
+    assert violations(long_functions) == {}
 
 
 def test_files_stay_short():
     assert [str(path) for path in SOURCES if path.read_text(encoding="utf-8").count("\n") > LONGEST_FILE] == []
 
 
-def test_every_room_is_in_the_table():
-    rooms = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
-    assert rooms <= set(ALLOWED)
+def test_every_package_is_in_the_table():
+    packages = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    assert packages <= set(ALLOWED)
     assert {path.stem for path in PACKAGE.glob("*.py")} == ROOT_MODULES | {"__init__", "__main__"}
 
 
 def test_the_table_has_no_circle():
     reachable = {name: {part.split(".")[0] for part in allowed} for name, allowed in ALLOWED.items()}
-    # The layout of the sample block is data that signals and effects share.
+    # Signals and effects share the layout of the sample block.
     reachable["effects"] = set()
     order = []
     while len(order) < len(reachable):
@@ -193,14 +197,14 @@ def test_facade_methods_import_what_they_offer_only_when_they_are_called():
     assert not {"damper_estimator.workflows", "damper_estimator.codegen"} & set(loaded.split())
 
 
-def test_a_trespass_is_seen(tmp_path, monkeypatch):
+def test_a_forbidden_import_is_detected(tmp_path, monkeypatch):
     for folder in ("effects", "signals", "cli"):
         (tmp_path / folder).mkdir()
     path = tmp_path / "effects" / "probe.py"
     lines = ("signals.layout import X", "signals import measure", "cli.main import main", "errors import InputError")
     path.write_text("".join(f"from damper_estimator.{line}\n" for line in lines))
     monkeypatch.setattr(sys.modules[__name__], "PACKAGE", tmp_path)
-    assert trespasses(path) == ["cli.main.main", "signals.measure"]
+    assert forbidden_imports(path) == ["cli.main.main", "signals.measure"]
 
 
 def test_no_file_names_a_package_registry():

@@ -254,8 +254,8 @@ def ros_packages(*folders: Path) -> set[str]:
     """ROS packages that the Python files below import."""
     paths = [path for folder in folders for path in folder.rglob("*.py")]
     lines = re.findall(r"(?m)^\s*(?:from|import) (\w+)", "\n".join(path.read_text(encoding="utf-8") for path in paths))
-    own = {"rclpy", "launch", "launch_ros", "ament_index_python"}
-    return {name for name in lines if name in own or re.fullmatch(r"\w+_(msgs|interfaces)", name)}
+    ros = {"rclpy", "launch", "launch_ros", "ament_index_python"}
+    return {name for name in lines if name in ros or re.fullmatch(r"\w+_(msgs|interfaces)", name)}
 
 
 def test_package_xml_names_every_ros_package_that_is_imported():
@@ -299,9 +299,9 @@ def test_the_parameter_files_are_those_made_from_the_declarations(file):
 
 def test_make_help_lists_every_target():
     targets = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE).group(1).split()
-    told = run(["make", "--no-print-directory", "-C", ROOT, "help"])
+    listed = run(["make", "--no-print-directory", "-C", ROOT, "help"])
     for target in targets:
-        assert re.search(rf"(?m)^make {target} +\S", told), target
+        assert re.search(rf"(?m)^make {target} +\S", listed), target
 
 
 @pytest.mark.parametrize(

@@ -35,14 +35,14 @@ class Hinge:
 
 @dataclass(frozen=True)
 class Half:
-    """One direction of motion, forces counted positive where they resist it and from the loop's offset.
+    """One direction of motion, forces positive if they resist it, relative to the loop's offset.
 
     Attributes:
         sign: +1 rebound, -1 compression.
-        peak_velocity: m/s, a size.
+        peak_velocity: m/s, absolute.
         rising, falling: (101,) N over ``GRID``, while the speed rises and falls.
         before, after: the same two branches as two lines.
-        mean: their mean as two lines: without what springs and masses do.
+        mean: their mean as two lines, free of the effects of springs and masses.
     """
 
     sign: float
@@ -65,7 +65,7 @@ class Half:
 
 
 def offset(loop: Loop) -> float:
-    """Force in N at which the loop stands at its reversals: gas force and gauge offset; springs cancel."""
+    """Mean force at the reversals, N: gas force and gauge offset; springs cancel."""
     quarter = loop.force.size // 2
     return 0.5 * float(loop.force[0] + loop.force[quarter])
 

@@ -11,11 +11,11 @@ from damper_estimator.signals.cycles import Cycle, find_cycles
 
 PHASES = 360
 SINE_LIKE = 0.06  # departure from the first harmonic up to which a cycle belongs to a steady sine test
-NEARLY_SINE = 0.20  # up to which a single cycle of a random recording may stand for one
-FEWEST_SAMPLES = 16  # in a cycle; fewer cannot show a knee
+NEARLY_SINE = 0.20  # up to which a single cycle of a random recording is used as one
+FEWEST_SAMPLES = 16  # per cycle; fewer cannot show a knee
 FEWEST_STEADY, FEWEST_RANDOM = 2, 6  # cycles in a mean
-_FREQUENCY, _AMPLITUDE, _COMMAND = 0.06, 0.20, 0.04  # how far a cycle may be from the mean of its operating point
-_WIDER = 3.0  # times as far for single cycles of a random motion
+_FREQUENCY, _AMPLITUDE, _COMMAND = 0.06, 0.20, 0.04  # maximum distance of a cycle from the mean of its operating point
+_WIDER = 3.0  # factor on these for single cycles of a random motion
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,12 @@ class Loop:
 
     Attributes:
         frequency, amplitude: Hz, m.
-        command, pressure: means; NaN where there is none.
+        command, pressure: means; NaN if unknown.
         displacement, velocity, acceleration, force: SI; displacement from the middle of the stroke.
         spread: N, standard deviation among the cycles.
-        middle: m, middle of the stroke in the recording's own displacement.
-        cycles: how many were averaged.
-        steady: whether they follow one another as in a sine test; else they were picked from a random motion.
+        middle: m, middle of the stroke in the displacement of the recording.
+        cycles: number averaged.
+        steady: whether they are consecutive as in a sine test; otherwise they are from a random motion.
         recordings: paths of the bags.
     """
 
@@ -53,7 +53,7 @@ class Loop:
         return float(np.abs(self.velocity).max())
 
     def less(self, other: "Loop") -> "Loop":
-        """This loop with the other's force at the same phase subtracted; the motion stays its own."""
+        """This loop with the other's force at the same phase subtracted; the motion is unchanged."""
         return replace(
             self,
             force=self.force - other.force,
@@ -72,17 +72,17 @@ class _Sample:
     cycle: Cycle
     command: float
     pressure: float
-    follows: bool  # whether a cycle of the same kind led to it
+    follows: bool  # whether the preceding cycle was similar
 
 
 def mean_loops(measurements: Sequence[Measurement], forces: Sequence[np.ndarray]) -> tuple[list[Loop], list[Loop]]:
     """Mean loops of the steady sine passages, and of single cycles picked from random motion; both by rising frequency.
 
-    The first cycle of each steady passage is left out: it still builds up.
+    The first cycle of each steady passage is left out as transient.
 
     Args:
         measurements: of one damper.
-        forces: (n,) N for each of them, the force to be averaged (the measured one, or what is left of it).
+        forces: (n,) N for each of them, the force to be averaged (the measured one, or a remainder of it).
     """
     samples = [sample for m in measurements for sample in _samples(m)]
     force_of = {id(m): force for m, force in zip(measurements, forces, strict=True)}
@@ -100,7 +100,7 @@ def mean_loops(measurements: Sequence[Measurement], forces: Sequence[np.ndarray]
 
 
 def _order(loop: Loop) -> tuple[float, float, float]:
-    # Motions that count as equal stay together, in order of the command.
+    # Equal motions are sorted by command.
     return (
         round(np.log(loop.frequency) / _FREQUENCY),
         round(np.log(loop.amplitude) / _AMPLITUDE),
@@ -131,7 +131,7 @@ def _alike(a: Cycle, b: Cycle) -> bool:
 
 
 def _constant(values: np.ndarray) -> float:
-    """Mean of a slow channel; NaN where it is absent somewhere."""
+    """Mean of a slow channel; NaN if any value is missing."""
     return float(values.mean()) if np.isfinite(values).all() else float("nan")
 
 

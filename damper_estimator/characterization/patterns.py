@@ -1,4 +1,4 @@
-"""Which of the seven pattern types a mean loop is, by measures that can be checked with a ruler on the F-v diagram.
+"""Classifies a mean loop as one of seven pattern types by measures that can be verified in the F-v diagram.
 
 | type | yields | force lags at low speed | at high speed |
 | --- | --- | --- | --- |
@@ -10,8 +10,8 @@
 | 5 | yes | yes | yes |
 | 6 | any | no, or it leads | falling speed has more force (types 2 and 3 inverted) |
 
-A hysteresis that is an ellipse all over the speed range is that of a spring or a mass: every structure has these
-terms, so it is told and left out of the type. The paper names no thresholds; those below are ours. Source:
+An elliptic hysteresis over the whole speed range is that of a spring or a mass: every structure has these terms, so
+it is reported but excluded from the type. The paper states no thresholds; those below are chosen here. Source:
 Lozoya-Santos et al., section 2.1 (Table 5 swaps the restoring points' columns; by its text and by geometry B is in
 compression, F in rebound).
 """
@@ -24,7 +24,7 @@ from damper_estimator.characterization.halves import GRID, Half, halves, hinge, 
 from damper_estimator.characterization.loops import Loop
 
 YIELD_RATIO = 2.0  # slope before the knee over slope beyond it, at least; the paper's for asymmetric dampers
-YIELD_LOSS = 0.10  # of the half's force, what the knee takes from the straight line at peak speed, at least
+YIELD_LOSS = 0.10  # force lost to the knee relative to a straight line, over the half's force at peak speed, at least
 FLAT_RISE, FLAT_KNEE = (
     0.15,
     0.35,
@@ -36,13 +36,13 @@ SYMMETRIC = 0.10  # rms difference of both directions over their rms force, at m
 
 @dataclass(frozen=True)
 class HalfMeasures:
-    """What a half's diagram says.
+    """Measures of a half's diagram.
 
     Attributes:
         yields, flat: the two verdicts.
-        knee_velocity: m/s, a size.
+        knee_velocity: m/s, absolute.
         high_damping, low_damping: N s/m, slopes of the mean curve before and beyond the knee.
-        ratio: high over low; infinite where the low one is not positive.
+        ratio: high over low; infinite if the low one is not positive.
         rise: force gained beyond the knee over force at peak speed.
         hysteresis_low, hysteresis_high: area between falling and rising branch below and beyond their knees, over
             peak force times peak speed; negative: more force while the speed rises.
@@ -61,7 +61,7 @@ class HalfMeasures:
 
 @dataclass(frozen=True)
 class Pattern:
-    """A loop's type and what led to it.
+    """A loop's type with its measures.
 
     Attributes:
         type: 0 to 6.
@@ -72,7 +72,7 @@ class Pattern:
         asymmetry: rms difference of both directions over their rms.
         symmetric: verdict.
         offset: N, at reversal.
-        because: the reasoning in words.
+        because: the reasoning as text.
     """
 
     type: int
@@ -105,8 +105,8 @@ def classify(loop: Loop) -> Pattern:
     stiffness = size / (2.0 * loop.amplitude)
     if elliptic:
         mass = -stiffness / (2.0 * np.pi * loop.frequency) ** 2
-        what = f"a spring of {stiffness:.3g} N/m" if size > 0.0 else f"a mass of {mass:.3g} kg"
-        why += f"; an elliptic hysteresis like that of {what} is left out (k_p x + m_D a holds it)"
+        element = f"a spring of {stiffness:.3g} N/m" if size > 0.0 else f"a mass of {mass:.3g} kg"
+        why += f"; an elliptic hysteresis like that of {element} is excluded (k_p x + m_D a describes it)"
     return Pattern(
         kind, rebound, compression, low, high, share, stiffness, asymmetry, asymmetry <= SYMMETRIC, offset(loop), why
     )
@@ -128,7 +128,7 @@ def _without_ellipse(half: Half, size: float) -> Half:
 
 
 def yields(half: Half) -> bool:
-    """Whether the slope falls to half or less at a knee that matters at peak speed."""
+    """Whether the slope falls to half or less at a knee that is relevant at peak speed."""
     mean, top = half.mean, abs(float(half.middle[-1])) or 1.0
     loss = (mean.high - mean.low) * (1.0 - mean.knee)
     return mean.high > 0.0 and mean.low * YIELD_RATIO <= mean.high and loss >= YIELD_LOSS * top
@@ -154,7 +154,7 @@ def _measures(half: Half, scale: float) -> HalfMeasures:
 
 
 def _split(half: Half) -> float:
-    """Where low speed ends: what lies between the knees belongs to the side with the branches farther apart."""
+    """End of low speed: the range between the knees belongs to the side with the wider gap between the branches."""
     first, last = sorted((half.before.knee, half.after.knee))
     low, high = (abs(float(half.hysteresis[inside].mean())) for inside in (GRID <= first, GRID > last))
     return last if low >= high else first
@@ -169,9 +169,9 @@ def _verdict(rebound: HalfMeasures, compression: HalfMeasures, low: float, high:
     if abs(high) > HIGH and low > (0.5 * LOW if high > 0.0 else LOW):
         return 5, f"{numbers}: at low and at high speed (types 2 and 3 mixed)"
     if low > LOW:
-        return 3, f"{numbers}: the force lags at low speed alone"
+        return 3, f"{numbers}: the force lags only at low speed"
     if high < -HIGH:
-        return 2, f"{numbers}: more force while the speed rises, at high speed alone"
+        return 2, f"{numbers}: more force while the speed rises, only at high speed"
     if not (rebound.yields or compression.yields):
         return 0, f"{numbers}; no knee: one slope up to peak speed"
     speeds = [

@@ -19,7 +19,7 @@ MEANINGS = {
     "A": "return, compression", "B": "restoring, compression", "C": "reversal into rebound", "D": "yield, rebound",
     "E": "return, rebound", "F": "restoring, rebound", "G": "reversal into compression", "H": "yield, compression",
 }  # fmt: skip
-_BENDS = 0.75  # slope beyond the knee over slope before it up to which a branch has a knee of its own
+_BENDS = 0.75  # slope beyond the knee over slope before it up to which a branch has a knee
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Line:
-    """The way from one point to the next: slopes by least squares; NaN where it has no length.
+    """The section between two points: slopes by least squares; NaN if it has no length.
 
     Attributes:
         stiffness: N/m, in F-x.
@@ -63,7 +63,7 @@ def characteristic_points(loop: Loop) -> tuple[dict[str, Point], dict[str, Line]
 
 
 def _places(loop: Loop) -> dict[str, float]:
-    """Phase of each point, 0 to 1; those of a direction without a knee fall together."""
+    """Phase of each point, 0 to 1; those of a direction without a knee coincide."""
     size = loop.force.size
     rebound, compression = halves(loop)
     top = {1.0: int(np.argmax(loop.velocity)), -1.0: int(np.argmin(loop.velocity))}
@@ -79,19 +79,19 @@ def _places(loop: Loop) -> dict[str, float]:
 
 
 def _knee(branch, half: Half) -> float | None:
-    """Speed in m/s at which a branch bends; that of the mean curve where the branch alone shows none."""
+    """Speed in m/s at which a branch bends; that of the mean curve if the branch has none."""
     if branch is None:
         return None
-    own = branch.high > 0.0 and branch.low <= _BENDS * branch.high
-    return (branch.knee if own else half.mean.knee) * half.peak_velocity
+    bends = branch.high > 0.0 and branch.low <= _BENDS * branch.high
+    return (branch.knee if bends else half.mean.knee) * half.peak_velocity
 
 
 def _at_speed(loop: Loop, half: Half, speed: float, outer: float, top: float) -> float:
     """Phase between a reversal (``outer``) and the peak (``top``) at which the speed is reached."""
     size = loop.force.size
     steps = np.linspace(outer * size, top * size, 721)
-    own = half.sign * _periodic(loop.velocity, steps)
-    return float(np.interp(speed, np.maximum.accumulate(own), steps) / size)
+    branch_speed = half.sign * _periodic(loop.velocity, steps)
+    return float(np.interp(speed, np.maximum.accumulate(branch_speed), steps) / size)
 
 
 def _periodic(values: np.ndarray, steps: np.ndarray | float) -> np.ndarray:

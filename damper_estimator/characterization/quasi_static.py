@@ -1,9 +1,8 @@
-"""Force of a slow test over displacement and direction, to be subtracted from the others (gas, spring, dry friction).
+"""Force of a slow test over displacement and direction, to be subtracted from other tests (gas, spring, dry friction).
 
     F_s(x, v) = w F_rebound(x) + (1 - w) F_compression(x),      w = (1 + clip(v / v_s, -1, 1)) / 2
 
-with v_s the slow test's own speed, so that the force does not jump between the two curves where the motion stands
-still.
+with v_s the slow test's own speed, so that the force does not jump between the two curves at standstill.
 Source: HIS paper, section 2.2 and figure 4 (5 mm/s).
 """
 
@@ -21,7 +20,7 @@ _FEWEST = 5  # samples in a bin
 
 @dataclass(frozen=True)
 class QuasiStatic:
-    """What a slow test leaves of a force.
+    """The force of a slow test.
 
     Attributes:
         recording: the slow test's bag.
@@ -48,17 +47,17 @@ class QuasiStatic:
         return float(np.mean((displacement < self.displacement[0]) | (displacement > self.displacement[-1])))
 
     def remaining(self, measurement: Measurement) -> np.ndarray:
-        """A measured force (n,) less the quasi-static one.
+        """A measured force (n,) minus the quasi-static one.
 
         Raises:
-            InputError: where the test was not slow beside this measurement.
+            InputError: if the test was not slow compared with this measurement.
         """
         kinematics = measurement.kinematics
         speed = float(np.quantile(np.abs(kinematics.velocity), 0.99))
         if self.speed > SLOW * speed:
             raise InputError(
-                f"{self.recording}: moves at {self.speed:.3g} m/s, which is not slow beside {speed:.3g} m/s of "
-                f"{measurement.recording}; a quasi-static test wants about 0.005 m/s"
+                f"{self.recording}: moves at {self.speed:.3g} m/s, which is not slow compared with {speed:.3g} m/s of "
+                f"{measurement.recording}; drive a quasi-static test at about 0.005 m/s"
             )
         return measurement.force - self.force(kinematics.displacement, kinematics.velocity)
 
@@ -67,7 +66,7 @@ def quasi_static(slow: Measurement) -> QuasiStatic:
     """Mean force over displacement of a slow test, for each direction; reversals are left out.
 
     Raises:
-        InputError: where one of the directions is missing.
+        InputError: if one of the directions is missing.
     """
     kinematics, judged = slow.kinematics, slow.judged
     moving = np.abs(kinematics.velocity)[judged]
@@ -77,7 +76,7 @@ def quasi_static(slow: Measurement) -> QuasiStatic:
         inside = judged & (sign * kinematics.velocity > 0.5 * speed)
         if np.count_nonzero(inside) < 2 * _FEWEST or speed <= 0.0:
             raise InputError(
-                f"{slow.recording}: does not move slowly in both directions; a quasi-static test is a slow "
+                f"{slow.recording}: does not move in both directions; drive a quasi-static test as a slow "
                 "sine or triangle"
             )
         curves.append(_curve(kinematics.displacement[inside], slow.force[inside]))
@@ -87,7 +86,7 @@ def quasi_static(slow: Measurement) -> QuasiStatic:
 
 
 def _curve(x: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means over even bins of displacement; bins with hardly any sample are left out."""
+    """Means over even bins of displacement; bins with few samples are left out."""
     edges = np.linspace(x.min(), x.max(), _BINS + 1)
     place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, _BINS - 1)
     count = np.bincount(place, minlength=_BINS)

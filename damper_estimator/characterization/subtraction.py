@@ -1,4 +1,4 @@
-"""Diagrams of two settings subtracted at the same motion and phase: the semi-active part, the pressure part.
+"""Subtracts diagrams of two settings at equal motion and phase: the semi-active part, the pressure part.
 
     F_SA(phase) = F_M(phase) - F_P(phase)
 
@@ -12,46 +12,48 @@ import numpy as np
 
 from damper_estimator.characterization.loops import Loop
 
-_FREQUENCY, _AMPLITUDE = 0.06, 0.20  # how far two motions may be apart to count as the same, relative
+_FREQUENCY, _AMPLITUDE = 0.06, 0.20  # largest relative difference of motions that count as equal
 
 
 @dataclass(frozen=True)
 class Difference:
-    """What one setting adds to another.
+    """The force that one setting adds to another.
 
     Attributes:
-        loop: motion of ``minuend``, force of ``minuend`` less that of ``subtrahend``.
+        loop: motion of ``minuend``, force of ``minuend`` minus that of ``subtrahend``.
         minuend, subtrahend: the two loops.
-        what: ``command``, ``pressure``, or ``setting`` where the recordings do not say what was changed.
-        apart: relative difference of their peak velocities.
+        what: ``command``, ``pressure``, or ``setting`` if the recordings do not show the change.
+        velocity_difference: relative difference of their peak velocities.
     """
 
     loop: Loop
     minuend: Loop
     subtrahend: Loop
     what: str
-    apart: float
+    velocity_difference: float
 
 
 def difference(minuend: Loop, loops: Sequence[Loop]) -> Difference | None:
-    """What a loop adds to the one of ``loops`` whose motion is most like its own; None where none is like it."""
+    """The difference between a loop and the one of ``loops`` with the most similar motion; None if none is similar."""
     near = [(distance, i) for i, other in enumerate(loops) if (distance := _distance(minuend, other)) <= 1.0]
     if not near:
         return None
     subtrahend = loops[min(near)[1]]
-    apart = abs(minuend.peak_velocity / subtrahend.peak_velocity - 1.0)
-    return Difference(minuend.less(subtrahend), minuend, subtrahend, _what(minuend, subtrahend), apart)
+    velocity_difference = abs(minuend.peak_velocity / subtrahend.peak_velocity - 1.0)
+    return Difference(
+        minuend.less(subtrahend), minuend, subtrahend, _changed_quantity(minuend, subtrahend), velocity_difference
+    )
 
 
 def semi_active(loops: Sequence[Loop]) -> tuple[list[Loop], list[Difference]]:
-    """The loops at the smallest command, which are passive, and what every larger command adds to them."""
+    """The loops at the smallest command, taken as passive, and the differences for every larger command."""
     commands = np.array([abs(loop.command) for loop in loops])
     known = commands[np.isfinite(commands)]
     if not known.size:
         return list(loops), []
     limit = known.min() + 0.04 * known.max()
-    passive = [loop for loop, own in zip(loops, commands, strict=True) if not own > limit]
-    driven = [loop for loop, own in zip(loops, commands, strict=True) if own > limit]
+    passive = [loop for loop, command in zip(loops, commands, strict=True) if not command > limit]
+    driven = [loop for loop, command in zip(loops, commands, strict=True) if command > limit]
     return passive, [d for loop in driven if (d := difference(loop, passive)) is not None]
 
 
@@ -59,7 +61,7 @@ def _distance(a: Loop, b: Loop) -> float:
     return max(abs(np.log(a.frequency / b.frequency)) / _FREQUENCY, abs(np.log(a.amplitude / b.amplitude)) / _AMPLITUDE)
 
 
-def _what(a: Loop, b: Loop) -> str:
+def _changed_quantity(a: Loop, b: Loop) -> str:
     if (
         np.isfinite(a.command)
         and np.isfinite(b.command)

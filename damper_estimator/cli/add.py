@@ -1,13 +1,13 @@
-"""Put an effect into a model.
+"""Add an effect to a model.
 
-The effect goes where its kind belongs: sources before what acts on the force, modifiers after it, a compliance
-around the sources. Its values are the effect's defaults, or those given with --set; identify them with fit.
+The kind of the effect determines its position: sources before effects that act on the force, modifiers after them, a
+compliance around the sources. Its parameters have default values, or those of --set; identify them with fit.
 """
 
 import argparse
 from pathlib import Path
 
-from damper_estimator.cli.common import add_models
+from damper_estimator.cli.verb_support import add_models
 from damper_estimator.effects.discovery import LISTS, find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model, save_model
@@ -20,11 +20,11 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares the verb's arguments."""
+    """Declares the arguments."""
     parser.add_argument("effect", metavar="EFFECT", help="an effect's name; damper-estimator effects lists them")
     add_models(parser)
     parser.add_argument(
-        "-o", "--output", metavar="MODEL.yaml", type=Path, required=True, help="where the changed model goes"
+        "-o", "--output", metavar="MODEL.yaml", type=Path, required=True, help="file for the extended model"
     )
     parser.add_argument(
         "--set",
@@ -32,15 +32,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=VALUE",
         action="append",
         default=[],
-        help="a value of the effect; may be repeated",
+        help="a parameter of the effect; may be repeated",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the model with the effect, and says what it consists of now."""
+    """Writes the model with the effect, and prints its elements."""
     effect = find_effect(arguments.effect)
     if effect.name in LISTS:
-        raise InputError(f"{effect.name}: is no effect; write it into the model file by hand")
+        raise InputError(f"{effect.name}: is not an effect; write it in the model file")
     if effect.kind == "channel":
         title = effect.description.strip().partition("\n")[0].rstrip(".")
         raise InputError(
@@ -65,6 +65,6 @@ def _values(pairs: list[str]) -> dict[str, object]:
         except ValueError:
             found = ""
         if not found:
-            raise InputError(f"--set {pair}: is not NAME=VALUE with a number, or numbers between commas")
+            raise InputError(f"--set {pair}: is not NAME=VALUE with a number, or numbers separated by commas")
         values[name.strip()] = numbers if "," in text else numbers[0]
     return values

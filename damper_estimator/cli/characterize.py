@@ -1,9 +1,9 @@
-"""Characteristic diagrams (F-x, F-v, F-a), their pattern types, and the model structure that they call for.
+"""Determine characteristic diagrams (F-x, F-v, F-a), their pattern types, and a matching model structure.
 
-Cycles of one frequency, amplitude and command are averaged over their phase; the first of each passage is left out.
-With several commands the semi-active part is what a command adds to the smallest one at the same motion. Types are
-those of Lozoya-Santos et al., 0 to 6, for 0.5 to 3, 3 to 7 and 7 to 15 Hz. -o writes the structure as a model that
-fit takes.
+Cycles of equal frequency, amplitude and command are averaged over phase, without the first of each passage. With
+several commands the semi-active part is the force that a command adds to the smallest one at the same motion. The
+types, 0 to 6, are those of Lozoya-Santos et al., for 0.5 to 3, 3 to 7 and 7 to 15 Hz. -o writes the structure as a
+model for fit.
 """
 
 import argparse
@@ -11,15 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from damper_estimator.characterization import MEANINGS, Characterization, Diagram, QuasiStatic, peaks, peaks_csv
-from damper_estimator.cli.common import (
-    STANDARD_OUTPUT,
+from damper_estimator.cli.verb_support import (
     add_bags,
-    add_html,
-    add_json,
-    add_signals,
-    add_window,
+    add_reading,
+    prints_text,
     progress,
-    read_asked,
+    read_recordings,
+    report_notes,
     write_json,
 )
 from damper_estimator.files import write_text
@@ -33,7 +31,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """``BAG... [--subtract BAG] [--quasi-static BAG] [--peaks FILE] [-o MODEL.yaml]`` and what is common."""
+    """``BAG... [--subtract BAG] [--quasi-static BAG] [--peaks FILE] [-o MODEL.yaml]`` and the common arguments."""
     add_bags(parser)
     parser.add_argument(
         "--subtract", metavar="BAG", type=Path, action="append", default=[],
@@ -41,10 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--quasi-static", metavar="BAG", type=Path, dest="slow",
-        help="a slow test (about 5 mm/s); its force over displacement and direction is taken from everything first",
+        help="a slow test (about 5 mm/s); its force over displacement and direction is subtracted first",
     )  # fmt: skip
     parser.add_argument(
-        "--peaks", metavar="FILE.csv", type=Path, help="write peak velocities and the forces there as a table"
+        "--peaks", metavar="FILE.csv", type=Path, help="write peak velocities and their forces as a table"
     )
     parser.add_argument(
         "-o",
@@ -53,33 +51,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="write the structure as a model to fit; a folder for several dampers",
     )
-    add_signals(parser)
-    add_window(parser)
-    add_json(parser)
-    add_html(parser)
+    add_reading(parser, html=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Characterizes every damper; see the module's docstring."""
-    recording = read_asked(arguments).with_force("characterize")
-    for note in recording.notes:
-        progress(note)
-    subtract = read_asked(arguments, arguments.subtract, whole=True) if arguments.subtract else None
-    slow = read_asked(arguments, [arguments.slow], whole=True) if arguments.slow else None
+    """Characterizes every damper."""
+    recording = read_recordings(arguments).with_force("characterize")
+    report_notes(recording.notes)
+    subtract = read_recordings(arguments, arguments.subtract, whole=True) if arguments.subtract else None
+    slow = read_recordings(arguments, [arguments.slow], whole=True) if arguments.slow else None
     results = characterize(recording, subtract=subtract, slow=slow)
-    if arguments.json != STANDARD_OUTPUT:
-        for own in results.by_damper.values():
-            print(text(own.found, own.slow))
+    if prints_text(arguments):
+        for result in results.by_damper.values():
+            print(text(result.found, result.slow))
     _write(arguments, results)
     return 0
 
 
 def _write(arguments: argparse.Namespace, results: CharacterizationResults) -> None:
-    for damper, own in results.by_damper.items():
+    for damper, result in results.by_damper.items():
         if arguments.peaks:
-            write_text(_target(arguments.peaks, damper, len(results)), peaks_csv(own.found.diagrams))
+            write_text(_target(arguments.peaks, damper, len(results)), peaks_csv(result.found.diagrams))
         if arguments.output:
-            save_model(structure_of(own.found), _target(arguments.output, damper, len(results)))
+            save_model(structure_of(result.found), _target(arguments.output, damper, len(results)))
     write_json(arguments.json, results.to_dict())
     if arguments.html:
         results.save(arguments.html)
@@ -87,7 +81,7 @@ def _write(arguments: argparse.Namespace, results: CharacterizationResults) -> N
 
 
 def _target(path: Path, damper: str, dampers: int) -> Path:
-    """The file itself; beside other dampers one with the damper's name in front, or inside a folder."""
+    """The file of a damper: the path itself; with several dampers prefixed by the damper's name, or in a folder."""
     if path.is_dir() or (dampers > 1 and not path.suffix):
         path.mkdir(parents=True, exist_ok=True)
         return path / f"{damper}.yaml"
@@ -95,7 +89,7 @@ def _target(path: Path, damper: str, dampers: int) -> Path:
 
 
 def text(found: Characterization, slow: QuasiStatic | None) -> str:
-    """The result for people."""
+    """The results as text."""
     lines = [f"{found.damper}: {len(found.diagrams)} operating points in {len(found.recordings)} recording(s)"]
     if slow is not None:
         lines.append(f"  quasi-static force of {Path(slow.recording).name} ({1e3 * slow.speed:.3g} mm/s) subtracted")
@@ -134,7 +128,7 @@ def _table(diagrams: Sequence[Diagram], title: str) -> list[str]:
 
 
 def _points(found: Characterization) -> list[str]:
-    """Points of the fastest motion; all of them are in the JSON and on the page."""
+    """Points of the fastest motion; the JSON file and the page have all."""
     fastest = max(found.diagrams, key=lambda d: d.loop.peak_velocity)
     loop = fastest.loop
     lines = [

@@ -1,34 +1,30 @@
-"""How well a model agrees with the measurement, and where it fails.
+"""Compare a model with the measured force, and show where it fails.
 
-Measured and modelled force pass the same filters; judged from 0.2 s after each reset on, where the gauge did not clip.
-The gauge's zero and drift are told by themselves and left out of the regions of operation in which the error is.
-Mistakes of the measurement chain that the recordings show are named with their remedies: data before physics. Several
-recordings are pooled and also told one by one; several models (-m repeated) stand side by side. Errors are also told
-by the excitation's frequency and by groups of velocity and frequency, formed from the recordings' own ranges or given
-by --group.
+Measured and modelled force pass the same filters; samples count from 0.2 s after each reset, except where the gauge
+clipped. The gauge's zero and drift are reported separately and excluded from the regions of operation with large
+errors. Faults of the measurement chain are reported with remedies. Several recordings are pooled and also reported one
+by one; several models (-m repeated) are compared with each other. Errors are also reported by the frequency of the
+excitation and by groups of velocity and frequency, formed from the recordings or given by --group.
 """
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
-from damper_estimator.cli.common import (
-    STANDARD_OUTPUT,
+from damper_estimator.cli.data_finding_text import print_findings
+from damper_estimator.cli.recording_groups import parse_groups
+from damper_estimator.cli.verb_support import (
     add_bags,
-    add_html,
-    add_json,
     add_models,
-    add_signals,
-    add_window,
-    open_asked,
-    progress,
+    add_reading,
+    open_recordings,
+    prints_text,
+    report_notes,
     write_json,
+    write_page,
 )
-from damper_estimator.cli.data_findings import print_findings
-from damper_estimator.cli.groups import parse_groups
-from damper_estimator.files import write_text
 from damper_estimator.validation import Comparison, per_recording
-from damper_estimator.workflows import ModelsCompared, asked, compare, in_words, no_force, page_title
+from damper_estimator.workflows import ModelsCompared, compare, comparison_request, in_words, no_force_error, page_title
 
 EXAMPLES = (
     "compare hidden_unseen.mcap -m mine.yaml --html comparison.html",
@@ -38,26 +34,23 @@ _REGIONS = 5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """``BAG... -m MODEL [-m MODEL]`` and what is common."""
+    """``BAG... -m MODEL [-m MODEL]`` and the common arguments."""
     add_bags(parser)
     add_models(parser, several=True)
     parser.add_argument(
         "--group", metavar="NAME=BAG,...", action="append", default=[],
-        help="tell the error of these recordings together under a name; may be repeated",
+        help="report the joint error of these recordings under a name; may be repeated",
     )  # fmt: skip
-    parser.add_argument("--steps", action="store_true", help="step test: judge every step of 10 mm and more by itself")
-    add_signals(parser)
-    add_window(parser)
-    add_json(parser)
-    add_html(parser)
+    parser.add_argument("--steps", action="store_true", help="step test: judge each step of 10 mm or more separately")
+    add_reading(parser, html=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compares; see the module's docstring. One damper after the other, so that memory holds the samples of one."""
+    """Compares one damper at a time, to keep the samples of only one in memory."""
     groups = parse_groups(arguments.group, arguments.bags)
     records: dict[str, object] = {}
     sections, notes = [], []
-    with open_asked(arguments) as reader:
+    with open_recordings(arguments) as reader:
         for name in reader.dampers:
             recording = reader.damper(name).where_force()
             notes += recording.notes
@@ -65,28 +58,22 @@ def run(arguments: argparse.Namespace) -> int:
                 continue
             found = compare(recording, arguments.models, groups=groups, steps=arguments.steps).only
             records[name] = found.record()
-            if arguments.json != STANDARD_OUTPUT:
+            if prints_text(arguments):
                 _print(name, found)
             if arguments.html:
                 from damper_estimator.report import damper_section
 
                 sections.append(damper_section(found.comparisons, len(reader.dampers)))
     if not records:
-        raise no_force(str(arguments.bags[0]), "compare")
-    for note in notes:
-        progress(note)
+        raise no_force_error(str(arguments.bags[0]), "compare")
+    report_notes(notes)
     bags = [str(path) for path in arguments.bags]
     if arguments.html:
-        _write_page(arguments.html, sections, in_words(bags))
-    write_json(arguments.json, asked(bags, arguments.models) | {"dampers": records})
+        from damper_estimator.report import comparison_page
+
+        write_page(arguments.html, comparison_page(sections, page_title(sections, in_words(bags))))
+    write_json(arguments.json, comparison_request(bags, arguments.models) | {"dampers": records})
     return 0
-
-
-def _write_page(path: Path, sections: Sequence, bags: str) -> None:
-    from damper_estimator.report import comparison_page
-
-    write_text(path, comparison_page(sections, page_title(sections, bags)))
-    progress(f"wrote {path}")
 
 
 def _print(name: str, found: ModelsCompared) -> None:
@@ -97,8 +84,8 @@ def _print(name: str, found: ModelsCompared) -> None:
     for c in comparisons:
         _print_row(c.model.name, width, c.measures.record())
         if len(c.traces) > 1:
-            for own in per_recording(c):
-                _print_row(f"  {Path(own.recordings[0]).name}", width, own.measures.record())
+            for part in per_recording(c):
+                _print_row(f"  {Path(part.recordings[0]).name}", width, part.measures.record())
     for c in comparisons:
         for warning in c.warnings:
             print(f"  note: {warning}")
@@ -123,18 +110,18 @@ def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
 def _print_regions(comparison: Comparison, named: bool) -> None:
     of = f" of {comparison.model.name}" if named else ""
     floor, parts = comparison.noise_floor_n, comparison.split
-    told = f"; noise floor {floor:.3g} N" if floor == floor else ""
+    floor_text = f"; noise floor {floor:.3g} N" if floor == floor else ""
     print(
         f"  the error{of}: zero {parts.offset_n:+.3g} N, drift {parts.drift_n:.3g} N, gain {100 * parts.gain:+.2g} % "
-        f"({parts.gain_n:.3g} N), scatter {parts.scatter_n:.3g} N rms{told}"
+        f"({parts.gain_n:.3g} N), scatter {parts.scatter_n:.3g} N rms{floor_text}"
     )
     for sentence in parts.sentences:
         print(f"    {sentence}")
     if not comparison.regions:
         rest = "the rest" if parts.sentences else "the error"
-        print(f"  {rest}{of} is spread evenly over the operation")
+        print(f"  {rest}{of} is spread evenly over the range of operation")
         return
-    print(f"  where the error{of} is:")
+    print(f"  regions with large errors{of}:")
     for region in comparison.regions[:_REGIONS]:
         print(f"    {region.sentence}")
 

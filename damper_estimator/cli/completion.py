@@ -1,7 +1,7 @@
-"""Print a script by which bash or zsh completes verbs, options, and the names of models, effects and files.
+"""Print a script for bash or zsh that completes verbs, options, and the names of models, effects and files.
 
-Save it once where the shell looks for such scripts, as in the examples, and open a new shell. For zsh the folder must
-be in fpath: fpath=(~/.zfunc $fpath) before compinit in ~/.zshrc. Write it again after an update.
+Save it in the shell's folder for such scripts, as in the examples, and open a new shell. For zsh the folder must be in
+fpath: fpath=(~/.zfunc $fpath) before compinit in ~/.zshrc. Repeat this after an update.
 """
 
 import argparse
@@ -15,14 +15,14 @@ SHELLS = ("bash", "zsh")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares the verb's arguments."""
-    parser.add_argument("shell", choices=SHELLS, help="which shell")
+    """Declares the arguments."""
+    parser.add_argument("shell", choices=SHELLS, help="name of the shell")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the script."""
-    from damper_estimator.cli.commands import all_commands
     from damper_estimator.cli.completion_scripts import bash_script, zsh_script
+    from damper_estimator.cli.parser_description import all_commands
     from damper_estimator.effects.discovery import all_effects
     from damper_estimator.model import library_models
     from damper_estimator.vehicle.full_car import library_vehicles

@@ -1,9 +1,9 @@
-"""The story of a hidden effect, on recordings that come with the package: before, finding, after.
+"""Demonstrate the search for a missing effect on recordings that come with the package.
 
-A force-velocity curve is identified on a damper. Later the damper has changed, and on the road the model is wrong. The
-diagnosis names the physical effect that is missing, and with it in the model the error is small again. Every command is
-shown before it runs and can be repeated in FOLDER, which receives the recordings, models, pages and results; it also
-holds the other sample recordings, on which the examples of each verb's help run.
+A force-velocity curve is identified on a damper. Later the damper has changed, and the model is wrong on the road. The
+diagnosis names the missing physical effect, and with it the model's error is small again. Every command is shown
+before it runs and can be repeated in FOLDER, which receives recordings, models, pages and results, and also the sample
+recordings for the examples in each verb's help.
 """
 
 import argparse
@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from contextlib import chdir, nullcontext, redirect_stdout
 from pathlib import Path
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, write_json
 from damper_estimator.cli.main import DONE, PROGRAM, main
+from damper_estimator.cli.verb_support import add_json, prints_text, write_json
 from damper_estimator.errors import InputError
 from damper_estimator.share import share_path
 
@@ -28,19 +28,19 @@ PAGES = ("comparison.html", "diagnosis.html", "improvement.html")
 _JUDGED = "hidden_fit.mcap --validate hidden_unseen.mcap -m mine.yaml"
 STORY = (
     (
-        "A force-velocity curve, identified on the damper as it was",
+        "Identify a force-velocity curve on the original damper",
         ["fit hidden_base.mcap -m viscous_curve -o mine.yaml"],
     ),
     (
-        "The same damper later, on the road: where does the model fail?",
+        "Compare it with the same damper later on the road: where does the model fail?",
         [f"compare hidden_unseen.mcap -m mine.yaml --json {BEFORE} --html {PAGES[0]}"],
     ),
     (
-        "Which physical effect is missing? Sought on the bench recording, judged on the road",
+        "Diagnose which physical effect is missing: identified on the bench recording, judged on the road",
         [f"diagnose {_JUDGED} --json {FINDING} --html {PAGES[1]}"],
     ),
     (
-        "Have it added, as far as data that no fit has seen justify it",
+        "Add it, as far as unseen data justify",
         [
             f"improve {_JUDGED} -o better.yaml --html {PAGES[2]}",
             f"compare hidden_unseen.mcap -m better.yaml --json {AFTER}",
@@ -50,25 +50,25 @@ STORY = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares the verb's arguments."""
+    """Declares the arguments."""
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", type=Path, default=Path("damper_estimator_demo"),
-        help="new folder, or that of an earlier demo (default: %(default)s)",
+        help="a new folder, or that of an earlier demo (default: %(default)s)",
     )  # fmt: skip
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Copies the recordings, runs the commands, tells the result."""
+    """Copies the recordings, runs the commands, prints the result."""
     folder = arguments.output.absolute()
     copy_recordings(folder)
-    apart = redirect_stdout(sys.stderr) if arguments.json == STANDARD_OUTPUT else nullcontext()
-    with apart:
-        status = _tell(folder)
+    output = nullcontext() if prints_text(arguments) else redirect_stdout(sys.stderr)
+    with output:
+        status = _run_commands(folder)
         if status != DONE:
             return status
         found = result(folder)
-        print(_in_words(found, folder))
+        print(_summary(found, folder))
     write_json(arguments.json, found)
     return DONE
 
@@ -77,19 +77,19 @@ def copy_recordings(folder: Path) -> None:
     """Copies the sample recordings into a folder.
 
     Raises:
-        InputError: where the folder holds something else, or the installation has no recordings.
+        InputError: if the folder has other content, or the installation lacks the recordings.
     """
     samples = sorted(share_path("bags").glob("*.mcap"))
-    there = set(folder.iterdir()) if folder.is_dir() else {folder} if folder.exists() else set()
-    if there and not {folder / sample.name for sample in samples} <= there:
+    entries = set(folder.iterdir()) if folder.is_dir() else {folder} if folder.exists() else set()
+    if entries and not {folder / sample.name for sample in samples} <= entries:
         raise InputError(f"{folder}: is not the folder of an earlier demo; choose another one with -o")
     folder.mkdir(parents=True, exist_ok=True)
     for sample in samples:
         shutil.copyfile(sample, folder / sample.name)
 
 
-def _tell(folder: Path) -> int:
-    """Runs the story in the folder; the status of the first command that fails, else 0."""
+def _run_commands(folder: Path) -> int:
+    """Runs the commands in the folder; returns the status of the first that fails, else 0."""
     with chdir(folder):
         for number, (title, commands) in enumerate(STORY, start=1):
             print(f"\n== {number}. {title}", flush=True)
@@ -102,7 +102,7 @@ def _tell(folder: Path) -> int:
 
 
 def result(folder: Path) -> dict[str, object]:
-    """Errors on the road before and after, the noise floor, and the best finding, from the files of the story."""
+    """Errors on the road before and after, the noise floor, and the best finding, from the result files."""
 
     def damper(name: str) -> dict:
         (only,) = json.loads((folder / name).read_text(encoding="utf-8"))["dampers"].values()
@@ -122,16 +122,20 @@ def result(folder: Path) -> dict[str, object]:
     }
 
 
-def _in_words(found: dict, folder: Path) -> str:
-    tied = f", or {', '.join(found['tied_with'])}, which these data cannot tell from it" if found["tied_with"] else ""
+def _summary(found: dict, folder: Path) -> str:
+    tied = (
+        f", or {', '.join(found['tied_with'])}, which these data cannot distinguish from it"
+        if found["tied_with"]
+        else ""
+    )
     lines = [
         "\n== Result",
         f"before   rms error on the road {found['rmse_before_n']:.1f} N of {found['force_rms_n']:.0f} N rms force",
         f"finding  {found['found'] or found['verdict']}{tied}".replace("_", " "),
-        f"after    {found['rmse_after_n']:.1f} N; the noise alone makes {found['noise_floor_n']:.1f} N",
+        f"after    {found['rmse_after_n']:.1f} N; the noise alone causes {found['noise_floor_n']:.1f} N",
         "",
         f"pages with the figures: {', '.join(str(folder / page) for page in PAGES)}",
-        f"the commands above can be repeated in {folder}; with recordings of your own, start with:",
+        f"the commands above can be repeated in {folder}; with your own recordings, start with:",
         f"  {PROGRAM} inspect YOUR.mcap            (a ROS 2 bag)",
         f"  {PROGRAM} import YOUR.csv --guess -o YOUR.mcap   (a bench or logger file)",
     ]

@@ -1,17 +1,17 @@
-"""Which physical effects a model lacks, how sure that is, and what else it could be.
+"""Find the physical effects that a model lacks, with confidence and alternatives.
 
-Every effect that stands for a phenomenon is tried on the model, its parameters identified on BAG..., and judged on
-recordings that were not used for that: those given with --validate, or the last 40 % of each BAG. It is judged both
-with the model's parameters as they are and refitted with it; --keep-parameters and --refit restrict it to one.
-Mistakes of the measurement chain are told first; they are corrected in the signal map, never in the model.
+Each effect that represents a phenomenon is added to the model, identified on BAG... and judged on unseen recordings:
+those given with --validate, or the last 40 % of each BAG. The effect is judged twice, with the model's parameters
+unchanged and refitted; --keep-parameters and --refit select one of these. Faults of the measurement chain are reported
+first; they are corrected in the signal map, never in the model.
 """
 
 import argparse
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, check_places, progress, write_json
+from damper_estimator.cli.diagnosis_arguments import add_diagnosis_arguments, read_cases
 from damper_estimator.cli.diagnosis_text import next_steps, print_diagnosis
-from damper_estimator.cli.judging import add_judging, read_judging
-from damper_estimator.cli.work_line import WorkLine
+from damper_estimator.cli.progress_line import ProgressLine
+from damper_estimator.cli.verb_support import check_output_folders, prints_text, progress, write_json
 from damper_estimator.workflows import DiagnosisResults, diagnose_case
 
 EXAMPLES = (
@@ -22,22 +22,22 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""
-    add_judging(parser)
+    add_diagnosis_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Diagnoses every damper; see the module's docstring."""
-    check_places(arguments.html, arguments.json)
+    """Diagnoses every damper."""
+    check_output_folders(arguments.html, arguments.json)
     found = {}
-    given = read_judging(arguments, "diagnose")
-    for case in given.cases:
-        with WorkLine(case.damper) as line:
+    cases = read_cases(arguments, "diagnose")
+    for case in cases.cases:
+        with ProgressLine(case.damper) as line:
             found[case.damper] = diagnose_case(case, arguments.mode, arguments.workers, line)
-        if arguments.json != STANDARD_OUTPUT:
+        if prints_text(arguments):
             print_diagnosis(case.damper, found[case.damper])
-    if arguments.json != STANDARD_OUTPUT:
+    if prints_text(arguments):
         print(*next_steps(found, arguments.bags, arguments.validate, arguments.model), sep="\n", end="")
-    results = DiagnosisResults(given.asked, found)
+    results = DiagnosisResults(cases.request, found)
     if arguments.html:
         results.save(arguments.html)
         progress(f"wrote {arguments.html}")

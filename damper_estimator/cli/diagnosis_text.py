@@ -1,10 +1,10 @@
-"""What ``diagnose`` and ``improve`` tell people on standard output."""
+"""The results of ``diagnose`` and ``improve`` as text."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
 
-from damper_estimator.cli.data_findings import print_findings
+from damper_estimator.cli.data_finding_text import print_findings
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
@@ -14,7 +14,7 @@ _WIDTH = 110
 
 
 def print_diagnosis(damper: str, found: Diagnosis) -> None:
-    """One damper: the verdict, mistakes of the recordings, the findings with their evidence, what changed."""
+    """Prints one damper: verdict, faults of the recordings, findings with evidence, changed parameters."""
     print(f"{damper}: {found.sentence}")
     print_findings(found.data)
     print(*_findings(found), sep="\n", flush=True)
@@ -30,7 +30,7 @@ def _findings(found: Diagnosis) -> list[str]:
     if found.moved:
         rows = moved_rows(found)
         width = max(len(row["name"]) for row in rows)
-        lines.append("  parameters that re-identification moves:")
+        lines.append("  parameters that change when identified again:")
         lines += [
             _plain(
                 f"    {row['name']:<{width}}  {row['before']} -> {row['after']} {row['error']} {row['unit']}"
@@ -38,27 +38,31 @@ def _findings(found: Diagnosis) -> list[str]:
             for row in rows
         ]
     if not found.findings and not found.moved:
-        best = next((own for own in found.ranking if own.reason and (own.kept or own.refitted)), None)
+        best = next(
+            (candidate for candidate in found.ranking if candidate.reason and (candidate.kept or candidate.refitted)),
+            None,
+        )
         if best is not None:
-            lines.append(f"  the best of what was tried: {best.phenomenon} ({best.effect}): {best.reason}")
+            lines.append(f"  best candidate: {best.phenomenon} ({best.effect}): {best.reason}")
     return lines
 
 
 def _table(findings: Sequence[Finding]) -> list[str]:
-    width = max(len("found"), *(len(own.phenomenon) for own in findings))
-    wide = max(len("effect"), *(len(own.effect) for own in findings))
+    width = max(len("found"), *(len(finding.phenomenon) for finding in findings))
+    wide = max(len("effect"), *(len(finding.effect) for finding in findings))
     lines = [f"  {'found':<{width}}  {'effect':<{wide}}  {'explains, 5 to 95 %':<21}  {'unseen error':<18}  confidence"]
-    for own in findings:
-        gain = f"{100 * own.gain:.0f} % ({100 * own.low:.0f} to {100 * own.high:.0f} %)"
-        errors = f"{number(own.rmse_before_n)} -> {number(own.rmse_after_n)} N"
+    for finding in findings:
+        gain = f"{100 * finding.gain:.0f} % ({100 * finding.low:.0f} to {100 * finding.high:.0f} %)"
+        errors = f"{number(finding.rmse_before_n)} -> {number(finding.rmse_after_n)} N"
         lines.append(
-            f"  {own.phenomenon:<{width}}  {own.effect:<{wide}}  {gain:<21}  {errors:<18}  {100 * own.confidence:.0f} %"
+            f"  {finding.phenomenon:<{width}}  {finding.effect:<{wide}}  {gain:<21}  {errors:<18}  "
+            f"{100 * finding.confidence:.0f} %"
         )
     return lines
 
 
 def _details(finding: Finding) -> list[str]:
-    told = {
+    details = {
         "tied with": ", ".join(finding.tied_with),
         "evidence": finding.evidence,
         "test to separate": finding.test_to_separate,
@@ -66,7 +70,7 @@ def _details(finding: Finding) -> list[str]:
         "values": ", ".join(_value(row) for row in parameter_rows(finding.parameters)),
     }
     lines = [f"  {finding.phenomenon}:"]
-    return lines + [_wrapped(f"{name}: {text}", "    ") for name, text in told.items() if text]
+    return lines + [_wrapped(f"{name}: {text}", "    ") for name, text in details.items() if text]
 
 
 def _value(row: Mapping[str, object]) -> str:
@@ -75,7 +79,7 @@ def _value(row: Mapping[str, object]) -> str:
 
 
 def _plain(text: str) -> str:
-    """Without the thin spaces between thousands, so that numbers can be copied."""
+    """The text without thin spaces between thousands, so that numbers can be copied."""
     return text.replace("\u2009", "")
 
 
@@ -84,16 +88,16 @@ def _wrapped(text: str, indent: str) -> str:
 
 
 def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: Sequence[Path], model: str) -> list[str]:
-    """The commands that put the first finding in, and the one that does it all."""
-    effects = [own.findings[0] for own in found.values() if own.verdict == "missing" and own.findings]
-    tied = any(finding.tied_with for own in found.values() for finding in own.findings)
+    """Commands that add the first finding, or improve the model automatically."""
+    effects = [each.findings[0] for each in found.values() if each.verdict == "missing" and each.findings]
+    tied = any(finding.tied_with for each in found.values() for finding in each.findings)
     bags_given = " ".join(map(str, (*bags, *validate)))
-    plans = [f"damper-estimator plan {bags_given} -m {model} -o drive   (the test that breaks the tie)"] if tied else []
+    plans = [f"damper-estimator plan {bags_given} -m {model} -o drive   (a test that breaks the tie)"] if tied else []
     if not effects:
         return ["next:", *(f"  {text}" for text in plans), ""] if plans else []
     given = " ".join([*map(str, bags), *(f"--validate {bag}" for bag in validate)])
     lines = [f"damper-estimator improve {given} -m {model} -o improved.yaml"]
-    if any(own.is_channel for own in effects):
+    if any(finding.is_channel for finding in effects):
         lines = [f"{lines[0]} --signals-out map.yaml"]
     elif len(found) == 1:
         lines.insert(
@@ -103,7 +107,7 @@ def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: S
 
 
 def print_improvement(damper: str, found: Improvement, written: Sequence[Path], signals_out: Path | None) -> None:
-    """One damper: what happened, mistakes of the recordings, the error over the steps, corrections and files."""
+    """Prints one damper: outcome, faults of the recordings, error over the steps, corrections and files."""
     print(f"{damper}: {found.sentence}")
     print_findings(first_diagnosis(found).data)
     names = [f"{step_name(step)}{f' ({step.effect})' if step.effect else ''}" for step in found.steps]
@@ -118,5 +122,5 @@ def print_improvement(damper: str, found: Improvement, written: Sequence[Path], 
         lines.append("  corrections of the measurement chain, for the signal map, not for the model:")
         lines += [f"    {m['name']}: {m['before']} -> {m['after']} {m['unit']}".rstrip() for m in corrections]
         if signals_out is None:
-            lines.append("    they are not written anywhere yet: --signals-out MAP.yaml writes them")
+            lines.append("    not written yet: use --signals-out MAP.yaml")
     print(*lines, *(f"  wrote {path}" for path in written), sep="\n")

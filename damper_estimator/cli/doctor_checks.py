@@ -1,4 +1,4 @@
-"""What an installation consists of, found piece by piece: versions, places, and what each piece is needed for."""
+"""The checks of an installation: version, location and purpose of each part."""
 
 import os
 import platform
@@ -23,15 +23,15 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "firefox", "microso
 
 @dataclass(frozen=True)
 class Check:
-    """One piece.
+    """One part of the installation.
 
     Attributes:
-        group: the heading that it stands under.
-        name: of the piece.
-        state: OK, MISSING, or PROBLEM (there, but it cannot be used).
-        found: version and place, or what is wrong.
-        needed: what it is needed for.
-        remedy: what gets it; empty where it is there.
+        group: its heading.
+        name: of the part.
+        state: OK, MISSING, or PROBLEM (installed but unusable).
+        found: version and location, or the problem.
+        needed: its purpose.
+        remedy: how to obtain it; empty if installed.
     """
 
     group: str
@@ -42,7 +42,7 @@ class Check:
     remedy: str = ""
 
 
-# Distribution, module, what it is needed for, what pip installs to get it (nothing: a plain installation brings it).
+# Distribution, module, purpose, argument of pip install (empty for required packages).
 PACKAGES = (
     ("numpy", "numpy", EVERYTHING, ""),
     ("scipy", "scipy", EVERYTHING, ""),
@@ -70,9 +70,9 @@ ROS = (
 
 
 def all_checks() -> Iterator[Check]:
-    """Every piece, in the order in which it is shown."""
+    """Every part in the order of display."""
     yield from _program()
-    yield from (_package(*own) for own in PACKAGES)
+    yield from (_package(*package) for package in PACKAGES)
     yield from _kernels()
     yield from _ros()
     yield from _programs()
@@ -87,7 +87,7 @@ def _program() -> Iterator[Check]:
         try:
             place = share_path(name)
         except InputError:
-            yield Check(group, name, MISSING, "not beside the package", needed, "install the package again")
+            yield Check(group, name, MISSING, "not installed with the package", needed, "install the package again")
         else:
             yield Check(group, name, OK, f"{len(list(place.iterdir()))} files at {place}", needed)
 
@@ -105,7 +105,7 @@ def _package(distribution: str, module: str, needed: str, optional: str) -> Chec
 
 
 def _kernels() -> Iterator[Check]:
-    """Whether kernels are compiled, and where the machine code is kept."""
+    """Whether kernels are compiled, and the location of the machine code."""
     from damper_estimator.compiled import COMPILED, machine_code_folders
 
     group = "compiled kernels"
@@ -113,32 +113,32 @@ def _kernels() -> Iterator[Check]:
         found = "no numba, or NUMBA_DISABLE_JIT is set: plain Python, a hundred times slower"
         yield Check(group, "compilation", MISSING, found, "speed", "pip install numba, unset NUMBA_DISABLE_JIT")
         return
-    import_module("damper_estimator.workflows.comparison")
+    import_module("damper_estimator.workflows.comparing")
     import_module("damper_estimator.effects.discovery").all_effects()
     folders = machine_code_folders()
     if not folders:
-        found = "nowhere to keep machine code: every start compiles again"
-        yield Check(group, "cache", PROBLEM, found, "a quick start", "set NUMBA_CACHE_DIR to a folder you may write to")
+        found = "no folder for machine code: every start compiles again"
+        yield Check(group, "cache", PROBLEM, found, "a quick start", "set NUMBA_CACHE_DIR to a writable folder")
         return
-    kept = sum(1 for folder in folders if folder.is_dir() for _ in folder.glob("*.nbi"))
+    stored = sum(1 for folder in folders if folder.is_dir() for _ in folder.glob("*.nbi"))
     place = f"at {folders[0].parent if len(folders) == 1 else os.path.commonpath(folders)}"
     if not all(os.access(_existing(folder), os.W_OK) for folder in folders):
         yield Check(group, "cache", PROBLEM, f"cannot be written {place}", "a quick start", "set NUMBA_CACHE_DIR")
-    elif kept:
-        yield Check(group, "cache", OK, f"{kept} kernels kept {place}", "a quick start")
+    elif stored:
+        yield Check(group, "cache", OK, f"{stored} kernels stored {place}", "a quick start")
     else:
-        yield Check(group, "cache", OK, f"empty, the first commands compile what they use, {place}", "a quick start")
+        yield Check(group, "cache", OK, f"empty, the first commands compile their kernels, {place}", "a quick start")
 
 
 def _existing(folder: Path) -> Path:
-    return next(own for own in (folder, *folder.parents) if own.exists())
+    return next(candidate for candidate in (folder, *folder.parents) if candidate.exists())
 
 
 def _ros() -> Iterator[Check]:
     group = "ROS 2"
-    there = find_spec("rclpy") is not None
-    distribution = os.environ.get("ROS_DISTRO") or ("from this Python environment" if there else "none sourced")
-    yield Check(group, "distribution", OK if there else MISSING, distribution, NODE)
+    installed = find_spec("rclpy") is not None
+    distribution = os.environ.get("ROS_DISTRO") or ("from this Python environment" if installed else "none sourced")
+    yield Check(group, "distribution", OK if installed else MISSING, distribution, NODE)
     for name, needed in ROS:
         yield _ros_module(group, name, needed)
 
@@ -149,7 +149,7 @@ def _ros_module(group: str, name: str, needed: str) -> Check:
         return Check(group, name, MISSING, "not installed, or not sourced", needed, remedy)
     try:
         module = import_module(name)
-    except Exception as error:  # what a broken or foreign build raises is not ours to list
+    except Exception as error:  # a broken or foreign build can raise anything
         return Check(group, name, PROBLEM, f"cannot be imported: {' '.join(str(error).split())[:100]}", needed, remedy)
     return Check(group, name, OK, str(Path(str(module.__file__)).parent), needed)
 
@@ -158,14 +158,14 @@ def _programs() -> Iterator[Check]:
     group = "programs"
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     yield Check(
-        group, "browser", OK if browser else MISSING, browser or "none of the usual ones is in PATH",
+        group, "browser", OK if browser else MISSING, browser or "none of the common ones is in PATH",
         "studio, pages of --html", "" if browser else "install one, or open the pages on another machine",
     )  # fmt: skip
     from damper_estimator.codegen.build import find_compiler
 
     compiler = find_compiler()
     yield Check(
-        group, "C compiler", OK if compiler else MISSING, compiler or "neither CC, cc, gcc nor clang",
+        group, "C compiler", OK if compiler else MISSING, compiler or "none of CC, cc, gcc, clang",
         "export --fmu", "" if compiler else "apt install gcc",
     )  # fmt: skip
     command = shutil.which("damper-estimator", path=os.pathsep.join(_scripts()))

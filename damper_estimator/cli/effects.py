@@ -1,12 +1,12 @@
-"""List the physical effects that models are made of, or explain one.
+"""List the physical effects that models consist of, or describe one.
 
-Without NAME a table; with NAME its equation, parameters with units and bounds, settings, how it shows in
+Without NAME prints a table; with NAME the equation, parameters with units and bounds, settings, appearance in
 measurements, and source.
 """
 
 import argparse
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, write_json
+from damper_estimator.cli.verb_support import add_json, write_results
 from damper_estimator.effects.contract import KINDS, Effect
 from damper_estimator.effects.discovery import all_effects, find_effect
 
@@ -25,11 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Prints one effect or all of them."""
     chosen = [find_effect(arguments.name)] if arguments.name else list(all_effects().values())
-    if arguments.json != STANDARD_OUTPUT:
-        print(description(chosen[0]) if arguments.name else table(chosen))
-    write_json(
-        arguments.json, as_json(chosen[0]) if arguments.name else {"effects": [as_json(effect) for effect in chosen]}
-    )
+    if arguments.name:
+        text, results = description(chosen[0]), as_json(chosen[0])
+    else:
+        text, results = table(chosen), {"effects": [as_json(effect) for effect in chosen]}
+    write_results(arguments, text, results)
     return 0
 
 
@@ -46,7 +46,7 @@ def table(effects: list[Effect]) -> str:
 
 
 def description(effect: Effect) -> str:
-    """All there is to say about one effect."""
+    """Complete description of one effect."""
     lines = [effect.name, "", effect.description.strip(), "", f"kind: {effect.kind} ({KINDS[effect.kind]})"]
     if effect.phenomenon:
         lines.append(f"phenomenon: {effect.phenomenon}")
@@ -57,7 +57,7 @@ def description(effect: Effect) -> str:
     if effect.shows:
         lines.append(f"shows as: {effect.shows}")
     if effect.separate:
-        lines.append(f"to tell it from look-alikes: {effect.separate}")
+        lines.append(f"to separate it from similar effects: {effect.separate}")
     return "\n".join(lines)
 
 
@@ -84,7 +84,7 @@ def _number(value: float | tuple[float, ...]) -> str:
 
 
 def as_json(effect: Effect) -> dict[str, object]:
-    """One effect for programs."""
+    """One effect for JSON."""
     return {
         "name": effect.name,
         "kind": effect.kind,

@@ -1,37 +1,36 @@
 """Identify a model's parameters from recordings.
 
-All recordings are taken together. With several dampers, -o is a folder that receives one DAMPER.yaml each.
-What the model file fixes stays as it is; --fix fixes more, --free then frees (the later word wins: --fix '*'
---free coulomb.force identifies friction alone). Names may be whole effects, whole vectors, or patterns with *
-and ?.
+All recordings are fitted together. With several dampers, -o is a folder that receives one DAMPER.yaml each.
+Parameters that the model file fixes are not identified; --fix fixes more, --free overrides both (--fix '*' --free
+coulomb.force identifies friction alone). Names may be whole effects, whole vectors, or patterns with * and ?.
 
-Recordings of several settings (adjuster position, current, gas pressure): --each NAME gives a parameter a
-value of its own per setting, all others are shared, and --by says which recording belongs to which: --by
-soft=a.mcap --by hard=b.mcap,c.mcap, or --by command (temperature, pressure) where a channel tells. -o is then
-a folder with one SETTING.yaml each.
+Recordings at several settings (adjuster position, current, gas pressure): --each NAME identifies a separate value of
+a parameter for each setting, all others are shared, and --by assigns the recordings: --by soft=a.mcap --by
+hard=b.mcap,c.mcap, or --by command (temperature, pressure) if a channel determines the setting. -o is then a folder
+with one SETTING.yaml each.
 
 Several objectives: --method nsga2 finds a Pareto front over groups of excitations, formed from velocity and
-frequency or given by --group. It is kept in MODEL.front.csv and shown in MODEL.front.html; --pick chooses the
-point that becomes the model, and with --front MODEL.front.csv another point is picked without a new search.
+frequency or given by --group. The front is stored in MODEL.front.csv and shown in MODEL.front.html; --pick selects the
+point that becomes the model, and --front MODEL.front.csv picks another point without a new search.
 """
 
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from damper_estimator.cli.common import (
-    STANDARD_OUTPUT,
+from damper_estimator.cli.fit_option_values import check_objectives, limits_of
+from damper_estimator.cli.fit_report import joint_table, table
+from damper_estimator.cli.verb_support import (
     add_bags,
-    add_json,
     add_models,
-    add_signals,
-    add_window,
+    add_reading,
+    at_least,
+    prints_text,
     progress,
-    read_asked,
+    read_recordings,
+    report_notes,
     write_json,
 )
-from damper_estimator.cli.fit_report import joint_table, table
-from damper_estimator.cli.fit_words import check_objectives, limits_of
 from damper_estimator.errors import InputError
 from damper_estimator.identification import all_methods, load_front, named
 from damper_estimator.workflows import (
@@ -61,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MODEL.yaml",
         type=Path,
         required=True,
-        help="where the fitted model goes; a folder for several dampers",
+        help="file for the fitted model; a folder for several dampers",
     )
     parser.add_argument(
         "--method", default="least_squares", help=f"one of {', '.join(all_methods())} (default: %(default)s)"
@@ -74,20 +73,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="identify this parameter although it is fixed; may be repeated",
     )
     parser.add_argument(
-        "--fix", metavar="NAME", action="append", default=[], help="leave this parameter as it is; may be repeated"
+        "--fix", metavar="NAME", action="append", default=[], help="do not identify this parameter; may be repeated"
     )
     parser.add_argument(
-        "--limit", metavar="NAME=LOW:HIGH", action="append", default=[], help="keep it in there; may be repeated"
+        "--limit", metavar="NAME=LOW:HIGH", action="append", default=[], help="limits of a parameter; may be repeated"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the start values that are drawn (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="of the random start values (default: %(default)s)")
     _add_settings(parser)
-    add_signals(parser)
-    add_window(parser)
-    add_json(parser)
+    add_reading(parser)
 
 
 def _add_settings(parser: argparse.ArgumentParser) -> None:
-    """Joint fits, and several objectives."""
+    """Options of joint fits and of several objectives."""
     several = ", ".join(name for name, method in all_methods().items() if method.several)
     joint = parser.add_argument_group("several settings of one damper")
     joint.add_argument(
@@ -98,7 +95,7 @@ def _add_settings(parser: argparse.ArgumentParser) -> None:
         metavar="SETTING=BAG[,BAG]",
         action="append",
         default=[],
-        help=f"the recordings of a setting, may be repeated; or the channel that tells it: {', '.join(CHANNELS)}",
+        help=f"the recordings of a setting, may be repeated; or the channel that determines it: {', '.join(CHANNELS)}",
     )
     groups = parser.add_argument_group(f"several objectives (--method {several})")
     groups.add_argument(
@@ -107,27 +104,21 @@ def _add_settings(parser: argparse.ArgumentParser) -> None:
     groups.add_argument(
         "--pick", metavar="POINT", help="knee, a group, or a number in the front's file (default: knee)"
     )
-    groups.add_argument("--front", metavar="CSV", type=Path, help="a front found before: pick from it, do not search")
+    groups.add_argument("--front", metavar="CSV", type=Path, help="an earlier front: pick from it without a new search")
     evolution = parser.add_argument_group("evolutionary methods")
-    evolution.add_argument("--population", metavar="N", type=_count, help="parameter sets per generation")
-    evolution.add_argument("--generations", metavar="N", type=_count, help="how many")
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 4:
-        raise ValueError(text)
-    return number
+    evolution.add_argument("--population", metavar="N", type=at_least(4), help="parameter sets per generation")
+    evolution.add_argument("--generations", metavar="N", type=at_least(4), help="number of generations")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Fits every damper, then writes all model files."""
     options = _options(arguments)
     if bool(arguments.each) != bool(arguments.by):
-        raise InputError("--each and --by go together: which parameters differ, and between which recordings")
-    recording = read_asked(arguments).with_force("fit")
-    for note in recording.notes:
-        progress(note)
+        raise InputError(
+            "--each and --by require each other: name the parameters that differ, and the recordings of each setting"
+        )
+    recording = read_recordings(arguments).with_force("fit")
+    report_notes(recording.notes)
     records = (_fit_joint if arguments.each else _fit_plain)(arguments, recording, options)
     write_json(arguments.json, {"bags": arguments.bags, "model": arguments.model, "dampers": records})
     return 0
@@ -151,7 +142,7 @@ def _options(arguments: argparse.Namespace) -> FitOptions:
 
 
 def _named_bags(option: str, words: Sequence[str], bags: Sequence[Path]) -> dict[str, tuple[str, ...]]:
-    """Recordings by name from words ``NAME=BAG[,BAG]``; a name may come several times.
+    """Recordings by name from words ``NAME=BAG[,BAG]``; a name may be repeated.
 
     Raises:
         InputError: for another form, and for a bag that is not among those to fit to.
@@ -174,11 +165,12 @@ def _fit_plain(
 ) -> Mapping[str, Mapping[str, object]]:
     targets = output_paths(arguments.output, recording.dampers)
     fits = {
-        damper: own.fit for damper, own in fit_with(recording, arguments.model, options, progress).by_damper.items()
+        damper: result.fit
+        for damper, result in fit_with(recording, arguments.model, options, progress).by_damper.items()
     }
     for damper, fitted in fits.items():
         save_fit(fitted, targets[damper])
-        if arguments.json != STANDARD_OUTPUT:
+        if prints_text(arguments):
             print(table(damper, fitted, targets[damper]))
     return {damper: fit_record(fitted, targets[damper]) for damper, fitted in fits.items()}
 
@@ -187,12 +179,12 @@ def _fit_joint(
     arguments: argparse.Namespace, recording: Recording, options: FitOptions
 ) -> Mapping[str, Mapping[str, object]]:
     if arguments.output.suffix in (".yaml", ".yml"):
-        raise InputError(f"{arguments.output}: is one file, but each setting gets its own; name a folder")
+        raise InputError(f"{arguments.output}: is one file, but each setting needs its own; name a folder")
     channel = arguments.by[0] if len(arguments.by) == 1 and arguments.by[0] in CHANNELS else None
     settings = channel or _named_bags("--by", arguments.by, arguments.bags)
     found = fit_jointly(recording, arguments.model, arguments.each, settings, options, progress)
     found.save(arguments.output)
     for damper, folder in found.folders(arguments.output).items():
-        if arguments.json != STANDARD_OUTPUT:
+        if prints_text(arguments):
             print(joint_table(damper, found.fits[damper], folder))
     return found.records(arguments.output)

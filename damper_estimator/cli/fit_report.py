@@ -1,4 +1,4 @@
-"""What ``fit`` prints of its results."""
+"""The results of ``fit`` as text."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from damper_estimator.identification.front import BEST
 
 
 def table(damper: str, result: Fit, target: Path) -> str:
-    """The result for people."""
+    """The results as text."""
     width = max(len(parameter.name) for parameter in result.parameters)
     knots = result.model.knots
     lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
@@ -34,15 +34,15 @@ def _uncertainty(parameter: FittedParameter) -> str:
 
 
 def _front_lines(front: Front, target: Path) -> list[str]:
-    """Corners of the front, and where the parameters of each group's best solutions lie."""
+    """Corners of the front, and the parameters of each group's best solutions."""
     width = max(map(len, (*front.groups, "knee")))
     counts = ", ".join(f"{group} {n}" for group, n in zip(front.groups, front.excitations, strict=False))
     lines = [f"  front of {len(front.values)} points, excitations by group: {counts or 'as before'}"]
     for name in ("knee", *front.groups):
         row = front.row(name)
         errors = "  ".join(f"{g} {e:.3g}" for g, e in zip(front.groups, front.objectives[row], strict=True))
-        taken = "  <- taken" if row == front.picked else ""
-        lines.append(f"    {name:<{width}}  point {row:<4} error over that of the start: {errors}{taken}")
+        mark = "  <- selected" if row == front.picked else ""
+        lines.append(f"    {name:<{width}}  point {row:<4} error relative to the start: {errors}{mark}")
     regimes = front.regimes()
     lines.append(f"  parameters of the {min(BEST, len(front.values))} best per group, mean and standard deviation")
     wide = max(map(len, front.names))
@@ -50,11 +50,11 @@ def _front_lines(front: Front, target: Path) -> list[str]:
     for name in front.names:
         cells = [f"{regimes[g][name]['mean']:.4g} ± {regimes[g][name]['stddev']:.2g}" for g in front.groups]
         lines.append(f"    {name:<{wide}}" + "".join(f"{cell:>24}" for cell in cells))
-    return [*lines, f"  all points: {target.with_suffix('.front.csv')}; --pick and --front take another one"]
+    return [*lines, f"  all points: {target.with_suffix('.front.csv')}; --pick and --front select another one"]
 
 
 def joint_table(damper: str, result: JointFit, folder: Path) -> str:
-    """A joint fit for people: what is shared once, what differs side by side."""
+    """A joint fit as text: shared parameters once, others side by side by setting."""
     first = next(iter(result.fits.values()))
     shared = [p for p in result.parameters if "@" not in p.name]
     width = max(len(p.name) for p in first.parameters)
@@ -62,8 +62,8 @@ def joint_table(damper: str, result: JointFit, folder: Path) -> str:
     lines += [f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {p.unit}".rstrip() for p in shared]
     lines.append(f"  {'by setting':<{width}}" + "".join(f"{name:>26}" for name in result.fits))
     for address in (p.name for p in first.parameters if p.name in result.each):
-        own = [next(p for p in fit.parameters if p.name == address) for fit in result.fits.values()]
-        lines.append(f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>26}" for p in own))
-    before = "".join(f"{f'{own.esr_before:.3g} -> {own.esr:.3g}':>26}" for own in result.fits.values())
+        parameters = [next(p for p in fit.parameters if p.name == address) for fit in result.fits.values()]
+        lines.append(f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>26}" for p in parameters))
+    before = "".join(f"{f'{fit.esr_before:.3g} -> {fit.esr:.3g}':>26}" for fit in result.fits.values())
     lines += [f"  {'ESR':<{width}}{before}", *(f"  note: {warning}" for warning in result.warnings)]
     return "\n".join([*lines, f"  {first.seconds:.1f} s, {first.evaluations} evaluations; written to {folder}"])

@@ -1,19 +1,27 @@
 """Compare, diagnose, fit or replay thousands of recordings on all cores or on a cluster.
 
-Every recording and damper is a task for a worker of Dask distributed; without --scheduler workers are started on this
-machine. DIR receives rows/VERB.parquet (a row per recording and damper), tasks/ (what the verb itself writes for each)
-and index.html (the fleet's page). A second run does only what is missing or changed; what failed is tried again when
-its recording, model, map or options change, or with --retry. A recording that fails is listed with its reason and
-stops nothing: the exit status is 1 only where no task at all went well, or results cannot be written.
+Each recording and damper is a task for a worker of Dask distributed; without --scheduler, workers are started on this
+machine. DIR receives rows/VERB.parquet (a row per recording and damper), tasks/ (the files of the verb for each) and
+index.html (the fleet's page). A second run executes only missing or changed tasks; failed ones are tried again when
+their recording, model, map or options change, or with --retry. A failed recording is listed with the reason and does
+not stop the run: the exit status is 1 only if every task failed, or results cannot be written.
 """
 
 import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, add_models, add_signals, add_window, write_json
-from damper_estimator.cli.fit_words import check_objectives, limits_of
-from damper_estimator.errors import InputError
+from damper_estimator.cli.fit_option_values import check_objectives, limits_of
+from damper_estimator.cli.verb_support import (
+    add_json,
+    add_models,
+    add_signals,
+    add_window,
+    at_least,
+    optional_packages,
+    prints_text,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from damper_estimator.fleet.task import Options
@@ -22,31 +30,31 @@ EXAMPLES = (
     "fleet compare 'passenger_*.mcap' -m mine.yaml -o fleet",
     "fleet fit 'cars/**/*.mcap' -m viscous_curve -o fleet --joint vehicle",
 )
-_LISTED = 20  # failures that are printed
+_LISTED = 20  # failures printed
 
-# The options of each verb beside the window.
+# The options of each verb besides the window.
 _OPTIONS = {
     "compare": {},
     "diagnose": {
-        "--keep-parameters": {"action": "store_true", "help": "the model's parameters were right: what is new?"},
+        "--keep-parameters": {"action": "store_true", "help": "judge effects with unchanged parameters"},
         "--refit": {"action": "store_true", "help": "judge every effect refitted with the model"},
     },
     "fit": {
-        "--method": {"default": "least_squares", "help": "as of fit (default: %(default)s)"},
+        "--method": {"default": "least_squares", "help": "as for fit (default: %(default)s)"},
         "--free": {"metavar": "NAME", "action": "append", "default": [], "help": "identify although it is fixed"},
-        "--fix": {"metavar": "NAME", "action": "append", "default": [], "help": "leave as it is; may be repeated"},
-        "--limit": {"metavar": "NAME=LOW:HIGH", "action": "append", "default": [], "help": "keep it in there"},
-        "--seed": {"type": int, "default": 0, "help": "of the start values that are drawn (default: %(default)s)"},
+        "--fix": {"metavar": "NAME", "action": "append", "default": [], "help": "do not identify; may be repeated"},
+        "--limit": {"metavar": "NAME=LOW:HIGH", "action": "append", "default": [], "help": "limits of a parameter"},
+        "--seed": {"type": int, "default": 0, "help": "of the random start values (default: %(default)s)"},
         "--population": {"metavar": "N", "type": int, "help": "parameter sets per generation (evolutionary methods)"},
-        "--generations": {"metavar": "N", "type": int, "help": "how many (evolutionary methods)"},
-        "--pick": {"metavar": "POINT", "help": "of the front (--method nsga2): knee, or a group"},
+        "--generations": {"metavar": "N", "type": int, "help": "number of generations (evolutionary methods)"},
+        "--pick": {"metavar": "POINT", "help": "point of the front (--method nsga2): knee, or a group"},
     },
     "replay": {"--max-gap": {"metavar": "S", "type": float, "help": "a longer gap between stamps resets the state"}},
 }
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """One command for each verb that works on fleets."""
+    """One subcommand for each verb that fleets support."""
     commands = parser.add_subparsers(dest="work", metavar="compare|diagnose|fit|replay", required=True)
     for verb, options in _OPTIONS.items():
         text = f"{verb} every recording and damper"
@@ -65,8 +73,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         if verb == "fit":
             command.add_argument(
                 "--joint", choices=("damper", "vehicle"),
-                help="one model per damper, or per vehicle and damper, identified on all its recordings together where "
-                "they lie, into DIR/models; then every recording is compared with it",
+                help="one model per damper, or per vehicle and damper, identified on all its recordings by the "
+                "workers, into DIR/models; then every recording is compared with it",
             )  # fmt: skip
         _add_cluster(command)
         add_json(command)
@@ -75,36 +83,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_cluster(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("cluster")
     where = group.add_mutually_exclusive_group()
-    where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler that is there: tcp://HOST:8786")
-    where.add_argument("--workers", metavar="N", type=_positive, help="started here (default: one per core)")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler: tcp://HOST:8786")
+    where.add_argument(
+        "--workers", metavar="N", type=at_least(1), help="number of local workers (default: one per core)"
+    )
     group.add_argument(
         "--memory", metavar="SIZE", default="auto",
-        help="limit of each worker that is started here, such as 2GiB (default: this machine's, shared)",
+        help="limit of each local worker, such as 2GiB (default: an equal share of the memory)",
     )  # fmt: skip
-    group.add_argument("--retry", action="store_true", help="try what failed before again, although nothing changed")
-    group.add_argument("--no-pages", action="store_true", help="write no page per recording and damper")
-
-
-def _positive(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise ValueError(text)
-    return number
+    group.add_argument("--retry", action="store_true", help="try failed tasks again although nothing changed")
+    group.add_argument("--no-pages", action="store_true", help="do not write a page per recording and damper")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Does the work; see the module's docstring."""
-    try:
+    """Runs the verb on the fleet."""
+    with optional_packages("fleet", "fleet", ("distributed", "dask", "pyarrow")):
         from damper_estimator.cli.fleet_run import run_fleet
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in ("distributed", "dask", "pyarrow"):
-            raise
-        raise InputError(
-            f"fleet needs {error.name}, which is not installed: pip install 'damper_estimator[fleet]'"
-        ) from error
     done = run_fleet(arguments, _options(arguments))
     record = done.record()
-    if arguments.json != STANDARD_OUTPUT:
+    if prints_text(arguments):
         for fit in done.fits:
             print(fit)
         print(f"{done.summary}\nrows in {record['rows']}, page {record['page']}")
@@ -118,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _options(arguments: argparse.Namespace) -> "Options":
-    """What is done with every recording."""
+    """The verb and its options."""
     from damper_estimator.fleet.verbs import Compare, Diagnose, Fit, Replay
     from damper_estimator.workflows import FitOptions
 

@@ -1,9 +1,9 @@
-"""Turn bench and logger files (CSV, text, MAT) into recordings, by a column map that is given or guessed.
+"""Convert bench and logger files (CSV, text, MAT) to recordings with a given or guessed column map.
 
-A column map (YAML) says which column is which channel, in which unit, at which rate, and where a file falls into parts;
-config/columns/example.yaml explains every key. Several parts (or files) go into a folder, a single one may be an .mcap.
-With --guess the map is guessed from titles, units, ranges, slopes and the sign of power, and written beside the output
-with a page that shows what it makes of the file; nothing is imported while something is in doubt.
+A column map (YAML) states channel and unit of each column, the sample rate, and how to split a file into parts;
+config/columns/example.yaml explains every key. Several parts (or files) need a folder, a single one may be an .mcap.
+--guess derives the map from titles, units, ranges, slopes and the sign of power, and writes it next to the output
+together with a preview page; doubtful guesses are not imported.
 """
 
 import argparse
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, progress, write_json
+from damper_estimator.cli.verb_support import add_json, prints_text, progress, write_json
 from damper_estimator.recordings import Part
 from damper_estimator.report import column_rows
 from damper_estimator.workflows import Guessed, guess_files, import_files, import_guessed
@@ -23,13 +23,15 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares FILE..., --columns, -o and --json."""
-    parser.add_argument("files", metavar="FILE", nargs="+", type=Path, help="a CSV, text or MAT file, gzip or not")
+    """Declares the arguments."""
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", type=Path, help="a CSV, text or MAT file, optionally gzipped"
+    )
     rules = parser.add_mutually_exclusive_group(required=True)
     rules.add_argument("--columns", metavar="MAP.yaml", help="column map: a file, or the name of one in config/columns")
     rules.add_argument(
         "--guess", action="store_true",
-        help="guess the map; writes STEM_columns.yaml and STEM_preview.html beside the output",
+        help="guess the map; writes STEM_columns.yaml and STEM_preview.html next to the output",
     )  # fmt: skip
     parser.add_argument(
         "-o", "--output", metavar="BAG", type=Path, required=True, help="a folder, or an .mcap for a single part"
@@ -38,28 +40,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Reads every file before it writes the first recording, so that a bad one leaves nothing behind."""
-    silent = arguments.json == STANDARD_OUTPUT
+    """Reads every file before it writes the first recording, so that an unusable file leaves no output."""
+    with_text = prints_text(arguments)
     if arguments.guess:
         guessed = guess_files(arguments.files, arguments.output)
-        for own in guessed if not silent else ():
-            print("\n".join(_guess_lines(own)))
+        for file in guessed if with_text else ():
+            print("\n".join(_guess_lines(file)))
         imported = import_guessed(guessed, arguments.output)
     else:
         imported = import_files(arguments.files, arguments.columns, arguments.output, progress)
-    for own in imported if not silent else ():
-        print(_line(own.part, own.path))
-    write_json(arguments.json, {"parts": [own.record() for own in imported]})
+    for recording in imported if with_text else ():
+        print(_line(recording.part, recording.path))
+    write_json(arguments.json, {"parts": [recording.record() for recording in imported]})
     return 0
 
 
-def _guess_lines(own: Guessed) -> list[str]:
-    """What a file's columns are taken for, what is assumed and what is in doubt."""
-    lines = [f"{own.guess.path}: guessed, see {own.columns} and {own.page}"]
-    for title, what, unit, _ in column_rows(own.guess):
-        lines.append(f"  {title}: {what}{f' in {unit}' if unit else ''}")
-    lines += [f"  assumed: {text}" for text in own.guess.assumed]
-    return lines + [f"  in doubt: {text}" for text in own.guess.doubts]
+def _guess_lines(guessed: Guessed) -> list[str]:
+    """Interpretation of a file's columns, with assumptions and doubts."""
+    lines = [f"{guessed.guess.path}: guessed, see {guessed.columns} and {guessed.page}"]
+    for title, channel, unit, _ in column_rows(guessed.guess):
+        lines.append(f"  {title}: {channel}{f' in {unit}' if unit else ''}")
+    lines += [f"  assumed: {text}" for text in guessed.guess.assumed]
+    return lines + [f"  in doubt: {text}" for text in guessed.guess.doubts]
 
 
 def _line(part: Part, path: Path) -> str:

@@ -1,19 +1,18 @@
-"""Diagnose, add what is missing, refit, again, until nothing more is justified on data that the fit never saw.
+"""Add missing effects to a model and refit, until unseen data justify no further change.
 
-Every step is kept: the error after it, what was tried and rejected, and with --steps-dir the model file. An effect that
-a later one made needless is taken out again. With several dampers -o is a folder that receives one DAMPER.yaml each.
-Mistakes of the measurement chain never go into the model: --signals-out writes a signal map with their corrections.
+The results list every step: its error, the effects tried and rejected, and with --steps-dir the model file. An effect
+that a later one makes unnecessary is removed. With several dampers -o is a folder that receives one DAMPER.yaml each.
+Faults of the measurement chain are not added to the model: --signals-out writes a signal map with corrections.
 """
 
 import argparse
 from pathlib import Path
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, check_places, progress, write_json
+from damper_estimator.cli.diagnosis_arguments import add_diagnosis_arguments, read_cases
 from damper_estimator.cli.diagnosis_text import print_improvement
-from damper_estimator.cli.judging import add_judging, read_judging
-from damper_estimator.cli.work_line import WorkLine
+from damper_estimator.cli.progress_line import ProgressLine
+from damper_estimator.cli.verb_support import check_output_folders, prints_text, write_json, write_page
 from damper_estimator.diagnosis import Improvement
-from damper_estimator.files import write_text
 from damper_estimator.model import save_model
 from damper_estimator.signals import save_signal_map
 from damper_estimator.workflows import Case, ImprovementResults, improve_case, improvement_record, output_paths
@@ -26,10 +25,10 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""
-    add_judging(parser)
+    add_diagnosis_arguments(parser)
     parser.add_argument(
         "-o", "--output", metavar="MODEL.yaml", type=Path, required=True,
-        help="where the improved model goes; a folder for several dampers",
+        help="file for the improved model; a folder for several dampers",
     )  # fmt: skip
     parser.add_argument(
         "--signals-out",
@@ -37,38 +36,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="write the signal map with corrections of the measurement chain",
     )
-    parser.add_argument("--steps-dir", metavar="DIR", type=Path, help="keep the model file after each step there")
+    parser.add_argument("--steps-dir", metavar="DIR", type=Path, help="folder for the model after each step")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Improves every damper's model, then writes all files."""
-    check_places(arguments.html, arguments.signals_out, arguments.json)
-    given = read_judging(arguments, "improve")
-    targets = output_paths(arguments.output, [case.damper for case in given.cases])
-    found = {case.damper: _improved(case, arguments) for case in given.cases}
-    results = ImprovementResults(given.asked, found, given.signal_map)
+    check_output_folders(arguments.html, arguments.signals_out, arguments.json)
+    cases = read_cases(arguments, "improve")
+    targets = output_paths(arguments.output, [case.damper for case in cases.cases])
+    found = {case.damper: _improved(case, arguments) for case in cases.cases}
+    results = ImprovementResults(cases.request, found, cases.signal_map)
     page = results.page() if arguments.html else ""
     files = {
-        damper: _save(own, targets[damper], _steps_folder(arguments, damper, len(found)))
-        for damper, own in found.items()
+        damper: _save(improvement, targets[damper], _steps_folder(arguments, damper, len(found)))
+        for damper, improvement in found.items()
     }
     if arguments.signals_out:
         save_signal_map(results.corrected_map(), arguments.signals_out)
     if arguments.html:
-        write_text(arguments.html, page)
-        progress(f"wrote {arguments.html}")
-    if arguments.json != STANDARD_OUTPUT:
-        for damper, own in found.items():
-            print_improvement(damper, own, [targets[damper]], arguments.signals_out)
+        write_page(arguments.html, page)
+    if prints_text(arguments):
+        for damper, improvement in found.items():
+            print_improvement(damper, improvement, [targets[damper]], arguments.signals_out)
         if arguments.signals_out:
             print(f"wrote {arguments.signals_out}")
-    records = {damper: improvement_record(own, targets[damper], tuple(files[damper])) for damper, own in found.items()}
-    write_json(arguments.json, given.asked | {"signals_out": arguments.signals_out, "dampers": records})
+    records = {
+        damper: improvement_record(improvement, targets[damper], tuple(files[damper]))
+        for damper, improvement in found.items()
+    }
+    write_json(arguments.json, cases.request | {"signals_out": arguments.signals_out, "dampers": records})
     return 0
 
 
 def _improved(case: Case, arguments: argparse.Namespace) -> Improvement:
-    with WorkLine(case.damper) as line:
+    with ProgressLine(case.damper) as line:
         return improve_case(case, arguments.mode, arguments.workers, line)
 
 

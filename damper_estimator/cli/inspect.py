@@ -1,7 +1,7 @@
-"""What is in a recording, how good it is, a proposed signal map, and whether it can identify a damper.
+"""Inspect a recording: contents, quality, a proposed signal map, and whether it can identify a damper.
 
-Mistakes of the measurement chain that the recording shows by itself (a gauge that clips or drifts, gaps, wrong signs,
-clocks that run apart, ...) are named, with what corrects them.
+Faults of the measurement chain that the recording alone reveals (a gauge that clips or drifts, gaps, wrong signs,
+clocks that diverge, ...) are reported with remedies.
 """
 
 import argparse
@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_bags, add_json, add_signals, write_json
-from damper_estimator.cli.data_findings import print_findings
+from damper_estimator.cli.data_finding_text import print_findings
+from damper_estimator.cli.verb_support import add_bags, add_json, add_signals, prints_text, write_json
 from damper_estimator.errors import InputError
 from damper_estimator.signals import load_signal_map, save_signal_map
 from damper_estimator.workflows import DamperInspected, Inspection, inspect
@@ -23,7 +23,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """``BAG [-o MAP.yaml]`` and what is common."""
+    """``BAG [-o MAP.yaml]`` and the common arguments."""
     add_bags(parser, several=False)
     parser.add_argument(
         "-o", "--output", metavar="MAP.yaml", type=Path, help="write the signal map that was used or proposed"
@@ -33,17 +33,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Inspects; see the module's docstring."""
+    """Inspects a recording."""
     given = None if arguments.signals is None else load_signal_map(arguments.signals)
     found = inspect(arguments.bag, given, arguments.dampers)
     if arguments.output is not None:
         if not found.signal_map.dampers:
             raise InputError(
-                f"{arguments.bag}: no displacement was recognised, so no signal map can be proposed; write one by hand"
+                f"{arguments.bag}: no displacement was recognised, so no signal map can be proposed; write one"
             )
         save_signal_map(found.signal_map, arguments.output)
     write_json(arguments.json, found.to_dict())
-    if arguments.json != STANDARD_OUTPUT:
+    if prints_text(arguments):
         _print(found)
         if arguments.output is not None:
             print(f"wrote {arguments.output}")
@@ -66,26 +66,26 @@ def _print(found: Inspection) -> None:
 
 
 def _print_damper(name: str, found: DamperInspected) -> None:
-    judged = found.verdict
-    print(f"{name}: {'good enough to identify a damper' if judged.good else 'not good enough to identify a damper'}")
+    verdict = found.verdict
+    print(f"{name}: {'good enough to identify a damper' if verdict.good else 'not good enough to identify a damper'}")
     for role, factor, unit in (("displacement", 1e3, "mm"), ("force", 1.0, "N")):
         if role in found.quality:
             q = found.quality[role]
             faults = {"gaps": q.gaps, "steps back": q.steps_back, "older": q.inversions, "equal": q.duplicates}
             faults |= {"not finite": q.non_finite, "saturated": q.saturated}
-            said = ", ".join(f"{count} {what}" for what, count in faults.items() if count) or "no faults"
+            fault_text = ", ".join(f"{count} {kind}" for kind, count in faults.items() if count) or "no faults"
             print(
                 f"  {role}: {q.samples} samples at {q.rate_hz:.4g} Hz (jitter {1e3 * q.jitter_s:.2g} ms), "
                 f"{factor * q.low:.4g} to {factor * q.high:.4g} {unit}, steps of {factor * q.quantum:.2g}, noise "
-                f"{factor * q.noise:.2g} {unit}; {said}"
+                f"{factor * q.noise:.2g} {unit}; {fault_text}"
             )
     _print_excitation(found.excitation.record())
     print_findings(found.findings)
-    for kind, texts in (("fault", judged.faults), ("remark", judged.remarks), ("drive next", judged.drive_next)):
+    for kind, texts in (("fault", verdict.faults), ("remark", verdict.remarks), ("drive next", verdict.drive_next)):
         for text in texts:
             print(f"  {kind}: {text}")
-    if judged.good:
-        print("  once a model is fitted: damper-estimator plan --parameters says what test would sharpen it")
+    if verdict.good:
+        print("  when a model is fitted: damper-estimator plan --parameters designs a test that makes it more certain")
 
 
 def _print_excitation(e: Mapping[str, object]) -> None:

@@ -1,4 +1,4 @@
-"""What becomes of an exception that nobody expected: its details in a file, one line for the user."""
+"""Reports an unexpected exception: details in a file, one line for the user."""
 
 import os
 import platform
@@ -13,12 +13,12 @@ from damper_estimator import __version__
 
 
 def internal_error(error: BaseException, words: Sequence[str]) -> str:
-    """The line to print; the traceback goes to a file, to standard error only where no file can be written.
+    """The line to print; the traceback goes to a file, or to standard error if no file can be written.
 
     Args:
         words: the command line after the program's name.
     """
-    told = f"internal error: {type(error).__name__}: {error}"
+    summary = f"internal error: {type(error).__name__}: {error}"
     details = "".join(traceback.format_exception(error))
     place = _written(
         f"damper_estimator {__version__}, Python {sys.version}, {platform.platform()}\n"
@@ -26,12 +26,12 @@ def internal_error(error: BaseException, words: Sequence[str]) -> str:
     )
     if place is None:
         print(details, file=sys.stderr)
-        return f"{told}; no file could be written, so the details stand above; please send them"
-    return f"{told}; the details are in {place}; please send this file, and the recording if you may"
+        return f"{summary}; no file could be written, so the details are printed above; please send them"
+    return f"{summary}; the details are in {place}; please send this file, and if possible the recording"
 
 
 def _written(text: str) -> Path | None:
-    """The file that holds the text; None where none of the folders can be written to."""
+    """Writes the text to a file; None if no folder is writable."""
     name = f"error_{datetime.now(UTC):%Y-%m-%d_%H-%M-%S}_{os.getpid()}.txt"
     for folder in _folders():
         try:
@@ -44,7 +44,7 @@ def _written(text: str) -> Path | None:
 
 
 def _folders() -> Iterator[Path]:
-    """Where the file may go: the user's folder for state, then that for temporary files."""
+    """Candidate folders: the user's folder for state, then the one for temporary files."""
     state = os.environ.get("XDG_STATE_HOME")
     if state:
         yield Path(state) / "damper_estimator"
@@ -53,5 +53,5 @@ def _folders() -> Iterator[Path]:
         yield Path(home) / ".local" / "state" / "damper_estimator"
     try:
         yield Path(tempfile.gettempdir()) / "damper_estimator"
-    except FileNotFoundError:  # none that can be written to
+    except FileNotFoundError:  # none is writable
         return

@@ -1,4 +1,4 @@
-"""Finds the verbs, runs the one that was asked for, and turns what users can correct into one line."""
+"""Finds the verbs, runs the requested one, and reports errors that users can correct in one line."""
 
 import argparse
 import ast
@@ -13,15 +13,15 @@ from damper_estimator import __version__
 from damper_estimator.errors import InputError, did_you_mean
 
 PROGRAM = "damper-estimator"
-DONE, UNUSABLE_INPUT, WRONG_USAGE, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
+DONE, UNUSABLE_INPUT, WRONG_USAGE, INTERRUPTED, OUTPUT_CLOSED = 0, 1, 2, 130, 141
 _FOLDER = Path(__file__).parent
 
 
 class Parser(argparse.ArgumentParser):
-    """Refuses an option that it does not know with the nearest one; final."""
+    """Rejects unknown options with a suggestion; final."""
 
     def parse_known_args(self, args=None, namespace=None):
-        """As argparse does it, but nothing unknown is left to the caller: the verb itself says what is wrong."""
+        """As in argparse, but unknown arguments are reported by the parser of the verb instead of the caller."""
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
             flags = [flag for action in self._actions for flag in action.option_strings]
@@ -39,11 +39,11 @@ def main(words: Sequence[str] | None = None) -> int:
     """Runs one verb.
 
     Args:
-        words: the command line after the program's name; None takes the process's own.
+        words: the command line after the program's name; None for that of the process.
 
     Returns:
-        The exit status: 0 done, 1 the input is unusable or we have a bug, 2 wrong usage, 130 interrupted, 141 the
-        reader of our output left.
+        The exit status: 0 done, 1 unusable input or an internal error, 2 wrong usage, 130 interrupted, 141 the
+        reader closed the output.
     """
     words = list(sys.argv[1:] if words is None else words)
     try:
@@ -52,39 +52,39 @@ def main(words: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except InputError as error:
-        return _refuse(str(error))
+        return _refuse(error)
     except BrokenPipeError:
         # Python flushes standard output once more at exit and would complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return READER_LEFT
+        return OUTPUT_CLOSED
     except OSError as error:
-        return _refuse(": ".join(str(part) for part in (error.filename, error.strerror or error) if part))
+        return _refuse(InputError(": ".join(str(part) for part in (error.filename, error.strerror or error) if part)))
     except KeyboardInterrupt:
         print(f"{PROGRAM}: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except Exception as error:  # a bug of ours
+    except Exception as error:  # a bug
         from damper_estimator.cli.internal_error import internal_error
 
-        return _refuse(internal_error(error, words))
+        return _refuse(InputError(internal_error(error, words)))
 
 
-def _refuse(reason: str) -> int:
-    print(f"{PROGRAM}: {' '.join(reason.split())}", file=sys.stderr)
+def _refuse(error: InputError) -> int:
+    print(f"{PROGRAM}: {error}", file=sys.stderr)
     return UNUSABLE_INPUT
 
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser for these words: every verb with its help line, arguments only for the verb that is called."""
+    """The parser for these words: every verb with its help line, arguments only for the called verb."""
     known = verbs()
     wanted = next((word for word in words if not word.startswith("-")), None)
     parser = parser_of({wanted} & set(known))
     if wanted and wanted == words[0] and wanted not in known:
-        parser.error(f"there is no verb {wanted!r}{did_you_mean(wanted, known)} ({PROGRAM} --help lists all)")
+        parser.error(f"no verb {wanted!r}{did_you_mean(wanted, known)} ({PROGRAM} --help lists all)")
     return parser
 
 
 def parser_of(wanted: Collection[str]) -> argparse.ArgumentParser:
-    """The parser of the command line: every verb with its help line, arguments for the ``wanted`` verbs alone."""
+    """The parser of the command line: every verb with its help line, arguments only for the ``wanted`` verbs."""
     parser = Parser(prog=PROGRAM, description=PURPOSE.partition("\n")[0], allow_abbrev=False)
     parser.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     group = parser.add_subparsers(dest="verb", metavar="VERB", required=True)

@@ -1,12 +1,12 @@
-"""Manual pages (man, section 1) of the program and of each verb, made of the parsers of the command line."""
+"""Manual pages (man, section 1) of the program and each verb, generated from the parsers."""
 
 import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from damper_estimator import __version__
-from damper_estimator.cli.commands import Argument, Command
 from damper_estimator.cli.main import PROGRAM
+from damper_estimator.cli.parser_description import Argument, Command
 
 _STATUS = (
     ("0", "done"),
@@ -17,8 +17,8 @@ _STATUS = (
 
 
 def man_pages(commands: Sequence[Command]) -> dict[str, str]:
-    """Pages (roff) by file name, such as ``damper-estimator-fit.1``; the program's own lists the verbs."""
-    return {f"{_title(own)}.1": _page(own, commands) for own in commands}
+    """Pages (roff) by file name, such as ``damper-estimator-fit.1``; that of the program lists the verbs."""
+    return {f"{_title(command)}.1": _page(command, commands) for command in commands}
 
 
 def _title(command: Command) -> str:
@@ -26,7 +26,7 @@ def _title(command: Command) -> str:
 
 
 def _page(command: Command, commands: Sequence[Command]) -> str:
-    below = [own for own in commands if len(own.words) == len(command.words) + 1 and _is_below(own, command)]
+    below = [child for child in commands if len(child.words) == len(command.words) + 1 and _is_below(child, command)]
     lines = [
         f'.TH {_title(command).upper()} 1 "" "{PROGRAM} {__version__}" "User Commands"',
         ".ad l",
@@ -36,22 +36,22 @@ def _page(command: Command, commands: Sequence[Command]) -> str:
         *_section("DESCRIPTION", *_paragraphs(command.text)),
     ]
     if below:
-        lines += [".SH COMMANDS", *(line for own in below for line in _item(own.words[-1], own.summary))]
-    for title, own in groupby(
-        command.arguments, key=lambda own: own.group or ("OPTIONS" if own.flags else "ARGUMENTS")
+        lines += [".SH COMMANDS", *(line for child in below for line in _item(child.words[-1], child.summary))]
+    for title, group in groupby(
+        command.arguments, key=lambda argument: argument.group or ("OPTIONS" if argument.flags else "ARGUMENTS")
     ):
-        lines += [f'.SH "{_text(title.upper())}"', *(line for one in own for line in _argument(one))]
+        lines += [f'.SH "{_text(title.upper())}"', *(line for argument in group for line in _argument(argument))]
     if command.examples:
         lines += [".SH EXAMPLES", ".nf", *(_text(f"{PROGRAM} {example}") for example in command.examples), ".fi"]
     lines += [".SH EXIT STATUS", *(line for status, text in _STATUS for line in _item(status, text))]
-    others = [own for own in (*commands[:1], *below) if own != command]
+    others = [other for other in (*commands[:1], *below) if other != command]
     if others:
-        lines += _section("SEE ALSO", ", ".join(f"\\fB{_text(_title(own))}\\fR(1)" for own in others))
+        lines += _section("SEE ALSO", ", ".join(f"\\fB{_text(_title(other))}\\fR(1)" for other in others))
     return "\n".join(lines) + "\n"
 
 
-def _is_below(own: Command, command: Command) -> bool:
-    return own.words[: len(command.words)] == command.words
+def _is_below(child: Command, command: Command) -> bool:
+    return child.words[: len(command.words)] == command.words
 
 
 def _section(title: str, *lines: str) -> list[str]:
@@ -65,10 +65,10 @@ def _paragraphs(text: str) -> Iterator[str]:
         yield _text(" ".join(paragraph.split()))
 
 
-def _argument(own: Argument) -> Iterator[str]:
-    name = ", ".join(own.flags) or own.value
-    value = own.value if own.flags and own.value else ""
-    yield from (".TP", f"\\fB{_text(name)}\\fR" + (f" \\fI{_text(value)}\\fR" if value else ""), _text(own.text))
+def _argument(argument: Argument) -> Iterator[str]:
+    name = ", ".join(argument.flags) or argument.value
+    value = argument.value if argument.flags and argument.value else ""
+    yield from (".TP", f"\\fB{_text(name)}\\fR" + (f" \\fI{_text(value)}\\fR" if value else ""), _text(argument.text))
 
 
 def _item(name: str, text: str) -> Iterator[str]:
@@ -76,13 +76,13 @@ def _item(name: str, text: str) -> Iterator[str]:
 
 
 def _as_name(summary: str) -> str:
-    """A summary as whatis shows it: no full stop, no capital but in names."""
+    """A summary as whatis shows it: without full stop and initial capital."""
     short = summary.strip().rstrip(".")
     return short if short[:2].isupper() else short[:1].lower() + short[1:]
 
 
 def _text(text: str) -> str:
-    """Text without meaning to roff: hyphens as typed, lists broken at commas, no line that begins as a request."""
+    """Text escaped for roff: hyphens as typed, line breaks allowed after commas, no line that begins like a request."""
     plain = text.replace("\\", "\\e").replace("-", "\\-").replace("``", '"')
     plain = re.sub(r",(?=\S)", r",\\:", plain)
     return f"\\&{plain}" if plain.startswith((".", "'")) else plain

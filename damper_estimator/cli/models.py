@@ -1,12 +1,12 @@
-"""List the installed models, or explain one.
+"""List the installed models, or describe one.
 
-Without NAME a table; with NAME (or a model file) its source and notes, and of each effect the equation, values, units,
-bounds and settings. A fitted model also shows what it was fitted to and where it is valid.
+Without NAME prints a table; with NAME (or a model file) source and notes, and for each effect the equation, values,
+units, bounds and settings. A fitted model also shows its recordings and region of validity.
 """
 
 import argparse
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_json, write_json
+from damper_estimator.cli.verb_support import add_json, write_results
 from damper_estimator.effects.contract import Effect
 from damper_estimator.model import DamperModel, library_models, load_model
 from damper_estimator.model.element import labels
@@ -18,7 +18,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares the verb's arguments."""
+    """Declares the arguments."""
     parser.add_argument("name", metavar="NAME", nargs="?", help="a model's name, or a model file")
     add_json(parser)
 
@@ -31,9 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         models = [load_model(path) for path in library_models().values()]
         text, content = table(models), {"models": [as_json(model) for model in models]}
-    if arguments.json != STANDARD_OUTPUT:
-        print(text)
-    write_json(arguments.json, content)
+    write_results(arguments, text, content)
     return 0
 
 
@@ -48,7 +46,7 @@ def table(models: list[DamperModel]) -> str:
 
 
 def description(model: DamperModel) -> str:
-    """All there is to say about one model."""
+    """Complete description of one model."""
     lines = [model.name, "", f"source: {model.source}"]
     if model.notes:
         lines.append(f"notes: {model.notes.strip()}")
@@ -89,7 +87,7 @@ def _distinct(model: DamperModel) -> list[Effect]:
 
 
 def as_json(model: DamperModel) -> dict[str, object]:
-    """One model for programs."""
+    """One model for JSON."""
     return {
         "name": model.name,
         "source": model.source,

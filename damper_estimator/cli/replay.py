@@ -1,28 +1,27 @@
-"""Run a model over a recording exactly as the node would; write the estimates next to their inputs.
+"""Run a model over a recording exactly as the node does, and write the estimates together with their inputs.
 
-Samples are taken in order of arrival, and slow channels hold the last message that arrived, so the forces are those
-that the node gives, bit for bit. The output holds the topics that the signal map uses as they were,
-``/damper_estimator/force`` (one message per displacement message that gave an estimate, at its log time and with its
-stamp) and, where the force was measured, ``/damper_estimator/residual`` (effort = model - measured). An older output is
-replaced.
+Samples are processed in order of arrival, and slow channels hold their last value, so the forces equal those of the
+node bit for bit. The output contains the topics of the signal map unchanged, ``/damper_estimator/force`` (one message
+per displacement message with an estimate, with the same log time and stamp) and, if the force was measured,
+``/damper_estimator/residual`` (effort = model - measured). An existing output is replaced.
 """
 
 import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from damper_estimator.cli.common import (
-    STANDARD_OUTPUT,
+from damper_estimator.cli.verb_support import (
     add_bags,
     add_json,
     add_models,
     add_signals,
     add_window,
+    prints_text,
     progress,
     write_json,
 )
 from damper_estimator.signals import DEFAULT_MAX_GAP, load_signal_map
-from damper_estimator.workflows import ReplayOptions, Tally, replay_to
+from damper_estimator.workflows import ReplayCounts, ReplayOptions, replay_to
 
 EXAMPLES = (
     "replay hidden_unseen.mcap -m mine.yaml -o replayed.mcap",
@@ -31,7 +30,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """``BAG -m MODEL -o BAG`` and what is common."""
+    """``BAG -m MODEL -o BAG`` and the common arguments."""
     add_bags(parser, several=False)
     add_models(parser)
     parser.add_argument("-o", "--output", metavar="BAG", type=Path, required=True, help="the .mcap file to write")
@@ -48,24 +47,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replays one recording; see the module's docstring."""
+    """Replays one recording."""
     options = ReplayOptions(tuple(arguments.dampers), arguments.start, arguments.stop, arguments.max_gap)
     signal_map = load_signal_map(arguments.signals)
     tallies = replay_to(arguments.bag, arguments.model, arguments.output, signal_map, options, progress)
     records = {name: tally.record() for name, tally in tallies.items()}
     write_json(arguments.json, {"output": str(arguments.output), "dampers": records})
-    if arguments.json != STANDARD_OUTPUT:
+    if prints_text(arguments):
         _print(tallies, arguments.output)
     return 0
 
 
-def _print(tallies: Mapping[str, Tally], output: Path) -> None:
+def _print(tallies: Mapping[str, ReplayCounts], output: Path) -> None:
     for name, tally in tallies.items():
         counts = tally.counts
         lost = {"equal stamps": counts.duplicates, "older stamps": counts.inversions, "not finite": counts.non_finite}
-        dropped = ", ".join(f"{count} {what}" for what, count in lost.items() if count)
+        dropped = ", ".join(f"{count} {kind}" for kind, count in lost.items() if count)
         resets = ", ".join(
-            f"{n} {what}" for what, n in {"gaps": counts.gaps, "steps back": counts.steps_back}.items() if n
+            f"{n} {kind}" for kind, n in {"gaps": counts.gaps, "steps back": counts.steps_back}.items() if n
         )
         line = f"{name}: {tally.estimates} estimates of {counts.samples} samples"
         line += f"; dropped {dropped}" if dropped else ""

@@ -1,10 +1,10 @@
-"""What feed-forward of the current does to the ride: passive, by look-up table and by an identified model.
+"""Compare a passive damper with feed-forward of the current by a look-up table and by an identified model.
 
 A quarter car with a simulated semi-active damper, its coil's lag and noisy sensors is driven over ISO 8608 roads and
-single events. Table and model are made from the same recordings of that damper, which this verb makes first; then both
-are given the same wish (a law of skyhook, groundhook or both mixed) over the same roads. Printed are the error of the
-damper's force against the wish, cut to what the damper could have given, and what body, tyre and suspension felt.
--o keeps recordings and identified models.
+single events. Table and model are trained on the same recordings of that damper, which this verb makes first; then
+both receive the same desired force (skyhook, groundhook or mixed) on the same roads. Prints the error of the damper's
+force relative to the desired force, limited to the range of the damper, and the motion of body, tyre and suspension.
+-o stores recordings and identified models.
 """
 
 import argparse
@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_html, add_json, progress, write_json
-from damper_estimator.cli.ride_training import Learnt, learn
+from damper_estimator.cli.ride_training import Trained, train
+from damper_estimator.cli.verb_support import add_html, add_json, progress, write_page, write_results
 from damper_estimator.control import (
     LAWS,
     ConstantCommand,
@@ -24,7 +24,6 @@ from damper_estimator.control import (
     TableCommand,
 )
 from damper_estimator.errors import InputError
-from damper_estimator.files import write_text
 from damper_estimator.model import load_model, save_model
 from damper_estimator.vehicle import CORNER_CASES, LIMITS, SURFACES, Corner
 from damper_estimator.vehicle.command_comparison import Trial, compare_commands, tracking_ratio
@@ -37,82 +36,79 @@ PASSIVE_CURRENT = 0.4
 """A, of the passive damper."""
 
 Found = dict[str, dict[str, dict[str, Trial]]]
-"""Trials by damper, surface and way."""
+"""Trials by damper, surface and controller."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares the verb's arguments."""
+    """Declares the arguments."""
     parser.add_argument(
         "-m", "--model", default="semi_active_yield", metavar="MODEL",
         help="structure to identify, a name or a file (semi_active_yield)",
     )  # fmt: skip
     parser.add_argument(
         "-d", "--damper", dest="dampers", choices=CORNER_CASES, action="append", default=[],
-        help="only this one; may be repeated (all)",
+        help="use only this one; may be repeated (all)",
     )  # fmt: skip
     parser.add_argument(
         "--law", choices=[*(name for name in LAWS if name != "passive"), "mixed"], default="mixed",
-        help="skyhook, groundhook, or mixed as it suits the corner (mixed)",
+        help="skyhook, groundhook, or a mixture that suits the corner (mixed)",
     )  # fmt: skip
     parser.add_argument(
-        "--surface", dest="surfaces", choices=sorted({own.kind for own in SURFACES}), action="append", default=[],
-        help="only ISO 8608 class B, C or D, bumps or potholes; may be repeated (all)",
+        "--surface", dest="surfaces", choices=sorted({s.kind for s in SURFACES}), action="append", default=[],
+        help="use only ISO 8608 class B, C or D, bumps or potholes; may be repeated (all)",
     )  # fmt: skip
     parser.add_argument("--seconds", type=float, default=12.0, help="length of a drive (12)")
-    parser.add_argument("--training", type=float, default=40.0, help="length of each recording to learn from, s (40)")
+    parser.add_argument("--training", type=float, default=40.0, help="length of each training recording, s (40)")
     parser.add_argument("--seed", type=int, default=1, help="roads and noise are reproduced from it (1)")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="keep recordings and identified models here")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="folder for recordings and identified models")
     add_json(parser)
     add_html(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Learns, drives, prints, writes."""
+    """Trains, drives, prints, writes."""
     _check(arguments)
     start = load_model(arguments.model)
-    InverseModel(start, LIMITS)  # refuses a model without current before anything is simulated
+    InverseModel(start, LIMITS)  # rejects a model without current before any simulation
     names = arguments.dampers or list(CORNER_CASES)
     with tempfile.TemporaryDirectory() as scratch:
         folder = arguments.output or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        learnt = {
-            name: learn(name, CORNER_CASES[name], start, folder, arguments.training, arguments.seed) for name in names
+        trained_dampers = {
+            name: train(name, CORNER_CASES[name], start, folder, arguments.training, arguments.seed) for name in names
         }
         if arguments.output:
-            for name, own in learnt.items():
-                save_model(own.model, folder / f"{name}.yaml")
-    found = {name: _driven(name, own, arguments) for name, own in learnt.items()}
-    if arguments.json != STANDARD_OUTPUT:
-        print(_text(found, learnt))
-    write_json(arguments.json, _record(arguments, found, learnt))
+            for name, trained in trained_dampers.items():
+                save_model(trained.model, folder / f"{name}.yaml")
+    found = {name: _driven(name, trained, arguments) for name, trained in trained_dampers.items()}
+    write_results(arguments, _text(found, trained_dampers), _record(arguments, found, trained_dampers))
     if arguments.html:
         from damper_estimator.report.ride_page import ride_page
 
-        write_text(arguments.html, ride_page(found, arguments.law))
-        progress(f"wrote {arguments.html}")
+        write_page(arguments.html, ride_page(found, arguments.law))
     return 0
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    culprits = []
+    faults = []
     if not 5.0 <= arguments.seconds <= 600.0:
-        culprits.append(f"--seconds {arguments.seconds:g} is not between 5 and 600")
+        faults.append(f"--seconds {arguments.seconds:g} is not between 5 and 600")
     if not 8.0 <= arguments.training <= 600.0:
-        culprits.append(f"--training {arguments.training:g} is not between 8 and 600")
+        faults.append(f"--training {arguments.training:g} is not between 8 and 600")
     if arguments.seed < 0:
-        culprits.append(f"--seed {arguments.seed} is negative")
-    if culprits:
-        raise InputError("; ".join(culprits) + "; nothing was done")
+        faults.append(f"--seed {arguments.seed} is negative")
+    if faults:
+        raise InputError("; ".join(faults) + "")
 
 
 def _law(corner: Corner, name: str) -> Law:
-    """The corner's own law, or one half of it alone."""
+    """The corner's law, or one half of it."""
     if name == "skyhook":
         return replace(corner.law, name=name, wheel=0.0)
     return replace(corner.law, name=name, body=0.0) if name == "groundhook" else corner.law
 
 
-def _driven(name: str, learnt: Learnt, arguments: argparse.Namespace) -> dict[str, dict[str, Trial]]:
+def _driven(name: str, trained: Trained, arguments: argparse.Namespace) -> dict[str, dict[str, Trial]]:
     corner, found = CORNER_CASES[name], {}
     for surface in SURFACES:
         if arguments.surfaces and surface.kind not in arguments.surfaces:
@@ -120,24 +116,24 @@ def _driven(name: str, learnt: Learnt, arguments: argparse.Namespace) -> dict[st
         progress(f"{name}: {surface.name}")
         commands = {
             "passive": ConstantCommand(PASSIVE_CURRENT),
-            "table": TableCommand(learnt.table),
-            "model": InverseCommand(InverseModel(learnt.model, LIMITS)),
+            "table": TableCommand(trained.table),
+            "model": InverseCommand(InverseModel(trained.model, LIMITS)),
         }
         law = _law(corner, arguments.law)
         found[surface.name] = compare_commands(corner, surface, commands, arguments.seconds, arguments.seed, law)
     return found
 
 
-def _text(found: Found, learnt: Mapping[str, Learnt]) -> str:
-    """The result for people; passive / table / model in every column but the ratio."""
+def _text(found: Found, trained_dampers: Mapping[str, Trained]) -> str:
+    """The results as text; passive / table / model in every column except the ratio."""
     lines = []
     for name, surfaces in found.items():
         lines += [
-            f"{name}: {learnt[name].model.name} identified to {learnt[name].rmse_n:.0f} N rms",
+            f"{name}: {trained_dampers[name].model.name} identified to {trained_dampers[name].rmse_n:.0f} N rms",
             "  passive / table / model   force error N    ratio   body m/s^2 (Wk)      tyre load %          stroke mm",
         ]
         for surface, trials in surfaces.items():
-            rows = [own.measures for own in trials.values()]
+            rows = [trial.measures for trial in trials.values()]
             columns = (
                 " / ".join(f"{m.tracking_n:.0f}" for m in rows),
                 f"{tracking_ratio(trials):.2f}",
@@ -151,13 +147,13 @@ def _text(found: Found, learnt: Mapping[str, Learnt]) -> str:
     return "\n".join(lines)
 
 
-def _record(arguments: argparse.Namespace, found: Found, learnt: Mapping[str, Learnt]) -> dict[str, object]:
+def _record(arguments: argparse.Namespace, found: Found, trained_dampers: Mapping[str, Trained]) -> dict[str, object]:
     dampers = {
         name: {
-            "rmse_fit_n": learnt[name].rmse_n,
+            "rmse_fit_n": trained_dampers[name].rmse_n,
             "scenarios": [
                 {"surface": surface, "ratio": tracking_ratio(trials)}
-                | {way: asdict(own.measures) for way, own in trials.items()}
+                | {controller: asdict(trial.measures) for controller, trial in trials.items()}
                 for surface, trials in surfaces.items()
             ],
         }

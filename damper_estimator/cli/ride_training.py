@@ -1,12 +1,12 @@
-"""What ``ride`` learns of a damper: a model and a table from recordings of the simulated one with stepped currents."""
+"""Training for ``ride``: a model and a look-up table from recordings of a simulated damper with stepped currents."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.common import progress
 from damper_estimator.cli.synth_files import write_record
+from damper_estimator.cli.verb_support import progress
 from damper_estimator.control import CurrentTable, table_from_samples
 from damper_estimator.identification import fit
 from damper_estimator.model import DamperModel
@@ -18,28 +18,28 @@ from damper_estimator.workflows import read
 
 EXCITATIONS = ("random10", "road_c", "road_d")
 SETTLED = 0.1
-"""s after a step of the current from which a sample counts for the table."""
+"""s after a step of the current during which samples are excluded from the table."""
 
 
 @dataclass(frozen=True)
-class Learnt:
-    """A model and a table of one damper, from the same recordings; ``rmse_n`` is the model's error on them."""
+class Trained:
+    """A model and a table of one damper from the same recordings; ``rmse_n`` is the model's error on them."""
 
     model: DamperModel
     table: CurrentTable
     rmse_n: float
 
 
-def learn(name: str, corner: Corner, start: DamperModel, folder: Path, seconds: float, seed: int) -> Learnt:
-    """Records the damper on the bench and in its corner, identifies ``start`` and makes a table of the same samples."""
+def train(name: str, corner: Corner, start: DamperModel, folder: Path, seconds: float, seed: int) -> Trained:
+    """Records the damper on the bench and in its corner, identifies ``start`` and fits a table to the same samples."""
     measured = [_recorded(name, corner, kind, folder, seconds, seed + k) for k, kind in enumerate(EXCITATIONS)]
     progress(f"{name}: identifying {start.name}")
     found = fit(start, measured, seed=seed)
-    return Learnt(found.model, _table(measured), found.rmse_n)
+    return Trained(found.model, _table(measured), found.rmse_n)
 
 
 def _recorded(name: str, corner: Corner, kind: str, folder: Path, seconds: float, seed: int) -> Measurement:
-    """A recording as a logger writes it, read back as any other."""
+    """A recording as a logger writes it, read back as usual."""
     progress(f"{name}: recording {kind}")
     motion = drive(kind, corner.damper, seconds, seed, current_steps(seconds, seed, highest=LIMITS[1]), corner.car)
     path = folder / f"{name}_{kind}.mcap"
@@ -50,10 +50,10 @@ def _recorded(name: str, corner: Corner, kind: str, folder: Path, seconds: float
 
 def _table(measured: list[Measurement]) -> CurrentTable:
     parts = []
-    for own in measured:
-        block = own.kinematics.block
+    for measurement in measured:
+        block = measurement.kinematics.block
         changed = np.concatenate([[True], np.diff(block[COMMAND]) != 0.0])
         since = block[T] - np.maximum.accumulate(np.where(changed, block[T], -np.inf))
-        good = own.judged & (since > SETTLED)
-        parts.append(np.stack([block[V], block[COMMAND], own.force])[:, good])
+        good = measurement.judged & (since > SETTLED)
+        parts.append(np.stack([block[V], block[COMMAND], measurement.force])[:, good])
     return table_from_samples(*np.concatenate(parts, axis=1))

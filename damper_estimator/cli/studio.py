@@ -1,7 +1,7 @@
 """Compare, diagnose, add, fit and improve in the browser, on the recordings of a folder.
 
-Opens a page on this machine's own address (loopback); nothing is loaded from a network. The page reads and writes in
-FOLDER alone. With --host others can reach it, and need the token that is printed.
+Opens a page on the loopback address of this machine; nothing is loaded from a network. The page reads and writes only
+in FOLDER. With --host other machines can connect, and need the printed token.
 """
 
 import argparse
@@ -12,7 +12,7 @@ import webbrowser
 from importlib.util import find_spec
 from pathlib import Path
 
-from damper_estimator.cli.common import progress
+from damper_estimator.cli.verb_support import optional_packages, progress
 from damper_estimator.errors import InputError
 
 EXAMPLES = (
@@ -28,24 +28,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the verb's arguments."""
     parser.add_argument(
         "folder", metavar="FOLDER", nargs="?", type=Path, default=Path("."),
-        help="where the recordings, models and maps are (default: this folder)",
+        help="folder with recordings, models and maps (default: the current one)",
     )  # fmt: skip
     parser.add_argument(
-        "--port", metavar="N", type=_port, default=PORT, help="default: %(default)s; 0 takes a free one"
+        "--port", metavar="N", type=_port, default=PORT, help="default: %(default)s; 0 selects a free one"
     )
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
-    parser.add_argument("--token", action="store_true", help="let in only who knows the token that is printed")
+    parser.add_argument("--token", action="store_true", help="require the printed token for access")
     parser.add_argument(
         "--host", metavar="ADDRESS", default="127.0.0.1",
-        help="another address to listen on, 0.0.0.0 for all of this machine; needs --token",
+        help="another address to listen on, 0.0.0.0 for all; needs --token",
     )  # fmt: skip
     parser.add_argument(
         "--allow-host", metavar="NAME", action="append", default=[],
-        help="a name by which others reach this machine (may be repeated); browsers that use another one are refused",
+        help="a name of this machine that browsers may use, others are refused; may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--live", metavar="MINUTES", nargs="?", type=float, const=5.0, default=0.0,
-        help="listen to a running node (needs ROS 2) and hold its last minutes, to be saved (5)",
+        help="listen to a running node (needs ROS 2) and keep its last minutes, which can be saved (5)",
     )  # fmt: skip
 
 
@@ -58,27 +58,21 @@ def _port(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serves the page until it is interrupted."""
-    try:
+    with optional_packages("the studio", "studio", ("dash", "flask", "werkzeug", "tsdownsample")):
         from damper_estimator.studio.folder import Folder
         from damper_estimator.studio.guard import Door, is_loopback, new_token
         from damper_estimator.studio.server import serve
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in ("dash", "flask", "werkzeug", "tsdownsample"):
-            raise
-        raise InputError(
-            f"the studio needs {error.name}, which is not installed: pip install 'damper_estimator[studio]'"
-        ) from error
     host = arguments.host
     if not is_loopback(host) and not arguments.token:
-        raise InputError(f"--host {host}: others could reach the studio there; add --token to let in only who knows it")
+        raise InputError(f"--host {host}: other machines could reach the studio; add --token to require a token")
     names = tuple(arguments.allow_host)
     for name in names:
         if not _NAME.fullmatch(name):
-            raise InputError(f"--allow-host {name}: give a name alone, such as rig.local, without scheme and port")
+            raise InputError(f"--allow-host {name}: give only a name such as rig.local, without scheme and port")
     if arguments.live and not 0.0 < arguments.live <= 60.0:
         raise InputError(f"--live {arguments.live:g}: give minutes between 0 and 60")
     if arguments.live and find_spec("rclpy") is None:
-        raise InputError("--live: ROS 2 is not installed here (no rclpy); source its setup, or leave --live out")
+        raise InputError("--live: ROS 2 is not installed (no rclpy); source its setup, or omit --live")
     folder, token = Folder(arguments.folder), new_token() if arguments.token else ""
 
     def ready(door: Door) -> None:
@@ -89,6 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         serve(folder, lambda port: Door(host, port, token, names), host, arguments.port, ready, arguments.live)
     except OSError as error:
-        remedy = "choose an address of this machine" if error.errno in _NO_ADDRESS else "choose another with --port N"
+        remedy = (
+            "choose an address of this machine" if error.errno in _NO_ADDRESS else "choose another port with --port N"
+        )
         raise InputError(f"port {arguments.port} of {host}: {error.strerror}; {remedy}") from error
     return 0

@@ -1,8 +1,8 @@
-"""Record a simulated damper, with any physical effect hidden in it at a chosen strength.
+"""Record a simulated damper, optionally with hidden physical effects of chosen strength.
 
-Without --hide one recording per excitation is written. With --hide there are three: base.mcap without the effects,
-fit.mcap and unseen.mcap with them (excitation: the first for base and fit, the last for unseen). truth.json says what
-is hidden and how strongly it shows; truth/ holds the noise-free signals, which no other verb reads.
+Without --hide writes one recording per excitation. With --hide writes three: base.mcap without the effects, fit.mcap
+and unseen.mcap with them (excitation: the first for base and fit, the last for unseen). truth.json states the hidden
+effects and their strength; truth/ has the noise-free signals, which no other verb reads.
 """
 
 import argparse
@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from damper_estimator.cli.common import progress, write_json
+from damper_estimator.cli.drive_playback import played_drive
 from damper_estimator.cli.synth_files import write_record, write_signal_map, write_truth
-from damper_estimator.cli.synth_played import played
+from damper_estimator.cli.verb_support import progress, write_json
 from damper_estimator.errors import InputError
 from damper_estimator.files import plain
 from damper_estimator.plant import (
@@ -40,31 +40,45 @@ EXAMPLES = (
     "synth -o plain --damper semi_active --excitation random road --current",
 )
 SHORTFALL = 0.9
-"""Share of the wanted strength below which the user is told that the excitation does not show the effect."""
+"""Share of the requested strength below which a note says that the excitation hardly shows the effect."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares the verb's arguments."""
+    """Declares the arguments."""
     defaults = Sensors()
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder for the recordings")
     parser.add_argument("--damper", choices=DAMPERS, default="passenger_front", help="simulated damper")
-    parser.add_argument("--excitation", nargs="+", choices=EXCITATIONS, default=["random"], help="what drives it")
+    parser.add_argument("--excitation", nargs="+", choices=EXCITATIONS, default=["random"], help="excitations")
     parser.add_argument(
         "--hide", nargs="+", action="extend", choices=PHENOMENA, default=[], metavar="PHENOMENON",
-        help="effect that the base recording has not: " + ", ".join(PHENOMENA),
+        help="effect to hide, absent in the base recording: " + ", ".join(PHENOMENA),
     )  # fmt: skip
     parser.add_argument(
-        "--strength", type=float, default=0.1, help="RMS of the force that each effect changes, over RMS force (0.1)"
+        "--strength",
+        type=float,
+        default=0.1,
+        help="rms change of the force by each effect, relative to the rms force (0.1)",
     )
     parser.add_argument(
-        "--play", metavar="CSV", type=Path, help="also play this drive, of plan, on the damper with what is hidden"
+        "--play",
+        metavar="CSV",
+        type=Path,
+        help="also play this drive (from plan) on the damper with the hidden effects",
     )
     parser.add_argument("--seconds", type=float, default=60.0, help="length of a recording (60)")
     parser.add_argument("--rate", type=float, default=defaults.rate, help="samples per second (500)")
     parser.add_argument("--seed", type=int, default=1, help="excitations and noise are reproduced from it (1)")
-    parser.add_argument("--current", action="store_true", help="record a coil current, also where it does nothing")
-    parser.add_argument("--spring", type=float, default=0.0, metavar="N/m", help="coil spring inside the gauge's force")
-    parser.add_argument("--preload", type=float, default=0.0, metavar="N", help="its force at displacement 0, negative")
+    parser.add_argument("--current", action="store_true", help="record a coil current even if it has no effect")
+    parser.add_argument(
+        "--spring",
+        type=float,
+        default=0.0,
+        metavar="N/m",
+        help="stiffness of a coil spring included in the gauge's force",
+    )
+    parser.add_argument(
+        "--preload", type=float, default=0.0, metavar="N", help="force of the spring at displacement 0, negative"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -78,9 +92,9 @@ def run(arguments: argparse.Namespace) -> int:
     records, story = _case(arguments, setup) if arguments.hide else _plain(arguments, setup)
     if arguments.play is not None:
         progress(f"playing {arguments.play}")
-        with_it = records["fit"].setup if arguments.hide else setup
+        played_setup = records["fit"].setup if arguments.hide else setup
         seed = 1000 * arguments.seed + _PLAYED
-        records["played"] = record(with_it, played(arguments.play, with_it.damper, seed), seed)
+        records["played"] = record(played_setup, played_drive(arguments.play, played_setup.damper, seed), seed)
     with_current = _has_current(arguments)
     _write(arguments.output, records, with_current)
     if arguments.spring or arguments.preload:
@@ -90,24 +104,24 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    culprits = []
+    faults = []
     if not 0.0 < arguments.strength < 1.0:
-        culprits.append(f"--strength {arguments.strength:g} is not between 0 and 1")
+        faults.append(f"--strength {arguments.strength:g} is not between 0 and 1")
     if not 10.0 <= arguments.rate <= 5000.0:
-        culprits.append(f"--rate {arguments.rate:g} is not between 10 and 5000 samples per second")
+        faults.append(f"--rate {arguments.rate:g} is not between 10 and 5000 samples per second")
     if not 6.0 <= arguments.seconds <= 3600.0:
-        culprits.append(f"--seconds {arguments.seconds:g} is not between 6 and 3600")
+        faults.append(f"--seconds {arguments.seconds:g} is not between 6 and 3600")
     if arguments.seed < 0:
-        culprits.append(f"--seed {arguments.seed} is negative")
+        faults.append(f"--seed {arguments.seed} is negative")
     repeated = sorted({name for name in arguments.hide if arguments.hide.count(name) > 1})
     if repeated:
-        culprits.append(f"--hide names {', '.join(repeated)} twice")
-    if culprits:
-        raise InputError("; ".join(culprits) + "; nothing was written")
+        faults.append(f"--hide names {', '.join(repeated)} twice")
+    if faults:
+        raise InputError("; ".join(faults) + "")
 
 
 def _has_current(arguments: argparse.Namespace) -> bool:
-    """A damper with a coil always has its current recorded."""
+    """The current of a damper with a coil is always recorded."""
     return arguments.current or "current" in arguments.hide or DAMPERS[arguments.damper].coil.pressure > 0.0
 
 
@@ -129,8 +143,8 @@ def _plain(arguments: argparse.Namespace, setup: Setup) -> tuple[dict[str, Recor
 def _case(arguments: argparse.Namespace, setup: Setup) -> tuple[dict[str, Record], dict[str, Any]]:
     first, last = arguments.excitation[0], arguments.excitation[-1]
     progress(f"hiding {', '.join(arguments.hide)}")
-    calm = without(setup, tuple(arguments.hide))
-    drives = tuple(_drive(arguments, name, calm, number) for number, name in enumerate((first, first, last)))
+    base_setup = without(setup, tuple(arguments.hide))
+    drives = tuple(_drive(arguments, name, base_setup, number) for number, name in enumerate((first, first, last)))
     case = hidden(tuple(arguments.hide), setup, drives, arguments.strength, drives[0].seed)
     for item in case.calibrations:
         if item.strength < SHORTFALL * arguments.strength:
@@ -152,20 +166,20 @@ def _truth(arguments: argparse.Namespace, setup: Setup, records: Mapping[str, Re
         "damper": arguments.damper,
         "seed": arguments.seed,
         "wanted_strength": arguments.strength if arguments.hide else None,
-        "recordings": {name: _figures(one) for name, one in records.items()},
+        "recordings": {name: _figures(simulated) for name, simulated in records.items()},
         "truth_bags": {name: f"truth/{name}.mcap" for name in records},
-        "sensors": {name: plain(asdict(one.setup.sensors)) for name, one in records.items()},
-        "parameters": {name: plain(_nested(one)) for name, one in records.items()},
+        "sensors": {name: plain(asdict(simulated.setup.sensors)) for name, simulated in records.items()},
+        "parameters": {name: plain(_nested(simulated)) for name, simulated in records.items()},
     }
 
 
-def _nested(one: Record) -> dict[str, Any]:
-    parts = vars(one.setup.damper)
+def _nested(simulated: Record) -> dict[str, Any]:
+    parts = vars(simulated.setup.damper)
     return {name: part._asdict() if hasattr(part, "_asdict") else part for name, part in parts.items()}
 
 
-def _figures(one: Record) -> dict[str, Any]:
-    truth, drive_ = one.truth, one.truth.drive
+def _figures(simulated: Record) -> dict[str, Any]:
+    truth, drive_ = simulated.truth, simulated.truth.drive
     return {
         "excitation": drive_.name,
         "seed": drive_.seed,
@@ -183,12 +197,12 @@ def _make_folders(folder: Path) -> None:
     try:
         (folder / "truth").mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another place with -o") from error
+        raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another place with -o") from error
 
 
 def _write(folder: Path, records: Mapping[str, Record], with_current: bool) -> None:
-    for name, one in records.items():
-        named = {one.setup.damper.name: one}
+    for name, simulated in records.items():
+        named = {simulated.setup.damper.name: simulated}
         write_record(folder / f"{name}.mcap", named, with_current)
         write_truth(folder / "truth" / f"{name}.mcap", named)
         progress(f"wrote {folder / name}.mcap")

@@ -1,4 +1,4 @@
-"""What `synth` writes: bags of simulated records, the truth behind them, and a signal map."""
+"""The files of `synth`: bags of simulated records, their true signals, and a signal map."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,7 +10,7 @@ from damper_estimator.plant import Channel, Record, Sensors
 from damper_estimator.recordings import BagWriter, Stream, floats, joint_states, temperatures
 
 EPOCH = 1_700_000_000_000_000_000
-"""ns, when simulated recordings begin."""
+"""ns, begin of simulated recordings."""
 
 DISPLACEMENT, FORCE = "/suspension/displacement", "/suspension/force"
 TRUE_DISPLACEMENT, TRUE_FORCE = "/truth/displacement", "/truth/force"
@@ -20,20 +20,20 @@ def write_record(path: Path, records: Mapping[str, Record], with_current: bool) 
     """Writes one bag; ``records`` by damper name, recorded with one clock.
 
     Raises:
-        InputError: where the file cannot be written.
+        InputError: if the file cannot be written.
     """
     names, sensed = list(records), [record.sensed for record in records.values()]
     streams = [
-        _states(DISPLACEMENT, names, [one.displacement for one in sensed], "position"),
-        _states(FORCE, names, [one.force for one in sensed], "effort"),
+        _states(DISPLACEMENT, names, [record.displacement for record in sensed], "position"),
+        _states(FORCE, names, [record.force for record in sensed], "effort"),
     ]
-    for name, one in zip(names, sensed, strict=True):
-        warm = one.temperature
-        messages = temperatures(EPOCH + warm.stamp, warm.value)
+    for name, record in zip(names, sensed, strict=True):
+        temperature = record.temperature
+        messages = temperatures(EPOCH + temperature.stamp, temperature.value)
         topic = f"/suspension/{name}/temperature"
-        streams.append(Stream(topic, "sensor_msgs/msg/Temperature", EPOCH + warm.log, messages))
+        streams.append(Stream(topic, "sensor_msgs/msg/Temperature", EPOCH + temperature.log, messages))
         if with_current:
-            coil = one.current
+            coil = record.current
             streams.append(_floats(f"/suspension/{name}/current", coil))
     with BagWriter(path) as bag:
         bag.write_streams(streams)
@@ -44,13 +44,13 @@ def write_truth(path: Path, records: Mapping[str, Record]) -> None:
     names, sensed = list(records), [record.sensed for record in records.values()]
     with BagWriter(path) as bag:
         bag.write_streams([
-            _states(TRUE_DISPLACEMENT, names, [one.true_displacement for one in sensed], "position"),
-            _states(TRUE_FORCE, names, [one.true_force for one in sensed], "effort"),
+            _states(TRUE_DISPLACEMENT, names, [record.true_displacement for record in sensed], "position"),
+            _states(TRUE_FORCE, names, [record.true_force for record in sensed], "effort"),
         ])  # fmt: skip
 
 
 def write_signal_map(path: Path, name: str, sensors: Sensors, with_current: bool) -> None:
-    """Writes the signal map of one damper whose gauge also carries a coil spring."""
+    """Writes the signal map of one damper whose gauge also measures a coil spring."""
     spring = f"spring_rate: {sensors.spring_rate}, preload: {sensors.preload}"
     lines = [
         "dampers:",

@@ -1,8 +1,8 @@
-"""Find rest in a recording, and zero gauge and displacement in a signal map.
+"""Find standstill in a recording, and zero gauge and displacement in a signal map.
 
-At rest displacement and force are quiet for at least half a second, by their own noise. The longest rest counts. The
-offsets are set so that there the displacement is zero and the damper's force is zero: what the gauge shows then is its
-offset and the spring's preload. Everything else in the map given with -s is kept.
+At rest, displacement and force vary by no more than their noise for at least half a second. The offsets are set so
+that displacement and damper force are zero in the longest rest: the gauge then shows its offset and the spring's
+preload. Everything else in the map given with -s is kept.
 """
 
 import argparse
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.common import STANDARD_OUTPUT, add_bags, add_json, add_signals, write_json
+from damper_estimator.cli.verb_support import add_bags, add_json, add_signals, prints_text, write_json
 from damper_estimator.signals import load_signal_map, save_signal_map
 from damper_estimator.workflows import tare
 
@@ -22,7 +22,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """``BAG -o MAP.yaml`` and what is common."""
+    """``BAG -o MAP.yaml`` and the common arguments."""
     add_bags(parser, several=False)
     parser.add_argument("-o", "--output", metavar="MAP.yaml", type=Path, required=True, help="the signal map to write")
     add_signals(parser)
@@ -30,12 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Tares; see the module's docstring."""
+    """Tares the dampers of a recording."""
     found = tare(arguments.bag, load_signal_map(arguments.signals), arguments.dampers)
     save_signal_map(found.signal_map, arguments.output)
     records = found.to_dict()
     write_json(arguments.json, records)
-    if arguments.json != STANDARD_OUTPUT:
+    if prints_text(arguments):
         _print(records["dampers"])
         print(f"wrote {arguments.output}")
     return 0
@@ -53,5 +53,5 @@ def _print(records: Mapping[str, dict]) -> None:
             force = f" and {other['force_n']:+.3g} N" if np.isfinite(other["force_n"]) else ""
             print(
                 f"  another rest, {other['from']:.1f} to {other['to']:.1f} s, reads "
-                f"{1e3 * other['displacement_m']:+.3g} mm{force} beside it"
+                f"{1e3 * other['displacement_m']:+.3g} mm{force} relative to it"
             )

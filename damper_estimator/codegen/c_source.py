@@ -11,7 +11,7 @@ from damper_estimator.codegen import one_sample, texts
 from damper_estimator.codegen.translator import CFunction, Translator
 from damper_estimator.codegen.values import REAL, Array, Constant, Number, Record, kind_of, literal, whole
 from damper_estimator.compiled import plain
-from damper_estimator.control import search
+from damper_estimator.control import command_search as search
 from damper_estimator.control.inverse import HORIZON, LEAD
 from damper_estimator.model.element import walk
 from damper_estimator.runtime import Deployed

@@ -7,7 +7,7 @@ numbers of a damper are in one record, ``state_type``; it is the only memory.
 
 import numpy as np
 
-from damper_estimator.control import search
+from damper_estimator.control import command_search as search
 from damper_estimator.model import chain
 from damper_estimator.runtime.damper_record import RECORD, SLOW, STALE
 from damper_estimator.runtime.line import predict, take_motion, take_slow

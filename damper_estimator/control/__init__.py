@@ -1,9 +1,10 @@
-"""Control of semi-active dampers: the inverse of a model, laws for the wanted force, look-up tables.
+"""Control of semi-active dampers: the inverse of a model, laws for the desired force, look-up tables.
 
 inverse = InverseModel(model, (0.0, 2.0))
 answer = inverse.solve(sample, wanted=800.0)      # current, force_min, force_max, dforce_dcurrent
 """
 
+from damper_estimator.control.command_limits import usable_limits
 from damper_estimator.control.corner import (
     Action,
     Command,
@@ -12,11 +13,10 @@ from damper_estimator.control.corner import (
     InverseCommand,
     TableCommand,
 )
+from damper_estimator.control.current_table import CurrentTable, load_table, table_from_samples
 from damper_estimator.control.influence import checked_limits, influence
 from damper_estimator.control.inverse import Inverse, InverseModel
 from damper_estimator.control.laws import LAWS, BodyVelocity, Law, groundhook, mixed, passive, skyhook
-from damper_estimator.control.limits import usable_limits
-from damper_estimator.control.table import CurrentTable, load_table, table_from_samples
 
 __all__ = [
     "LAWS",

@@ -4,7 +4,7 @@
     action = controller.step(sample, body_acceleration)
 
 The body's velocity comes from its accelerometer, the wheel's from the difference to that of the suspension. Table and
-inverse model are given the same desired force and the same kinematics.
+inverse model receive the same desired force and kinematics.
 """
 
 from dataclasses import dataclass
@@ -13,21 +13,21 @@ from typing import Protocol
 
 import numpy as np
 
+from damper_estimator.control.current_table import CurrentTable
 from damper_estimator.control.inverse import InverseModel
 from damper_estimator.control.laws import BodyVelocity, Law
-from damper_estimator.control.table import CurrentTable
 from damper_estimator.signals.layout import DT, V
 
 
 class Command(Protocol):
-    """What turns a desired force into a current."""
+    """Converts a desired force to a current."""
 
     def current(self, sample: np.ndarray, wanted: float) -> float:
-        """A, from a sample (8,) in the rows of ``signals.layout`` and a force in N; NaN where it has no answer."""
+        """A, from a sample (8,) in the rows of ``signals.layout`` and a force in N; NaN if there is none."""
 
 
 class InverseCommand:
-    """By the inverse of a model; final."""
+    """Uses the inverse of a model; final."""
 
     def __init__(self, inverse: InverseModel):
         self._inverse = inverse
@@ -38,7 +38,7 @@ class InverseCommand:
 
 
 class TableCommand:
-    """By a look-up table; final."""
+    """Uses a look-up table; final."""
 
     def __init__(self, table: CurrentTable):
         self.table = table
@@ -49,7 +49,7 @@ class TableCommand:
 
 
 class ConstantCommand:
-    """The same current always: a passive damper; final."""
+    """Constant current, as of a passive damper; final."""
 
     def __init__(self, amperes: float):
         self._amperes = amperes
@@ -61,7 +61,7 @@ class ConstantCommand:
 
 @dataclass(frozen=True)
 class Action:
-    """What a controller decided: the desired force (N) and the current (A)."""
+    """A controller's decision: the desired force (N) and the current (A)."""
 
     wanted: float
     current: float
@@ -71,7 +71,7 @@ class CornerController:
     """The running controller of one corner; final."""
 
     def __init__(self, law: Law, command: Command, rest_force: float = 0.0, fallback: float = 0.0):
-        """``rest_force`` in N is added to what the law desires; ``fallback`` in A is set where there is no answer."""
+        """``rest_force`` in N is added to the force of the law; ``fallback`` in A is used if there is no current."""
         self._law, self._command = law, command
         self._rest_force, self._fallback = rest_force, fallback
         self._body = BodyVelocity()
@@ -79,13 +79,13 @@ class CornerController:
     def step(
         self, sample: np.ndarray, body_acceleration: float, added: float = 0.0, limit: float = float("inf")
     ) -> Action:
-        """Takes one sample of the sensors.
+        """Processes one sample of the sensors.
 
         Args:
-            sample: (8,) in the rows of ``signals.layout``: kinematics of the suspension, and the current in force.
+            sample: (8,) in the rows of ``signals.layout``: kinematics of the suspension, and the present current.
             body_acceleration: m/s^2, upwards, without gravity.
-            added: N, what another controller desires on top.
-            limit: N, most that is wanted on top of the force at rest, in both directions.
+            added: N, desired additionally by another controller.
+            limit: N, largest desired force relative to the force at rest, in both directions.
         """
         body = self._body.step(body_acceleration, float(sample[DT]))
         wanted = added + self._law.force(body, body - float(sample[V]))

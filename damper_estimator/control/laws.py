@@ -1,4 +1,4 @@
-"""Which force a semi-active damper should give: skyhook, groundhook, both mixed, and a passive damper as the reference.
+"""Laws for the desired force of a semi-active damper: skyhook, groundhook, mixed, and passive for reference.
 
 With z upwards, positive forces resisting extension, v_b = z_b' of the body and v_w = z_w' of the wheel:
 
@@ -7,8 +7,8 @@ With z upwards, positive forces resisting extension, v_b = z_b' of the body and 
     mixed        F = c (s v_b - (1 - s) v_w)    s from 0 (groundhook) to 1 (skyhook)
     passive      F = c (v_b - v_w)              an ordinary linear damper
 
-A damper can only dissipate: what it cannot give is left to the inverse and its interval. The gas force at rest, which
-the springs hold in balance, is to be added to the desired force. Sources: D. Karnopp, M. J. Crosby, R. A. Harwood,
+A damper can only dissipate: the inverse limits the desired force to the reachable range. The gas force at rest, which
+the springs balance, must be added to the desired force. Sources: D. Karnopp, M. J. Crosby, R. A. Harwood,
 Vibration control using semi-active force generators, J. Eng. Ind. 96 (1974); M. Valasek et al., Extended ground-hook,
 Vehicle System Dynamics 27 (1997).
 """
@@ -22,7 +22,7 @@ class Law:
     """A linear law: F = body v_b - wheel v_w.
 
     Attributes:
-        name: in words.
+        name: of the law.
         body, wheel: N s/m.
     """
 
@@ -31,7 +31,7 @@ class Law:
     wheel: float
 
     def force(self, body_velocity: float, wheel_velocity: float) -> float:
-        """Wanted force in N, without the force at rest; velocities in m/s, upwards."""
+        """Desired force in N, without the force at rest; velocities in m/s, upwards."""
         return self.body * body_velocity - self.wheel * wheel_velocity
 
 
@@ -62,26 +62,26 @@ def passive(damping: float) -> Law:
 
 
 LAWS = {"skyhook": skyhook, "groundhook": groundhook, "passive": passive}
-"""Laws with one number, by name; ``mixed`` takes two."""
+"""Laws with one number by name; ``mixed`` has two."""
 
 
 class BodyVelocity:
-    """Velocity of the body from its acceleration: integrated, with a high-pass that forgets the sensor's offset.
+    """Velocity of the body from its acceleration: integrated, with a high-pass that removes the sensor's offset.
 
         v = s / (s^2 + 2 d w s + w^2) a,      w = 2 pi corner, d = 1 / sqrt(2)
 
-    Held in the middle of each step; first order in the step, whose share w dt is below 1 % at a hundred samples per
+    Mean acceleration over each step; first order in the step, whose share w dt is below 1 % at a hundred samples per
     second.
     """
 
     def __init__(self, corner: float = 0.15):
-        """``corner`` in Hz; velocities well above it are right, an offset of the accelerometer vanishes."""
+        """``corner`` in Hz; velocities well above it are accurate, an offset of the accelerometer is removed."""
         self._frequency = 2.0 * pi * corner
         self._velocity = self._position = 0.0
         self._before: float | None = None
 
     def step(self, acceleration: float, dt: float) -> float:
-        """Velocity in m/s after a sample (m/s^2) that came ``dt`` s after the one before; 0 starts anew."""
+        """Velocity in m/s after a sample (m/s^2) that came ``dt`` s after the one before; 0 resets."""
         if dt <= 0.0 or self._before is None:
             self._velocity = self._position = 0.0
         else:

@@ -1,5 +1,5 @@
-"""Many recordings on a cluster: what to do, who does it, what is kept.
+"""Many recordings on a cluster: the tasks, the workers, and the results.
 
-What is done with one recording and damper is handed in as a function (`Work`); the room itself knows which tasks
-there are, which are done already, where results lie, and how they become one dataset and one page.
+The work on one recording and damper is passed in as a function (`Work`); this package knows which tasks exist, which
+are done already, where results are stored, and how they become one dataset and one page.
 """

@@ -1,4 +1,4 @@
-"""The workers: a cluster on this machine, or one that is there."""
+"""The workers: a cluster on this machine, or a running one."""
 
 import importlib.util
 import logging
@@ -13,32 +13,32 @@ from tornado.ioloop import PeriodicCallback
 
 from damper_estimator.errors import InputError
 
-_PATIENCE = 10  # s in which a scheduler must answer
+_TIMEOUT = 10  # s within which a scheduler must answer
 _LOOPBACK = "127.0.0.1"
 _SETTINGS = {
-    # Dask keeps an hour of samples of what its workers do: a megabyte for each second of short tasks.
+    # Dask stores an hour of profiling samples: a megabyte for each second of short tasks.
     "distributed.worker.profile.enabled": False,
-    # After this a worker that has not come back counts as lost, and is replaced at the next roll call.
+    # After this time a missing worker counts as lost and is replaced at the next check.
     "distributed.deploy.lost-worker-timeout": "5s",
 }
-_ROLL_CALL = 1000  # ms between two counts of the workers started here
+_CHECK_PERIOD = 1000  # ms between two checks of the workers started here
 
 
 @contextmanager
 def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterator[Client]:
-    """A client of the scheduler at an address, or of workers that are started here and end with the block.
+    """A client of the scheduler at an address, or of local workers that are started here and stop with the block.
 
-    Workers of this machine are processes with one thread each, also in the linear algebra library, and listen on the
-    loopback address alone.
+    Local workers are processes with one thread each, also in the linear algebra library, and listen only on the
+    loopback address.
 
     Args:
         scheduler: such as ``tcp://10.0.0.1:8786``; None for this machine.
         workers: how many are started here; None for one per core.
-        memory: limit of each worker started here, such as ``2GiB``; ``auto`` shares what there is. A worker over it is
-            started anew, as is one that dies for another reason.
+        memory: limit of each worker started here, such as ``2GiB``; ``auto`` shares the available memory. A worker
+            above the limit is restarted, as is one that dies for another reason.
 
     Raises:
-        InputError: where no scheduler answers, or the limit is no amount of memory.
+        InputError: if no scheduler answers, or the limit is not an amount of memory.
     """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     if scheduler is None:
@@ -47,10 +47,10 @@ def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterat
                 yield client
         return
     try:
-        client = Client(scheduler, timeout=_PATIENCE)
+        client = Client(scheduler, timeout=_TIMEOUT)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(
-            f"{scheduler}: no scheduler answers there; start one (dask scheduler) or leave --scheduler out"
+            f"{scheduler}: no scheduler answers; start one (dask scheduler) or omit --scheduler"
         ) from error
     with client:
         yield client
@@ -58,15 +58,15 @@ def connected(scheduler: str | None, workers: int | None, memory: str) -> Iterat
 
 @contextmanager
 def answering() -> Iterator[None]:
-    """What is asked of a scheduler within the block.
+    """Reports a scheduler that is lost within the block.
 
     Raises:
-        InputError: where the scheduler is gone.
+        InputError: if the scheduler is lost.
     """
     try:
         yield
     except (CancelledError, CommClosedError, TimeoutError) as error:
-        raise InputError("the scheduler is gone; what was done is kept: start again to go on") from error
+        raise InputError("the scheduler is lost; finished results are kept: start again to continue") from error
 
 
 def _local(workers: int, memory: str) -> LocalCluster:
@@ -82,19 +82,19 @@ def _local(workers: int, memory: str) -> LocalCluster:
             silence_logs=False,
         )
     except ValueError as error:
-        raise InputError(f"--memory {memory}: is no amount of memory; write such as 2GiB, or auto") from error
-    # Dask starts a worker anew by itself, except one that dies while it starts.
-    roll_call = PeriodicCallback(lambda: cluster.scale(workers), _ROLL_CALL)
-    cluster.periodic_callbacks["roll-call"] = roll_call  # the cluster stops them when it ends
-    cluster.loop.add_callback(roll_call.start)
+        raise InputError(f"--memory {memory}: is not an amount of memory; give for example 2GiB, or auto") from error
+    # Dask restarts workers by itself, except one that dies while starting.
+    worker_check = PeriodicCallback(lambda: cluster.scale(workers), _CHECK_PERIOD)
+    cluster.periodic_callbacks["worker-check"] = worker_check  # the cluster stops them when it ends
+    cluster.loop.add_callback(worker_check.start)
     return cluster
 
 
 def dashboard_of(client: Client) -> str:
-    """Address of the page on which Dask shows its work; "" where it offers none: bokeh, which draws it, is missing."""
+    """Address of Dask's dashboard; "" without bokeh, which draws it."""
     return client.dashboard_link if importlib.util.find_spec("bokeh") else ""
 
 
 def threads_of(client: Client) -> int:
-    """How many tasks the cluster does at a time; 0 while no worker is there."""
+    """Number of tasks that run at the same time; 0 without a worker."""
     return sum(client.nthreads().values())

@@ -10,11 +10,11 @@ from distributed import Client
 from damper_estimator import __version__
 from damper_estimator.errors import InputError
 from damper_estimator.files import json_text, write_text
-from damper_estimator.fleet.held import Source
-from damper_estimator.fleet.joint import fit_spread
+from damper_estimator.fleet.distributed_fit import fit_distributed
 from damper_estimator.fleet.manifest import Recording
 from damper_estimator.fleet.task import Task, digest
 from damper_estimator.fleet.verbs import Fit
+from damper_estimator.fleet.worker_recordings import Source
 from damper_estimator.identification import Fit as Fitted
 from damper_estimator.model import load_model
 from damper_estimator.workflows import fit_record, save_fit
@@ -24,13 +24,13 @@ MODELS = "models"
 
 @dataclass(frozen=True)
 class JointModel:
-    """What came of one model.
+    """The result for one model.
 
     Attributes:
-        name: of the damper, after its vehicle where each has models of its own.
+        name: of the damper, preceded by the vehicle if each vehicle has its own models.
         target: the model's file.
-        fit: None where nothing had changed since it was identified.
-        left_out: recordings that could not be used, with the reason.
+        fit: None if nothing has changed since the last identification.
+        left_out: unusable recordings, each with the reason.
     """
 
     name: str
@@ -44,38 +44,38 @@ class JointFits:
     """Joint fits into the folder ``output``/models.
 
     Attributes:
-        how: to identify.
-        by_vehicle: whether each vehicle has models of its own.
-        source: what named the recordings, for errors.
-        tell: receives a line from time to time.
+        how: options of the identification.
+        by_vehicle: whether each vehicle has its own models.
+        source: the argument that named the recordings, for errors.
+        progress: receives a line from time to time.
     """
 
     how: Fit
     output: Path
     by_vehicle: bool
     source: str
-    tell: Callable[[str], None]
+    progress: Callable[[str], None]
 
     def models(self, client: Client, tasks: Sequence[Task]) -> list[JointModel]:
-        """Identifies every model that is missing or for which something changed.
+        """Identifies every model that is missing or whose inputs have changed.
 
         Args:
-            tasks: one for each recording and damper that there is.
+            tasks: one for each recording and damper.
 
         Raises:
-            InputError: where a model cannot be identified on any of its recordings.
+            InputError: if a model cannot be identified on any of its recordings.
         """
         groups: dict[Path, list[Task]] = {}
         for task in tasks:
             if task.damper:
                 groups.setdefault(self._folder(task.facts["vehicle"]) / f"{task.damper}.yaml", []).append(task)
         if not groups:
-            raise InputError(f"{self.source}: no recording can be used; fleet compare tells why")
-        return [self._identified(client, target, own) for target, own in sorted(groups.items())]
+            raise InputError(f"{self.source}: no recording can be used; fleet compare shows why")
+        return [self._identified(client, target, group) for target, group in sorted(groups.items())]
 
     def with_models(self, recordings: Sequence[Recording]) -> list[Recording]:
-        """The recordings, each with the models that were identified for it."""
-        return [replace(own, model=str(self._folder(own.vehicle))) for own in recordings]
+        """The recordings, each with its identified models."""
+        return [replace(recording, model=str(self._folder(recording.vehicle))) for recording in recordings]
 
     def _folder(self, vehicle: object) -> Path:
         folder = self.output.absolute() / MODELS
@@ -90,15 +90,15 @@ class JointFits:
         if target.is_file() and _fingerprint_of(kept) == fingerprint:
             return JointModel(name, target, None)
         if len(given) > 1:
-            raise InputError(f"{name}: its recordings have different models; a joint fit begins from one")
-        self.tell(f"{name}: fitting to {len(tasks)} recordings")
+            raise InputError(f"{name}: its recordings name different models; a joint fit starts from a single one")
+        self.progress(f"{name}: fitting to {len(tasks)} recordings")
         how, model = self.how.how, load_model(tasks[0].model, tasks[0].damper)
-        fit, refused = fit_spread(
+        fit, refused = fit_distributed(
             client, model, [self._source(task) for task in tasks], how.free, how.fix, how.method,
-            how.wishes(self.tell), how.limits,
+            how.method_options(self.progress), how.limits,
         )  # fmt: skip
         save_fit(fit, target)
-        left_out = tuple((own.recording, reason) for own, reason in refused.items())
+        left_out = tuple((source.recording, reason) for source, reason in refused.items())
         listed = [{"recording": recording, "reason": reason} for recording, reason in left_out]
         write_text(kept, json_text({"fingerprint": fingerprint, "left_out": listed, **fit_record(fit, target)}))
         return JointModel(name, target, fit, left_out)

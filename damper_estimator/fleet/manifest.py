@@ -1,8 +1,8 @@
-"""Which recordings there are: a manifest (YAML or CSV), patterns, or recordings themselves.
+"""Finds the recordings of a fleet: from a manifest (YAML or CSV), patterns, or paths.
 
 A manifest names for each recording its ``vehicle``, ``dampers``, signal map (``signals``) and ``model``; only
-``recording`` must be there, and it may be a pattern. Paths are relative to the manifest. Without a manifest a
-recording belongs to the vehicle that its folder is named after.
+``recording`` is required, and it may be a pattern. Paths are relative to the manifest. Without a manifest the
+vehicle of a recording is the name of its folder.
 
     recordings:
       - {recording: "car_7/*.mcap", vehicle: car 7, dampers: [front_left], signals: maps/car_7.yaml}
@@ -28,9 +28,9 @@ class Recording:
     Attributes:
         path: absolute.
         vehicle: its name.
-        dampers: which are wanted; empty for all it has.
+        dampers: names to use; empty for all.
         signals: path of its signal map, "" for the default topics.
-        model: its own, "" for the one that is given for all.
+        model: of this recording; "" for the model that applies to all.
     """
 
     path: str
@@ -43,33 +43,33 @@ class Recording:
 def find_recordings(
     sources: Sequence[str], dampers: Sequence[str] = (), signals: Path | None = None
 ) -> tuple[Recording, ...]:
-    """All recordings that sources mean, sorted by path.
+    """All recordings that the sources name, sorted by path.
 
     Args:
         sources: manifests, patterns with ``*``, ``?``, ``[`` or ``**``, and recordings.
-        dampers, signals: of those recordings for which no manifest says otherwise.
+        dampers, signals: of recordings for which no manifest says otherwise.
 
     Raises:
-        InputError: for a manifest that cannot be used, a pattern that means nothing, a recording that is named twice.
+        InputError: for an unusable manifest, a pattern that matches nothing, a recording that is named twice.
     """
-    wanted, map_path = tuple(dampers), "" if signals is None else str(signals.absolute())
+    default_dampers, map_path = tuple(dampers), "" if signals is None else str(signals.absolute())
     found: dict[str, Recording] = {}
     for source in sources:
         entries = _manifest(Path(source)) if source.lower().endswith(_MANIFESTS) else [(Path(), {"recording": source})]
         for folder, entry in entries:
             for path in _matching(str(entry["recording"]), folder, source):
                 if str(path) in found:
-                    raise InputError(f"{source}: names {path} twice; a recording is worked on once")
-                own = tuple(entry.get("dampers") or wanted)
-                mine = str((folder / entry["signals"]).absolute()) if entry.get("signals") else map_path
+                    raise InputError(f"{source}: names {path} twice; name each recording once")
+                wanted_dampers = tuple(entry.get("dampers") or default_dampers)
+                own_map = str((folder / entry["signals"]).absolute()) if entry.get("signals") else map_path
                 vehicle = str(entry.get("vehicle") or path.parent.name)
                 model = _model(entry.get("model"), folder)
-                found[str(path)] = Recording(str(path), vehicle, own, mine, model)
+                found[str(path)] = Recording(str(path), vehicle, wanted_dampers, own_map, model)
     return tuple(found[path] for path in sorted(found))
 
 
 def _model(named: object, folder: Path) -> str:
-    """A model's path relative to the manifest where such a file is there, else a name of the library."""
+    """A model's path relative to the manifest if that file exists, else the name of a library model."""
     if not named:
         return ""
     path = (folder / str(named)).absolute()
@@ -77,14 +77,14 @@ def _model(named: object, folder: Path) -> str:
 
 
 def _matching(pattern: str, folder: Path, source: str) -> Iterator[Path]:
-    """Recordings of a pattern; a path without wildcards is a recording, there or not."""
+    """Recordings that match a pattern; a path without wildcards need not exist."""
     place = folder / pattern
     if not glob.has_magic(pattern):
         yield place.absolute()
         return
     found = [Path(name).absolute() for name in glob.glob(str(place), recursive=True)]
     found = sorted(path for path in found if path.suffix == ".mcap" or (path / "metadata.yaml").is_file())
-    # The files of a recording that is a folder are no recordings of their own.
+    # Files inside a recording folder are not separate recordings.
     folders = {path for path in found if path.is_dir()}
     found = [path for path in found if path.is_dir() or not folders & set(path.parents)]
     if not found:
@@ -95,7 +95,7 @@ def _matching(pattern: str, folder: Path, source: str) -> Iterator[Path]:
 
 
 def _manifest(path: Path) -> list[tuple[Path, Mapping[str, object]]]:
-    """The entries of a manifest, each with the folder that its paths are relative to."""
+    """The entries of a manifest, each with the folder to which its paths are relative."""
     entries = _csv_entries(path) if path.suffix.lower() == ".csv" else _yaml_entries(path)
     for number, entry in enumerate(entries, 1):
         unknown = [str(key) for key in entry if key not in KEYS]

@@ -1,4 +1,4 @@
-"""A task: one recording and damper, what is asked of it, and where its results lie."""
+"""A task: one recording and damper, what to do with it, and where its results are stored."""
 
 import hashlib
 import json
@@ -17,11 +17,11 @@ TASKS = "tasks"
 
 @dataclass(frozen=True)
 class Options:
-    """What is done with every recording, and how; the verbs of a fleet are in ``fleet.verbs``. Abstract.
+    """The verb to run on every recording and its options; the verbs are in ``fleet.verbs``. Abstract.
 
     Attributes:
         verb: its name.
-        start, stop: s from the start of the recording, None where all is used.
+        start, stop: s from the start of the recording; None for no limit.
     """
 
     verb: ClassVar[str]
@@ -30,16 +30,16 @@ class Options:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The options as on the command line, for the record."""
+        """The options as on the command line, for the results."""
         return words(("from", self.start), ("to", self.stop))
 
     @abstractmethod
     def run(self, task: "Task") -> Mapping[str, object]:
-        """Does the work on one recording and damper, writes its results under ``Task.place``, and gives the values of
+        """Runs the verb on one recording and damper, writes its results under ``Task.place`` and returns the values of
         the row's columns.
 
         Raises:
-            InputError: where the recording cannot be used.
+            InputError: if the recording cannot be used.
         """
 
 
@@ -50,15 +50,15 @@ def words(*options: tuple[str, object]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Task:
-    """One recording and damper; all that its results depend on.
+    """One recording and damper with everything that its results depend on.
 
     Attributes:
-        options: what is done.
-        recording, signals, model: as the verb takes them; ``signals`` may be "".
-        damper: its name; "" where the recording could not even be opened.
-        folder: where this recording's results lie.
+        options: verb and options.
+        recording, signals, model: as the verb accepts them; ``signals`` may be "".
+        damper: its name; "" if the recording could not be opened.
+        folder: results of this recording.
         pages: whether a page is written.
-        facts: columns of the row that are known before the work: vehicle, checksums, begin, temperature.
+        facts: columns of the row that are known beforehand: vehicle, checksums, begin, temperature.
     """
 
     options: Options
@@ -72,46 +72,46 @@ class Task:
 
     @property
     def verb(self) -> str:
-        """Name of what is done."""
+        """Name of the verb."""
         return self.options.verb
 
     @property
     def fingerprint(self) -> str:
-        """Equal where the results are equal: checksums of what goes in, the options, the package's version."""
+        """Checksum of everything that the results depend on: inputs, options, version of the package."""
         sums = [self.facts[name] for name in ("recording_checksum", "model_checksum", "signals_checksum")]
         return digest([self.verb, self.options.words, self.damper, self.pages, *sums, __version__])
 
     def place(self, ending: str) -> Path:
-        """Path of one of the results."""
+        """Path of the result with this ending."""
         return Path(self.folder) / f"{quote(self.damper, safe=' ') or 'recording'}.{self.verb}.{ending}"
 
 
-def digest(what: object) -> str:
-    """A short checksum of anything that JSON can hold."""
-    return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:24]
+def digest(value: object) -> str:
+    """A short checksum of a value that JSON can represent."""
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:24]
 
 
 def task_folder(output: Path, recording: str) -> Path:
-    """Where the results of one recording lie: named after it, and told from others of that name by its path."""
+    """Folder for the results of one recording: its name and a checksum of its path."""
     return output / TASKS / f"{Path(recording).stem}-{digest(recording)[:8]}"
 
 
 def signature(recording: str) -> list[list[object]]:
-    """Name, size and time of change of each file of a recording; empty where there is none."""
+    """Name, size and modification time of each file of a recording; empty if it does not exist."""
     path = Path(recording)
     try:
         files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-        told = [(os.path.relpath(p, path), p.stat()) for p in files]
+        states = [(os.path.relpath(p, path), p.stat()) for p in files]
     except OSError:
         return []
-    return [[name, status.st_size, status.st_mtime_ns] for name, status in told]
+    return [[name, status.st_size, status.st_mtime_ns] for name, status in states]
 
 
 def checksum(recording: str) -> str:
     """SHA-256 of the contents of all files of a recording.
 
     Raises:
-        OSError: where one cannot be read.
+        OSError: if one cannot be read.
     """
     path = Path(recording)
     total = hashlib.sha256()

@@ -1,14 +1,14 @@
-"""Which dampers drift away from their model, and since when.
+"""Finds dampers that drift away from their model, and the time at which it began.
 
 For every vehicle and damper the logarithm of the relative error (rms error over rms force) of its recordings, in order
-of time, less what temperature and rms force explain of it over the whole fleet, is held against a bend:
+of time, minus the part that temperature and rms force explain over the whole fleet, is compared with a bend:
 
     y(t) = level + slope max(0, t - since),    slope > 0
 
-``since`` is the time of the recording that fits best. How often chance does as well is found by putting the recordings
-into 9999 random orders, each with its own best bend; over all dampers the share of false alarms among those that are
-named is held at 5 % (Benjamini and Hochberg 1995). Recordings count as independent of each other: a season that is
-neither in the temperature nor in the force can look like a drift.
+``since`` is the time of the recording that fits best. The probability of a chance result comes from 9999 random orders
+of the recordings, each with its own best bend; over all dampers the share of false alarms among those reported is
+limited to 5 % (Benjamini and Hochberg 1995). Recordings count as independent: a seasonal change that shows neither in
+the temperature nor in the force can look like a drift.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,26 +18,26 @@ import numpy as np
 from scipy.stats import f as f_distribution
 
 RULE = (
-    "relative error (rms error over rms force) that rises from one time on, less what temperature and rms force "
-    "explain of it over all dampers; held against 9999 random orders of the recordings; on average at most 5 % of "
-    "those named are false alarms; a damper needs 8 recordings"
+    "relative error (rms error over rms force) that rises from some time on, minus the part that temperature and rms "
+    "force explain over all dampers; compared with 9999 random orders of the recordings; on average at most 5 % of the "
+    "dampers listed are false alarms; a damper needs 8 recordings"
 )
-FEWEST = 8  # recordings of a damper, below which nothing is said
+FEWEST = 8  # recordings of a damper that are required for a judgement
 FALSE_ALARMS = 0.05
 ORDERS = 9999
 _LEFT = 3  # recordings after the bend, at least
 _DRAWN = 1000  # orders at a time
-_ENOUGH = 100  # orders that fit as well, after which no more are drawn
+_ENOUGH = 100  # random orders that fit as well; drawing stops there
 
 
 @dataclass(frozen=True)
 class Trend:
-    """A damper that drifts away.
+    """A damper that drifts.
 
     Attributes:
-        since_ns: where the error begins to rise; ``low_ns`` to ``high_ns`` fit nearly as well (95 %).
-        growth: relative error at the end over that before.
-        p: probability that chance makes such a bend of these recordings.
+        since_ns: time at which the error begins to rise; ``low_ns`` to ``high_ns`` is its 95 % interval.
+        growth: relative error at the end over that before the bend.
+        p: probability of such a bend by chance.
     """
 
     vehicle: str
@@ -51,7 +51,7 @@ class Trend:
 
 
 def drifting(rows: Iterable[Mapping[str, object]]) -> tuple[list[Trend], int]:
-    """The dampers that drift away, the surest first, and how many could be judged.
+    """The dampers that drift, most certain first, and the number that could be judged.
 
     Args:
         rows: of ``compare``, with ``vehicle``, ``damper``, ``begin`` (ns), ``nrmse``, ``temperature_c``,
@@ -61,41 +61,41 @@ def drifting(rows: Iterable[Mapping[str, object]]) -> tuple[list[Trend], int]:
     for row in rows:
         if row["begin"] is not None and row["nrmse"]:
             groups.setdefault((row["vehicle"], row["damper"]), []).append(row)
-    judged = {key: sorted(own, key=_when) for key, own in sorted(groups.items()) if len(own) >= FEWEST}
-    judged = {key: own for key, own in judged.items() if own[0]["begin"] < own[-1 - _LEFT]["begin"]}
-    errors = _adjusted([[_features(row) for row in own] for own in judged.values()])
+    judged = {key: sorted(group, key=_order) for key, group in sorted(groups.items()) if len(group) >= FEWEST}
+    judged = {key: group for key, group in judged.items() if group[0]["begin"] < group[-1 - _LEFT]["begin"]}
+    errors = _adjusted([[_features(row) for row in group] for group in judged.values()])
     found = [
-        _bend(*key, np.array([row["begin"] for row in own], np.int64), error)
-        for (key, own), error in zip(judged.items(), errors, strict=True)
+        _bend(*key, np.array([row["begin"] for row in group], np.int64), error)
+        for (key, group), error in zip(judged.items(), errors, strict=True)
     ]
     found.sort(key=lambda trend: trend.p)
-    within = [i for i, own in enumerate(found, 1) if own.p <= FALSE_ALARMS * i / len(found)]
+    within = [i for i, trend in enumerate(found, 1) if trend.p <= FALSE_ALARMS * i / len(found)]
     return found[: max(within, default=0)], len(found)
 
 
-def _when(row: Mapping) -> tuple[int, str]:
+def _order(row: Mapping) -> tuple[int, str]:
     return row["begin"], row["recording"]
 
 
 def _features(row: Mapping) -> list[float]:
-    warm, force = row["temperature_c"], row["force_rms_n"]
-    return [np.log(row["nrmse"]), np.nan if warm is None else warm, np.log(force) if force else np.nan]
+    temperature, force = row["temperature_c"], row["force_rms_n"]
+    return [np.log(row["nrmse"]), np.nan if temperature is None else temperature, np.log(force) if force else np.nan]
 
 
 def _adjusted(groups: Sequence[list[list[float]]]) -> list[np.ndarray]:
-    """For each damper y (n,) about its mean, less what the other features (n, 2) explain over all dampers."""
-    centred = [np.array(own) - np.nanmean(np.array(own), axis=0, keepdims=True) for own in _known(groups)]
+    """For each damper y (n,) about its mean, minus the part that the other features (n, 2) explain over all dampers."""
+    centred = [np.array(group) - np.nanmean(np.array(group), axis=0, keepdims=True) for group in _known(groups)]
     if not centred:
         return []
     together = np.concatenate(centred)
     slopes = np.linalg.lstsq(together[:, 1:], together[:, 0], rcond=1e-6)[0]
-    return [own[:, 0] - own[:, 1:] @ slopes for own in centred]
+    return [group[:, 0] - group[:, 1:] @ slopes for group in centred]
 
 
 def _known(groups: Sequence[list[list[float]]]) -> Iterable[np.ndarray]:
-    """Features that are not known are the mean of the damper's others, which explains nothing."""
-    for own in groups:
-        table = np.array(own)
+    """Unknown features become the mean of the damper's known ones, which explains nothing."""
+    for group in groups:
+        table = np.array(group)
         for column in table.T[1:]:
             finite = np.isfinite(column)
             column[~finite] = column[finite].mean() if finite.any() else 0.0
@@ -109,12 +109,12 @@ def _bend(vehicle: str, damper: str, stamp: np.ndarray, error: np.ndarray) -> Tr
     shape = rising - rising.mean(axis=0)
     length = np.linalg.norm(shape, axis=0)
     total = float(np.linalg.norm(error)) or 1.0
-    told = (shape / length).T @ (error / total)
-    best = int(np.argmax(told))
-    left = 1.0 - np.maximum(told, 0.0) ** 2
+    correlation = (shape / length).T @ (error / total)
+    best = int(np.argmax(correlation))
+    left = 1.0 - np.maximum(correlation, 0.0) ** 2
     free = max(error.size - 3, 1)
     near = places[left <= left[best] * (1.0 + f_distribution.ppf(0.95, 1, free) / free)]
-    slope = float(told[best]) * total / length[best]
+    slope = float(correlation[best]) * total / length[best]
     return Trend(
         vehicle=vehicle,
         damper=damper,
@@ -123,20 +123,20 @@ def _bend(vehicle: str, damper: str, stamp: np.ndarray, error: np.ndarray) -> Tr
         low_ns=int(stamp[near[0]]),
         high_ns=int(stamp[near[-1]]),
         growth=float(np.exp(slope * (1.0 - time[places[best]]))),
-        p=_chance(shape / length, error / total, float(told[best])),
+        p=_chance(shape / length, error / total, float(correlation[best])),
     )
 
 
-def _chance(shapes: np.ndarray, error: np.ndarray, told: float) -> float:
+def _chance(shapes: np.ndarray, error: np.ndarray, correlation: float) -> float:
     """Share of random orders of ``error`` (n,) that some shape (n, k) fits as well.
 
-    What is clearly chance needs no more orders (Besag and Clifford 1991).
+    Drawing stops early when the result is clearly chance (Besag and Clifford 1991).
     """
     draw = np.random.default_rng(0)
     better = 0
     for first in range(0, ORDERS, _DRAWN):
         orders = draw.permuted(np.tile(error, (min(_DRAWN, ORDERS - first), 1)), axis=1)
-        better += int(np.count_nonzero((orders @ shapes).max(axis=1) >= told - 1e-12))
+        better += int(np.count_nonzero((orders @ shapes).max(axis=1) >= correlation - 1e-12))
         if better >= _ENOUGH:
             return better / (first + len(orders))
     return (1 + better) / (1 + ORDERS)

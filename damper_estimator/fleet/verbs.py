@@ -1,4 +1,4 @@
-"""What a worker of the fleet does with one recording and damper: the use cases, and the columns of the row."""
+"""The verbs of a fleet: each runs a use case on one recording and damper and returns the columns of the row."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -30,7 +30,7 @@ PLOTLY = "plotly.min.js"
 
 @dataclass(frozen=True)
 class Compare(Options):
-    """The model against the measured force."""
+    """Compares the model with the measured force."""
 
     verb: ClassVar[str] = "compare"
 
@@ -43,7 +43,7 @@ class Compare(Options):
 
 @dataclass(frozen=True)
 class Diagnose(Options):
-    """What the model lacks; ``mode`` as in ``workflows.diagnose``."""
+    """Finds missing effects; ``mode`` as in ``workflows.diagnose``."""
 
     verb: ClassVar[str] = "diagnose"
     mode: str = "both"
@@ -51,25 +51,25 @@ class Diagnose(Options):
     @property
     def words(self) -> tuple[str, ...]:
         """As ``Options.words``."""
-        way = {"kept": ("--keep-parameters",), "refit": ("--refit",)}
-        return super().words + way.get(self.mode, ())
+        flags = {"kept": ("--keep-parameters",), "refit": ("--refit",)}
+        return super().words + flags.get(self.mode, ())
 
     def run(self, task: Task) -> Mapping[str, object]:
         """As ``Options.run``."""
         results = diagnose(_recording(task), task.model, mode=self.mode)
         record = _written(task, results.to_dict())
-        found = record["findings"]
+        findings = record["findings"]
         columns = {
-            "missing": [own["phenomenon"] for own in found],
-            "confidence": [own["confidence"] for own in found],
-            "rmse_after_n": found[-1]["rmse_after_n"] if found else None,
+            "missing": [finding["phenomenon"] for finding in findings],
+            "confidence": [finding["confidence"] for finding in findings],
+            "rmse_after_n": findings[-1]["rmse_after_n"] if findings else None,
         }
         return {**record, **columns} | _page(task, results)
 
 
 @dataclass(frozen=True)
 class Fit(Options):
-    """The model's parameters; ``how`` to identify them."""
+    """Identifies the model's parameters; ``how`` has the options."""
 
     verb: ClassVar[str] = "fit"
     how: FitOptions = field(default_factory=FitOptions)
@@ -91,21 +91,21 @@ class Fit(Options):
 
     def run(self, task: Task) -> Mapping[str, object]:
         """As ``Options.run``."""
-        results = fit_with(_recording(task), task.model, self.how, _silent)
+        results = fit_with(_recording(task), task.model, self.how, _no_progress)
         target = task.place("yaml")
         save_fit(results.fit, target)
         dampers = {task.damper: fit_record(results.fit, target)}
-        record = _written(task, {**results.asked, "dampers": dampers})
+        record = _written(task, {**results.request, "dampers": dampers})
         columns = {
-            "parameters": {own["name"]: own["value"] for own in record["parameters"]},
-            "standard_errors": {own["name"]: own["standard_error"] for own in record["parameters"]},
+            "parameters": {parameter["name"]: parameter["value"] for parameter in record["parameters"]},
+            "standard_errors": {parameter["name"]: parameter["standard_error"] for parameter in record["parameters"]},
         }
         return {**record, **columns} | _report(task, target)
 
 
 @dataclass(frozen=True)
 class Replay(Options):
-    """Estimates as the node gives them; ``max_gap`` in s."""
+    """Estimates forces as the node does; ``max_gap`` in s."""
 
     verb: ClassVar[str] = "replay"
     max_gap: float | None = None
@@ -121,13 +121,13 @@ class Replay(Options):
         max_gap = DEFAULT_MAX_GAP if self.max_gap is None else self.max_gap
         options = ReplayOptions((task.damper,), self.start, self.stop, max_gap)
         signal_map = signal_map_of(task.signals or None)
-        tallies = replay_to(Path(task.recording), task.model, output, signal_map, options, _silent)
-        dampers = {name: own.record() for name, own in tallies.items()}
+        counts_of = replay_to(Path(task.recording), task.model, output, signal_map, options, _no_progress)
+        dampers = {name: counts.record() for name, counts in counts_of.items()}
         return _written(task, {"output": output, "dampers": dampers}) | _report(task, output)
 
 
 def work(task: Task) -> Mapping[str, object]:
-    """Does a task, as ``Options.run``."""
+    """Executes a task, as ``Options.run``."""
     return task.options.run(task)
 
 
@@ -139,7 +139,7 @@ def _recording(task: Task) -> Recording:
 
 
 def _written(task: Task, record: Mapping[str, object]) -> dict:
-    """Writes a record as the verb does with ``--json``; that of the damper."""
+    """Writes the results as the verb does with ``--json``; returns those of the damper."""
     write_text(task.place("json"), json_text(record))
     return plain(record)["dampers"][task.damper]
 
@@ -148,15 +148,15 @@ def _page(task: Task, results: ComparisonResults | DiagnosisResults) -> dict[str
     if not task.pages:
         return _report(task, task.place("json"))
     target = task.place("html")
-    with plotly_from(f"../../{PLOTLY}"):  # it lies once beside all pages
+    with plotly_from(f"../../{PLOTLY}"):  # one copy serves all pages
         results.save(target)
     return _report(task, target)
 
 
 def _report(task: Task, path: Path) -> dict[str, object]:
-    """Where the row's report is; without pages that is the record."""
+    """The column with the path of the report; without pages that of the JSON file."""
     return {"report": "/".join((path if task.pages else task.place("json")).parts[-3:])}
 
 
-def _silent(text: str) -> None:
-    """What is told on the way is in the record as well."""
+def _no_progress(text: str) -> None:
+    """Discards progress lines: the results contain the same."""

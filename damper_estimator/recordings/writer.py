@@ -11,7 +11,7 @@ from mcap.writer import CompressionType, Writer
 
 from damper_estimator import __version__
 from damper_estimator.errors import InputError
-from damper_estimator.files import written_beside
+from damper_estimator.files import replacing
 from damper_estimator.recordings.batch import Batch
 from damper_estimator.recordings.definitions import Schema, builtin_schema, builtin_store
 from damper_estimator.recordings.encode import encode
@@ -64,7 +64,7 @@ class BagWriter:
 
     def __enter__(self) -> "BagWriter":
         with ExitStack() as stack:
-            partial = stack.enter_context(written_beside(self.path))
+            partial = stack.enter_context(replacing(self.path))
             self._sink = _Sink(stack.enter_context(open(partial, "wb")))
             self._stack = stack.pop_all()
         return self

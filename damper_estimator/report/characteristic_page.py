@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.characterization import MEANINGS, Characterization, Diagram
-from damper_estimator.characterization.record import peaks
+from damper_estimator.characterization.serialization import peaks
 from damper_estimator.numbers import number
 from damper_estimator.report.figures import packed
 from damper_estimator.report.page import render

@@ -14,8 +14,7 @@ from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load
 from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.overheard import overheard
-from damper_estimator.workflows import Case, read
-from damper_estimator.workflows import opened as opened_recordings
+from damper_estimator.workflows import Case, open_reader, read
 
 MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for in
 _PASSAGES = 20  # that a longer recording is judged on
@@ -153,7 +152,7 @@ def dampers_in(folder: Folder, recordings: Sequence[str], signals: str) -> list[
     """
     if not recordings:
         return []
-    with opened_recordings([folder.existing(name) for name in recordings], _signal_map(folder, signals)) as reader:
+    with open_reader([folder.existing(name) for name in recordings], _signal_map(folder, signals)) as reader:
         return list(reader.dampers)
 
 

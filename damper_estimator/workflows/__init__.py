@@ -1,8 +1,8 @@
 """Use cases as functions: read, compare, fit, diagnose, improve, plan, replay, characterize, tare, inspect, export.
 
-Command line, studio, fleet and the public Python API are faces of these functions; none of them uses another one.
-What is here returns frozen results by damper and raises ``InputError`` for unusable input; it prints nothing. Names are
-imported when they are used, so that a verb loads only the libraries that it needs.
+Command line, studio, fleet and the public Python API call these functions, and not each other. The functions return
+frozen results by damper, raise ``InputError`` for unusable input and print nothing. Names are imported when they are
+used, so that a verb loads only the libraries that it needs.
 """
 
 from typing import TYPE_CHECKING
@@ -11,17 +11,25 @@ from damper_estimator.lazy import lazy_names
 
 if TYPE_CHECKING:
     from damper_estimator.codegen import WrittenC, WrittenFmu
+    from damper_estimator.workflows.bench_import import (
+        Guessed,
+        Imported,
+        guess_files,
+        import_files,
+        import_guessed,
+    )
+    from damper_estimator.workflows.cases import Case, DiagnosisCases, diagnosis_cases
     from damper_estimator.workflows.characterization import (
         CharacterizationResults,
         DamperCharacterized,
         characterize,
         structure_of,
     )
-    from damper_estimator.workflows.comparison import (
+    from damper_estimator.workflows.comparing import (
         ComparisonResults,
         ModelsCompared,
-        asked,
         compare,
+        comparison_request,
         page_title,
     )
     from damper_estimator.workflows.diagnosis import DiagnosisResults, diagnose, diagnose_case
@@ -35,13 +43,6 @@ if TYPE_CHECKING:
         output_paths,
         save_fit,
     )
-    from damper_estimator.workflows.importing import (
-        Guessed,
-        Imported,
-        guess_files,
-        import_files,
-        import_guessed,
-    )
     from damper_estimator.workflows.improvement import (
         ImprovementResults,
         improve,
@@ -50,13 +51,12 @@ if TYPE_CHECKING:
     )
     from damper_estimator.workflows.inspection import DamperInspected, Inspection, inspect
     from damper_estimator.workflows.joint_fitting import CHANNELS, JointlyFitted, fit_jointly
-    from damper_estimator.workflows.judging import Case, Judging, judging_of
-    from damper_estimator.workflows.models import ModelLike, model_for, models_for
+    from damper_estimator.workflows.model_arguments import ModelLike, model_for, models_for
     from damper_estimator.workflows.planning import RIG, PlanResults, plan
-    from damper_estimator.workflows.reading import Reader, opened, read, signal_map_of
-    from damper_estimator.workflows.recording import Recording, in_words, no_force
+    from damper_estimator.workflows.reading import Reader, open_reader, read, signal_map_of
+    from damper_estimator.workflows.recording import Recording, in_words, no_force_error
     from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, replay_bag, replay_to
-    from damper_estimator.workflows.replay_line import Tally
+    from damper_estimator.workflows.replay_line import ReplayCounts
     from damper_estimator.workflows.replaying import ReplayResults, replay
     from damper_estimator.workflows.taring import Tare, tare
 
@@ -68,6 +68,7 @@ __all__ = [
     "ComparisonResults",
     "DamperCharacterized",
     "DamperInspected",
+    "DiagnosisCases",
     "DiagnosisResults",
     "FitOptions",
     "FitResults",
@@ -76,24 +77,24 @@ __all__ = [
     "ImprovementResults",
     "Inspection",
     "JointlyFitted",
-    "Judging",
     "ModelLike",
     "ModelsCompared",
     "PlanResults",
     "Reader",
     "Recording",
+    "ReplayCounts",
     "ReplayOptions",
     "ReplayResults",
     "ReplaySetup",
-    "Tally",
     "Tare",
     "WrittenC",
     "WrittenFmu",
-    "asked",
     "characterize",
     "compare",
+    "comparison_request",
     "diagnose",
     "diagnose_case",
+    "diagnosis_cases",
     "fit",
     "fit_jointly",
     "fit_record",
@@ -106,11 +107,10 @@ __all__ = [
     "improvement_record",
     "in_words",
     "inspect",
-    "judging_of",
     "model_for",
     "models_for",
-    "no_force",
-    "opened",
+    "no_force_error",
+    "open_reader",
     "output_paths",
     "page_title",
     "plan",

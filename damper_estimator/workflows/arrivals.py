@@ -1,4 +1,4 @@
-"""What a line is given: values of all channels in order of arrival, from a bag in batches or from memory at once."""
+"""Inputs of a replay: values of all channels in order of arrival, from a bag in batches or from memory at once."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from damper_estimator.signals import Channel, SignalMap, find_topic, part_channe
 
 @dataclass(frozen=True)
 class Chunk:
-    """The values of some messages that follow each other.
+    """The values of consecutive messages.
 
     Attributes:
-        displacement, log: by damper, arrivals and when each was recorded, (n,) int64 ns.
+        displacement, log: by damper, arrivals and the time at which each was recorded, (n,) int64 ns.
         slow: by damper and role.
         gauge: by damper, the measured force.
-        batch: the messages themselves; None where they come from memory.
+        batch: the messages themselves; None for samples in memory.
     """
 
     displacement: dict[str, Arrivals] = field(default_factory=dict)
@@ -31,7 +31,7 @@ class Chunk:
     batch: Batch | None = None
 
     def add(self, damper: str, role: str, arrivals: Arrivals, log: np.ndarray) -> None:
-        """Takes in a channel."""
+        """Adds a channel."""
         if role == "displacement":
             self.displacement[damper], self.log[damper] = arrivals, log
         elif role == "force":
@@ -45,17 +45,17 @@ class BagArrivals:
 
     Attributes:
         measured: dampers whose force channel is in the bag.
-        messages: on the topics that are used.
+        messages: number of messages on the topics in use.
     """
 
     def __init__(self, bag: Bag, chosen: SignalMap, window: tuple[float, float]) -> None:
-        """Raises InputError for topics that the map names, or a displacement, that the bag does not have."""
+        """Raises InputError if the bag lacks a topic that the map names, or a displacement."""
         self._bag, self._dampers, self._window = bag, chosen.dampers, window
         self._fields: dict[str, list[tuple[str, str, Channel]]] = {}
         for name, signals in chosen.dampers.items():
             for role in roles(chosen):
                 self._find(name, role, signals.channels()[role])
-        entries = [entry for own in self._fields.values() for entry in own]
+        entries = [entry for fields in self._fields.values() for entry in fields]
         self.measured = {name for name, role, _ in entries if role == "force"}
         self.messages = sum(topic.messages for topic in bag.topics if topic.name in self._fields)
 
@@ -64,9 +64,9 @@ class BagArrivals:
         if topic is not None:
             self._fields.setdefault(topic, []).append((damper, role, channel))
         elif channel.given or role == "displacement":
-            there = ", ".join(t.name for t in self._bag.topics) or "none"
+            topics = ", ".join(t.name for t in self._bag.topics) or "none"
             raise InputError(
-                f"{self._bag.path}: has no topic {channel.topic} ({damper}, {role}); it has {there}; correct the "
+                f"{self._bag.path}: has no topic {channel.topic} ({damper}, {role}); it has {topics}; correct the "
                 "signal map"
             )
 
@@ -79,20 +79,20 @@ class BagArrivals:
             chunk = Chunk(batch=batch)
             for topic, entries in self._fields.items():
                 columns = batch.columns(topic, tuple(channel.field for _, _, channel in entries))
-                moved = inside(columns.log, origin or 0, self._window)
+                within = inside(columns.log, origin or 0, self._window)
                 for i, (name, role, channel) in enumerate(entries):
-                    there = columns.present[:, i] & (moved if role == "displacement" else True)
-                    value = channel.value(columns.values[there, i])
+                    present = columns.present[:, i] & (within if role == "displacement" else True)
+                    value = channel.value(columns.values[present, i])
                     chunk.add(
-                        name, role, Arrivals(columns.rank[there], columns.stamp[there], value), columns.log[there]
+                        name, role, Arrivals(columns.rank[present], columns.stamp[present], value), columns.log[present]
                     )
             yield chunk
 
     def check(self, samples: Mapping[str, int]) -> None:
-        """Refuses dampers of which no sample came.
+        """Rejects dampers without a sample.
 
         Raises:
-            InputError: one line.
+            InputError: if a damper has none.
         """
         for name, count in samples.items():
             if not count:
@@ -104,24 +104,24 @@ class BagArrivals:
 
 
 def part_chunk(part: Part, chosen: SignalMap, window: tuple[float, float]) -> Chunk:
-    """All that lies in memory, as it would come from the bag that `write_part` makes of it."""
+    """All samples in memory, as they would arrive from the bag that `write_part` writes."""
     chunk = Chunk()
-    moved = inside(part.stamps, int(part.stamps[0]), window)
+    within = inside(part.stamps, int(part.stamps[0]), window)
     for name, signals in chosen.dampers.items():
-        wanted = {role: own for role, own in signals.channels().items() if role in roles(chosen)}
+        wanted = {role: channel for role, channel in signals.channels().items() if role in roles(chosen)}
         for role, data in part_channels(part, name, wanted).items():
-            there = moved if role == "displacement" else slice(None)
-            arrivals = Arrivals(data.rank[there], data.stamp[there], data.value[there])
-            chunk.add(name, role, arrivals, data.stamp[there])
+            chosen_samples = within if role == "displacement" else slice(None)
+            arrivals = Arrivals(data.rank[chosen_samples], data.stamp[chosen_samples], data.value[chosen_samples])
+            chunk.add(name, role, arrivals, data.stamp[chosen_samples])
     return chunk
 
 
 def roles(chosen: SignalMap) -> tuple[str, ...]:
-    """The channels that a line takes in; the acceleration only where the map fuses it."""
+    """The channels that a line uses; the acceleration only if the map fuses it."""
     return ("displacement", "force", *SLOW, *(("acceleration",) if chosen.fusion else ()))
 
 
 def inside(log: np.ndarray, origin: int, window: tuple[float, float]) -> np.ndarray:
-    """(n,) bool: recorded within a window in s since the origin, ns."""
+    """(n,) bool: recorded within a window, s after the origin (ns)."""
     elapsed = (log - origin) * 1e-9
     return (elapsed >= window[0]) & (elapsed <= window[1])

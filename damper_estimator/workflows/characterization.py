@@ -1,4 +1,4 @@
-"""Characteristic diagrams of dampers, their pattern types, and the model structure that they call for."""
+"""Characteristic diagrams of dampers, their pattern types, and the model structure that follows from them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from damper_estimator.workflows.results import Results
 
 @dataclass(frozen=True)
 class DamperCharacterized:
-    """One damper: its diagrams, and the quasi-static force that was taken from everything first (None: none was)."""
+    """One damper: its diagrams, and the quasi-static force that was subtracted first (None: nothing was)."""
 
     found: Characterization
     slow: QuasiStatic | None
@@ -38,7 +38,7 @@ class CharacterizationResults(Results[DamperCharacterized]):
 
     @property
     def characterization(self) -> Characterization:
-        """All that was found about one damper."""
+        """The complete characterization of one damper."""
         return self.only.found
 
     @property
@@ -48,10 +48,10 @@ class CharacterizationResults(Results[DamperCharacterized]):
 
     @property
     def structure(self) -> DamperModel:
-        """The structure that the pattern types call for, as a model to fit.
+        """The structure that follows from the pattern types, as a model to fit.
 
         Raises:
-            InputError: where no frequency band has a type.
+            InputError: if no frequency band has a type.
         """
         return structure_of(self.only.found)
 
@@ -59,22 +59,22 @@ class CharacterizationResults(Results[DamperCharacterized]):
         """One self-contained HTML page with the diagrams."""
         from damper_estimator.report import characteristic_page
 
-        return characteristic_page([own.found for own in self.by_damper.values()])
+        return characteristic_page([result.found for result in self.by_damper.values()])
 
-    def _record(self, own: DamperCharacterized) -> dict[str, object]:
-        return record(own.found)
+    def _record(self, result: DamperCharacterized) -> dict[str, object]:
+        return record(result.found)
 
-    def _line(self, own: DamperCharacterized) -> str:
-        types = [f"{b.low:g} to {b.high:g} Hz type {b.passive}" for b in own.found.bands if b.passive is not None]
-        return f"{len(own.found.diagrams)} operating points, {', '.join(types) or 'no type'}"
+    def _line(self, result: DamperCharacterized) -> str:
+        types = [f"{b.low:g} to {b.high:g} Hz type {b.passive}" for b in result.found.bands if b.passive is not None]
+        return f"{len(result.found.diagrams)} operating points, {', '.join(types) or 'no type'}"
 
-    def _rows(self, own: DamperCharacterized) -> list[dict[str, object]]:
-        return [dict(peaks(diagram.loop)) for diagram in own.found.diagrams]
+    def _rows(self, result: DamperCharacterized) -> list[dict[str, object]]:
+        return [dict(peaks(diagram.loop)) for diagram in result.found.diagrams]
 
-    def _figure(self, own: DamperCharacterized) -> Mapping[str, object]:
+    def _figure(self, result: DamperCharacterized) -> Mapping[str, object]:
         from damper_estimator.report import loops_over_velocity
 
-        return loops_over_velocity(own.found.diagrams)
+        return loops_over_velocity(result.found.diagrams)
 
 
 def characterize(
@@ -85,10 +85,10 @@ def characterize(
     Args:
         recording: sines, or a sweep; dampers without a force are left out.
         subtract: the same motion at another setting (current, pressure, adjuster).
-        slow: a slow test (about 5 mm/s) whose force over displacement is taken from everything first.
+        slow: a slow test (about 5 mm/s) whose force over displacement is subtracted first.
 
     Raises:
-        InputError: one line; without a measured force, and without a whole cycle.
+        InputError: without a measured force, and without a complete cycle.
     """
     found = {}
     for damper, measurements in checked(recording).with_force("characterize").measurements.items():
@@ -102,7 +102,7 @@ def structure_of(found: Characterization) -> DamperModel:
     """The structure of a damper's patterns as a model.
 
     Raises:
-        InputError: where no frequency band has a type.
+        InputError: if no frequency band has a type.
     """
     if found.structure is None:
         raise InputError(

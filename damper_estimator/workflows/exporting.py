@@ -11,7 +11,7 @@ from damper_estimator.codegen import Choices, WrittenC, WrittenFmu, write_c, wri
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, library_models, load_model
 from damper_estimator.signals import DamperSignals, SignalMap, load_signal_map
-from damper_estimator.workflows.models import ModelSource
+from damper_estimator.workflows.model_arguments import ModelSource
 
 MapLike = str | PathLike[str] | SignalMap
 
@@ -29,25 +29,25 @@ def to_c(
     stale_after: float = 0.1,
     single: bool = False,
 ) -> WrittenC:
-    """Writes a damper's model as ``NAME.h`` and ``NAME.c``: filter, chain, status, and the inverse where it has one.
+    """Writes a damper's model as ``NAME.h`` and ``NAME.c``: filter, chain, status, and the inverse if it has one.
 
     Args:
-        name: prefix of files and functions; "" takes the model's name.
-        signals: the map of the vehicle, for filter, fusion, limits and ages; ``damper`` chooses where it has several.
-        cutoff: Hz of the filter, 0 for none; None takes the map's, else that of the fit, else 60.
-        limits: lowest and highest command; None takes the map's, else those of the fit.
+        name: prefix of files and functions; "" for the model's name.
+        signals: the map of the vehicle, for filter, fusion, limits and ages; ``damper`` selects one of several.
+        cutoff: Hz of the filter, 0 for none; None uses that of the map, else that of the fit, else 60.
+        limits: lowest and highest command; None uses those of the map, else those of the fit.
         lead: s that the motion is predicted ahead.
         stale_after: s without a sample after which the status is STALE.
-        single: single precision; what is returned says how far it is off.
+        single: single precision; the result states its error.
 
     Raises:
-        InputError: where the model or the map cannot be used, or the folder cannot be written.
+        InputError: if the model or the map is unusable, or the folder cannot be written.
     """
-    own, checksum = _loaded(model)
+    loaded, checksum = _loaded(model)
     choices = Choices(
         name=name, cutoff=cutoff, lead=lead, limits=limits, stale_after=stale_after, single=single, checksum=checksum
     )
-    return write_c(own, Path(folder), _with_map(choices, signals, damper))
+    return write_c(loaded, Path(folder), _with_map(choices, signals, damper))
 
 
 def to_fmu(
@@ -67,19 +67,19 @@ def to_fmu(
 
     Args:
         version: of FMI, 2.0 or 3.0.
-        binary: False for sources alone, which needs no C compiler here.
+        binary: False for sources only, which needs no C compiler.
         name, signals, damper, cutoff, limits, lead: as in `to_c`; an FMU has no accelerometer, so no fusion.
 
     Raises:
-        InputError: as `to_c`, and where a binary is wanted and there is no C compiler.
+        InputError: as `to_c`, and if a binary is requested without a C compiler.
     """
-    own, checksum = _loaded(model)
+    loaded, checksum = _loaded(model)
     choices = Choices(name=name, cutoff=cutoff, lead=lead, limits=limits, checksum=checksum)
-    return write_fmu(own, Path(path), _with_map(choices, signals, damper), version, binary)
+    return write_fmu(loaded, Path(path), _with_map(choices, signals, damper), version, binary)
 
 
 def _loaded(model: ModelSource) -> tuple[DamperModel, str]:
-    """The model, and the checksum of its file; "" where it comes from none."""
+    """The model, and the checksum of its file; "" if it does not come from a file."""
     if isinstance(model, DamperModel):
         return model, ""
     loaded, path = load_model(model if isinstance(model, str) else Path(model)), Path(model)
@@ -88,13 +88,13 @@ def _loaded(model: ModelSource) -> tuple[DamperModel, str]:
 
 
 def _with_map(choices: Choices, signals: MapLike | None, damper: str) -> Choices:
-    """The choices with what the map says and they leave open."""
+    """The choices, completed by the signal map."""
     if signals is None:
         return choices
     found = signals if isinstance(signals, SignalMap) else load_signal_map(Path(signals))
     cutoff = found.cutoff if choices.cutoff is None else choices.cutoff
-    own = _of_damper(found.dampers, damper, found.where)
-    return choices.with_map(cutoff, found.fusion, own)
+    damper_signals = _of_damper(found.dampers, damper, found.where)
+    return choices.with_map(cutoff, found.fusion, damper_signals)
 
 
 def _of_damper(dampers: Mapping[str, DamperSignals], damper: str, where: str) -> DamperSignals:

@@ -1,4 +1,4 @@
-"""Identification: the parameters with which a model agrees best with what was measured."""
+"""Identification: finds the parameters with which a model agrees best with measurements."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from damper_estimator.identification import Fit, FittedParameter, Front, Wishes
 from damper_estimator.identification import fit as identified
 from damper_estimator.model import DamperModel, save_model
 from damper_estimator.signals import Measurement
-from damper_estimator.workflows.models import HoldsModels, ModelLike, model_name, models_for
+from damper_estimator.workflows.model_arguments import HoldsModels, ModelLike, model_name, models_for
 from damper_estimator.workflows.recording import Recording, checked
 from damper_estimator.workflows.results import Results
 
@@ -22,17 +22,17 @@ Limits = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class FitOptions:
-    """How to identify.
+    """Options of an identification.
 
     Attributes:
-        free: addresses or patterns to identify although the model fixes them.
-        fix: to leave as they are; ``free`` wins over ``fix``.
+        free: addresses or patterns of parameters to identify although the model fixes them.
+        fix: parameters to keep; ``free`` overrides ``fix``.
         limits: lowest and highest value by address, narrower than the declared bounds.
         method: one of ``damper_estimator.identification.all_methods()``.
-        seed: of the start values that are drawn.
-        groups: for several objectives, recordings by the objective's name; empty forms them from the recordings.
-        pick: which point of the front becomes the model: ``knee``, a group's name, or a number.
-        front: points found before, to pick from without a search.
+        seed: of the random start values.
+        groups: for several objectives, recordings by the objective's name; empty forms groups from the recordings.
+        pick: the point of the front that becomes the model: ``knee``, a group's name, or a number.
+        front: points from an earlier search, to pick from without a new one.
         population, generations: of evolutionary methods; None for the method's default.
     """
 
@@ -47,17 +47,17 @@ class FitOptions:
     population: int | None = None
     generations: int | None = None
 
-    def wishes(self, tell: Callable[[str], None]) -> Wishes:
-        """What the method is given."""
+    def method_options(self, progress: Callable[[str], None]) -> Wishes:
+        """The options in the form that the methods accept."""
         return Wishes(
-            seed=self.seed, progress=tell, groups=self.groups or {}, pick=self.pick, front=self.front,
+            seed=self.seed, progress=progress, groups=self.groups or {}, pick=self.pick, front=self.front,
             generations=self.generations, population=self.population,
         )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class ModelFitted:
-    """One damper: the model as it was given, what was identified, and on what."""
+    """One damper: the start model, the fit, and its recordings."""
 
     start: DamperModel
     fit: Fit
@@ -66,9 +66,9 @@ class ModelFitted:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class FitResults(Results[ModelFitted], HoldsModels):
-    """Identified models and how far they can be trusted, by damper.
+    """Identified models with their uncertainty, by damper.
 
-    For one damper (``result["front_left"]`` where there are several) its model and numbers are at hand.
+    The properties are those of one damper (``result["front_left"]`` selects one of several).
     """
 
     @property
@@ -79,16 +79,16 @@ class FitResults(Results[ModelFitted], HoldsModels):
     @property
     def models(self) -> dict[str, DamperModel]:
         """The models of all dampers by name."""
-        return {damper: own.fit.model for damper, own in self.by_damper.items()}
+        return {damper: result.fit.model for damper, result in self.by_damper.items()}
 
     @property
     def fit(self) -> Fit:
-        """All that was identified of one damper."""
+        """The complete fit of one damper."""
         return self.only.fit
 
     @property
     def parameters(self) -> tuple[FittedParameter, ...]:
-        """What was identified, with standard errors."""
+        """The identified parameters with standard errors."""
         return self.fit.parameters
 
     @property
@@ -98,40 +98,40 @@ class FitResults(Results[ModelFitted], HoldsModels):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to know about the result, one sentence each."""
+        """Warnings about the result, one sentence each."""
         return self.fit.warnings
 
     def save(self, path: str | Path) -> Path:
         """Writes the model (``.yaml``; several dampers: a folder of ``DAMPER.yaml``), or the record (``.json``).
 
         Raises:
-            InputError: for another ending, and where it cannot be written.
+            InputError: for another file extension, and if it cannot be written.
         """
         path = Path(path)
         if path.suffix == ".json":
             return super().save(path)
         if path.suffix and path.suffix not in (".yaml", ".yml"):
-            raise InputError(f"{path}: cannot hold a model; give a name that ends in .yaml, or a folder")
+            raise InputError(f"{path}: cannot hold a model; choose a name ending in .yaml, or a folder")
         for damper, target in output_paths(path, list(self)).items():
             save_fit(self.by_damper[damper].fit, target)
         return path
 
-    def _record(self, own: ModelFitted) -> dict[str, object]:
-        return fit_record(own.fit, None)
+    def _record(self, result: ModelFitted) -> dict[str, object]:
+        return fit_record(result.fit, None)
 
-    def _line(self, own: ModelFitted) -> str:
-        fit = own.fit
+    def _line(self, result: ModelFitted) -> str:
+        fit = result.fit
         return f"{fit.model.name}, {len(fit.parameters)} parameters, {fit.rmse_before_n:.4g} -> {fit.rmse_n:.4g} N rms"
 
-    def _rows(self, own: ModelFitted) -> list[dict[str, object]]:
-        return [asdict(parameter) for parameter in own.fit.parameters]
+    def _rows(self, result: ModelFitted) -> list[dict[str, object]]:
+        return [asdict(parameter) for parameter in result.fit.parameters]
 
-    def _figure(self, own: ModelFitted) -> Mapping[str, object]:
+    def _figure(self, result: ModelFitted) -> Mapping[str, object]:
         from damper_estimator.report import forces_figure
         from damper_estimator.validation import compare as compared
 
-        models = (replace(own.start, name=f"{own.start.name} as given"), own.fit.model)
-        return forces_figure([compared(model, *own.measurements) for model in models])
+        models = (replace(result.start, name=f"{result.start.name} as given"), result.fit.model)
+        return forces_figure([compared(model, *result.measurements) for model in models])
 
 
 def fit(
@@ -149,33 +149,35 @@ def fit(
 
     Args:
         recording: what was measured; dampers without a force are left out.
-        model: the start: a name of the library, a model file, a folder with one ``DAMPER.yaml`` each, a model, or a
-            mapping of these by damper.
+        model: the start model: a name of the library, a model file, a folder with one ``DAMPER.yaml`` each, a model,
+            or a mapping of these by damper.
         free, fix: addresses such as ``coulomb.force``, whole effects, or patterns with ``*`` and ``?``: to identify
-            although the model fixes them, and to leave as they are; ``free`` wins.
+            although the model fixes them, and to keep; ``free`` overrides ``fix``.
         limits: lowest and highest value by address.
         method: ``least_squares``, or another that ``damper-estimator fit --help`` lists.
-        seed: of the start values that are drawn; equal seeds give equal results.
+        seed: of the random start values; equal seeds give equal results.
         progress: receives a line from time to time.
 
     Raises:
-        InputError: one line; without a measured force, for a model that cannot be used, and for too few samples.
+        InputError: without a measured force, for an unusable model, and for too few samples.
     """
     options = FitOptions(_names(free), _names(fix), limits, method, seed)
-    return fit_with(recording, model, options, progress or _silent)
+    return fit_with(recording, model, options, progress or _no_progress)
 
 
-def fit_with(recording: Recording, model: ModelLike, options: FitOptions, tell: Callable[[str], None]) -> FitResults:
-    """``fit`` with all options; ``tell`` receives a line from time to time."""
+def fit_with(
+    recording: Recording, model: ModelLike, options: FitOptions, progress: Callable[[str], None]
+) -> FitResults:
+    """``fit`` with all options; ``progress`` receives a line from time to time."""
     measured = checked(recording).with_force("fit")
     models = models_for(model, measured.dampers)
     found = {}
     for damper, measurements in measured.measurements.items():
         start, count = models[damper], len(measurements)
-        tell(f"{damper}: fitting {start.name} to {count} recording{'s' if count > 1 else ''}")
+        progress(f"{damper}: fitting {start.name} to {count} recording{'s' if count > 1 else ''}")
         fitted = identified(
             start, measurements, options.free, options.fix, options.method, options.seed,
-            wishes=options.wishes(tell), limits=options.limits,
+            wishes=options.method_options(progress), limits=options.limits,
         )  # fmt: skip
         fitted = replace(fitted, model=with_misfit(fitted.model, measurements))
         found[damper] = ModelFitted(start, fitted, measurements)
@@ -187,7 +189,7 @@ def _names(given: str | Iterable[str]) -> tuple[str, ...]:
 
 
 def fit_record(fit: Fit, target: Path | None) -> dict[str, object]:
-    """A fit for JSON: the fields of ``Fit``, with the model's name and file (None where it was not written)."""
+    """A fit for JSON: the fields of ``Fit``, with the model's name and file (None if it was not written)."""
     plain = {
         field.name: getattr(fit, field.name)
         for field in fields(fit)
@@ -213,10 +215,10 @@ def _front_record(front: Front, target: Path | None) -> dict[str, object]:
 
 
 def save_fit(fit: Fit, target: Path) -> None:
-    """Writes the model, and its front beside it where there is one.
+    """Writes the model, and its front, if any, next to it.
 
     Raises:
-        InputError: where it cannot be written.
+        InputError: if it cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     save_model(fit.model, target)
@@ -230,7 +232,7 @@ def save_fit(fit: Fit, target: Path) -> None:
 
 
 def output_paths(output: Path, dampers: Sequence[str]) -> dict[str, Path]:
-    """Where each damper's model goes: into the folder ``output``, or to the file ``output`` where there is one damper.
+    """Target file for each damper's model: in the folder ``output``, or the file ``output`` if there is one damper.
 
     Raises:
         InputError: for one file and several dampers.
@@ -239,10 +241,10 @@ def output_paths(output: Path, dampers: Sequence[str]) -> dict[str, Path]:
         return {damper: output / f"{damper}.yaml" for damper in dampers}
     if len(dampers) > 1:
         raise InputError(
-            f"{output}: is one file, but there are dampers {', '.join(dampers)}; name a folder, or choose one with -d"
+            f"{output}: is one file, but there are several dampers ({', '.join(dampers)}); name a folder or use -d"
         )
     return {dampers[0]: output}
 
 
-def _silent(text: str) -> None:
-    """Tells nobody."""
+def _no_progress(text: str) -> None:
+    """Discards progress lines."""

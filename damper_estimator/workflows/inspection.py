@@ -1,4 +1,4 @@
-"""What is in a recording, how good it is, a proposed signal map, and whether it can identify a damper."""
+"""Inspects a recording: contents, quality, a proposed signal map, and whether it can identify a damper."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from damper_estimator.workflows.taring import ordered
 
 @dataclass(frozen=True)
 class TopicFacts:
-    """A topic: name, type, number of messages, and their rate by log time in Hz (NaN for fewer than two)."""
+    """A topic: name, type, number of messages, and their rate in Hz by log time (NaN for fewer than two)."""
 
     name: str
     type: str
@@ -48,12 +48,12 @@ class DamperInspected:
     """One damper.
 
     Attributes:
-        quality: of displacement and force, by role, as far as they were recorded.
-        excitation: how it was moved.
+        quality: of displacement and force by role, if recorded.
+        excitation: its motion.
         ranges: smallest and largest value of each slow channel, by role.
-        rests: stretches of standstill.
-        findings: mistakes of the measurement chain that the recording shows by itself.
-        verdict: whether it can identify a damper, and what to drive next.
+        rests: periods of standstill.
+        findings: faults of the measurement chain that the recording alone reveals.
+        verdict: whether it can identify a damper, and which test to drive next.
     """
 
     quality: Mapping[str, ChannelQuality]
@@ -66,9 +66,9 @@ class DamperInspected:
     def record(self) -> dict[str, object]:
         """For JSON."""
         return {
-            **{role: own.record() for role, own in self.quality.items()},
+            **{role: quality.record() for role, quality in self.quality.items()},
             "excitation": self.excitation.record(),
-            "ranges": {role: list(own) for role, own in self.ranges.items()},
+            "ranges": {role: list(ends) for role, ends in self.ranges.items()},
             "rests": [{"from": rest.start, "to": rest.end} for rest in self.rests],
             "findings": [finding.record() for finding in self.findings],
             "verdict": self.verdict.record(),
@@ -77,7 +77,7 @@ class DamperInspected:
 
 @dataclass(frozen=True)
 class Inspection:
-    """A recording: its topics, the signal map that was used or proposed, what was guessed for it, and its dampers."""
+    """A recording: its topics, the signal map used or proposed, the guesses behind it, and its dampers."""
 
     topics: tuple[TopicFacts, ...]
     signal_map: SignalMap
@@ -89,19 +89,19 @@ class Inspection:
         return {
             "topics": [asdict(topic) for topic in self.topics],
             "guesses": self.guesses,
-            "dampers": {name: own.record() for name, own in self.dampers.items()},
+            "dampers": {name: damper.record() for name, damper in self.dampers.items()},
         }
 
 
 def inspect(path: Path, signal_map: SignalMap | None = None, dampers: Sequence[str] = ()) -> Inspection:
-    """Looks into a recording.
+    """Inspects a recording.
 
     Args:
         signal_map: None proposes one.
-        dampers: which; empty for all.
+        dampers: names; empty for all.
 
     Raises:
-        InputError: for a recording that cannot be read, and dampers that it does not have.
+        InputError: for an unreadable recording, and for dampers that it does not have.
     """
     with open_bag(path) as bag:
         topics = _topics(bag)
@@ -139,17 +139,17 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
             f"{signals.displacement.field})"
         )
     quality = {
-        role: channel_quality(own.stamp, own.value, DEFAULT_MAX_GAP)
-        for role, own in data.items()
+        role: channel_quality(channel.stamp, channel.value, DEFAULT_MAX_GAP)
+        for role, channel in data.items()
         if role in ("displacement", "force")
     }
     measurement = measure(bag, signal_map, name, force_wanted=False)
-    moved, findings = excitation(measurement), data_findings(None, [measurement])
+    motion, findings = excitation(measurement), data_findings(None, [measurement])
     rests = find_rests(*(array for role in quality for array in ordered(data[role])))
     ranges = {
-        role: (float(np.nanmin(own.value)), float(np.nanmax(own.value)))
-        for role, own in data.items()
+        role: (float(np.nanmin(channel.value)), float(np.nanmax(channel.value)))
+        for role, channel in data.items()
         if role not in quality
     }
-    judged = verdict(moved, quality["displacement"], quality.get("force"), bool(rests))
-    return DamperInspected(quality, moved, ranges, rests, tuple(findings), judged)
+    judged = verdict(motion, quality["displacement"], quality.get("force"), bool(rests))
+    return DamperInspected(quality, motion, ranges, rests, tuple(findings), judged)

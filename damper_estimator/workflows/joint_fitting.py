@@ -1,4 +1,4 @@
-"""One damper at several settings: some parameters differ between them, all others are shared."""
+"""Fits one damper at several settings: some parameters differ between them, all others are shared."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -9,36 +9,36 @@ from damper_estimator.identification import JointFit, fit_joint, named, settings
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
 from damper_estimator.workflows.fitting import FitOptions, fit_record, save_fit
-from damper_estimator.workflows.models import ModelLike, models_for
+from damper_estimator.workflows.model_arguments import ModelLike, models_for
 from damper_estimator.workflows.recording import Recording
 
 CHANNELS = {"command": COMMAND, "temperature": TEMPERATURE, "pressure": PRESSURE}
 Settings = str | Mapping[str, Sequence[str]]
-"""The channel that tells the setting of each recording, or the recordings of each setting."""
+"""The channel that determines the setting of each recording, or the recordings of each setting."""
 
 
 @dataclass(frozen=True)
 class JointlyFitted:
-    """What was identified for each damper, and the folder of its models, one file per setting."""
+    """The joint fits by damper; saved as one model per setting."""
 
     fits: Mapping[str, JointFit]
 
     def folders(self, output: Path) -> dict[str, Path]:
-        """Where the models of each damper go."""
+        """Folder for the models of each damper."""
         return {damper: output / damper if len(self.fits) > 1 else output for damper in self.fits}
 
     def save(self, output: Path) -> None:
         """Writes one model per setting.
 
         Raises:
-            InputError: where one cannot be written.
+            InputError: if one cannot be written.
         """
         for damper, folder in self.folders(output).items():
-            for setting, own in self.fits[damper].fits.items():
-                save_fit(own, folder / f"{setting}.yaml")
+            for setting, fit in self.fits[damper].fits.items():
+                save_fit(fit, folder / f"{setting}.yaml")
 
     def records(self, output: Path) -> dict[str, dict[str, object]]:
-        """For JSON: each setting as a fit by itself, and all parameters once."""
+        """For JSON: one fit per setting, and all parameters once."""
         return {damper: _record(self.fits[damper], folder) for damper, folder in self.folders(output).items()}
 
 
@@ -48,27 +48,29 @@ def fit_jointly(
     each: Sequence[str],
     settings: Settings,
     options: FitOptions,
-    tell: Callable[[str], None],
+    progress: Callable[[str], None],
 ) -> JointlyFitted:
     """Identifies a model on all recordings together, some parameters by setting.
 
     Args:
         each: parameters that differ between the settings.
-        settings: which recording belongs to which.
-        tell: receives a line from time to time.
+        settings: the setting of each recording.
+        progress: receives a line from time to time.
 
     Raises:
-        InputError: as ``fit``, and where a recording is in no setting, or in several.
+        InputError: as ``fit``, and for a recording in no setting or in several.
     """
     measured = recording.with_force("fit")
     models = models_for(model, measured.dampers)
     found = {}
     for damper, measurements in measured.measurements.items():
         chosen = _settings(settings, measurements)
-        tell(f"{damper}: fitting {models[damper].name} to {len(measurements)} recordings, {len(set(chosen))} settings")
+        progress(
+            f"{damper}: fitting {models[damper].name} to {len(measurements)} recordings, {len(set(chosen))} settings"
+        )
         found[damper] = fit_joint(
             models[damper], measurements, chosen, each, options.free, options.fix, options.method, options.seed,
-            wishes=options.wishes(tell), limits=options.limits,
+            wishes=options.method_options(progress), limits=options.limits,
         )  # fmt: skip
     return JointlyFitted(found)
 
@@ -78,11 +80,11 @@ def _settings(given: Settings, measurements: Sequence[Measurement]) -> list[str]
     if isinstance(given, str):
         return settings_by_channel(measurements, CHANNELS[given], given)
     settings = []
-    for own in measurements:
-        names = [name for name, bags in given.items() if named(own.recording, bags)]
+    for measurement in measurements:
+        names = [name for name, bags in given.items() if named(measurement.recording, bags)]
         if len(names) != 1:
             where = f"settings {', '.join(names)}" if names else "no setting"
-            raise InputError(f"{own.recording}: is in {where}; name it in one --by SETTING=BAG[,BAG]")
+            raise InputError(f"{measurement.recording}: is in {where}; name it in one --by SETTING=BAG[,BAG]")
         settings += names
     return settings
 
@@ -90,7 +92,7 @@ def _settings(given: Settings, measurements: Sequence[Measurement]) -> list[str]
 def _record(result: JointFit, folder: Path) -> dict[str, object]:
     return {
         "each": list(result.each),
-        "settings": {name: fit_record(own, folder / f"{name}.yaml") for name, own in result.fits.items()},
+        "settings": {name: fit_record(fit, folder / f"{name}.yaml") for name, fit in result.fits.items()},
         "parameters": [asdict(p) for p in result.parameters],
         "undetermined": result.undetermined,
         "warnings": list(result.warnings),

@@ -1,4 +1,4 @@
-"""Guesses a signal map from a recording: by topic, type, field name and range; says what was guessed."""
+"""Proposes a signal map for a recording from topics, types, field names and ranges, and reports its guesses."""
 
 import re
 from collections.abc import Iterator
@@ -24,12 +24,12 @@ WORDS = {
 }
 _ROLE_OF_TYPE = {"sensor_msgs/msg/Temperature": "temperature", "sensor_msgs/msg/FluidPressure": "pressure"}
 _OURS = re.compile(r"^/damper_estimator/")
-_LOOK = 200  # messages of each topic
+_EXAMINED = 200  # messages of each topic
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A number in a recording that may be a channel."""
+    """A number in a recording that could be a channel."""
 
     role: str
     topic: str
@@ -39,11 +39,11 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Proposal:
-    """A signal map and how it came about.
+    """A signal map and the guesses behind it.
 
     Attributes:
-        signal_map: with no dampers where nothing was recognised.
-        guesses: in words.
+        signal_map: without dampers if nothing was recognised.
+        guesses: one sentence each.
     """
 
     signal_map: SignalMap
@@ -51,7 +51,7 @@ class Proposal:
 
 
 def propose(bag: Bag) -> Proposal:
-    """A signal map for the recording."""
+    """Proposes a signal map for the recording."""
     candidates = list(_candidates(bag))
     guesses: list[str] = []
     dampers: dict[str, DamperSignals] = {}
@@ -73,7 +73,7 @@ def _candidates(bag: Bag) -> Iterator[Candidate]:
         if _OURS.match(topic.name) or not topic.messages:
             continue
         try:
-            batch = next(iter(bag.batches([topic.name], size=_LOOK)))
+            batch = next(iter(bag.batches([topic.name], size=_EXAMINED)))
             messages = [message for _, message in batch.messages(topic.name)]
         except InputError:
             continue  # a type that cannot be decoded holds no channel
@@ -119,7 +119,7 @@ def _tokens(text: str) -> set[str]:
 
 
 def _partner(displacement: Candidate, others: list[Candidate], dampers: int) -> Candidate | None:
-    """The candidate of the same damper: by its name, or the only one for one damper, or by the closest topic."""
+    """The candidate of the same damper: by name, or the only one for a single damper, or by the most similar topic."""
     named = [
         o
         for o in others
@@ -137,7 +137,7 @@ def _partner(displacement: Candidate, others: list[Candidate], dampers: int) -> 
 
 
 def _scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str]) -> DamperSignals:
-    """Units from the ranges and the sign from the force's slope over velocity."""
+    """Units from the ranges, sign from the slope of the force over velocity."""
     where = signals.displacement
     raw = bag.columns(where.topic, [where.field]).values[:, 0]
     span = float(np.ptp(raw[np.isfinite(raw)])) if np.isfinite(raw).any() else 0.0
@@ -161,21 +161,21 @@ def _force_scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str
     span = float(np.ptp(raw[np.isfinite(raw)])) if np.isfinite(raw).any() else 0.0
     if 0.0 < span < 20.0:
         signals = replace(signals, force=replace(signals.force, scale=1e3))
-        guesses.append(f"{name}: the force spans {span:.3g}, so it is taken as kN; if it is V, give the gauge's scale")
+        guesses.append(f"{name}: the force spans {span:.3g}, so kN is assumed; if it is V, state the gauge's scale")
     try:
         moved = excitation(measure(bag, SignalMap(dampers={name: signals}), name))
     except InputError:
         return signals
     if moved.damping < 0.0:
-        turned = replace(signals.displacement, scale=-signals.displacement.scale)
-        signals = replace(signals, displacement=turned)
+        inverted = replace(signals.displacement, scale=-signals.displacement.scale)
+        signals = replace(signals, displacement=inverted)
         guesses.append(
-            f"{name}: force falls with velocity, so displacement is taken as positive in compression and "
-            "turned; if the gauge is the other way round, turn that instead"
+            f"{name}: force falls with velocity, so displacement is assumed positive in compression and "
+            "inverted; if the gauge has the wrong sign, invert that instead"
         )
     if abs(moved.stiffness) > 10_000.0:
         guesses.append(
-            f"{name}: force rises by {moved.stiffness / 1e3:.3g} N/mm over displacement: if a spring runs "
-            "beside the damper, give spring_rate and preload"
+            f"{name}: force rises by {moved.stiffness / 1e3:.3g} N/mm over displacement: if a spring is "
+            "parallel to the damper, state spring_rate and preload"
         )
     return signals

@@ -1,4 +1,4 @@
-"""Which test to drive next: the one that tells tied explanations apart, or that sharpens a model's parameters."""
+"""Plans the next test: one that separates tied explanations, or that makes a model's parameters more certain."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.planning import Plan, Rig, drive_csv, load_rig, plan_yaml
 from damper_estimator.planning import plan as planned
+from damper_estimator.workflows.cases import Case, Progress, diagnosis_cases, no_progress
 from damper_estimator.workflows.diagnosis import DiagnosisResults, diagnose_case
-from damper_estimator.workflows.judging import Case, Tell, judging_of, silent
-from damper_estimator.workflows.models import ModelLike
+from damper_estimator.workflows.model_arguments import ModelLike
 from damper_estimator.workflows.recording import Recording, in_words
 from damper_estimator.workflows.results import Results
 
 RIG = "servo_hydraulic"
-"""Where nothing else is said."""
+"""Default rig."""
 
 DiagnosisLike = str | Path | DiagnosisResults
-"""What ``diagnose`` found: its result, or the file that it wrote with ``--json``."""
+"""A diagnosis: the result of ``diagnose``, or the file that it wrote with ``--json``."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class PlanResults(Results[Plan]):
     """Tests to drive, by damper.
 
-    For one damper (``result["front_left"]`` where there are several) the plan is at hand.
+    The properties are those of one damper (``result["front_left"]`` selects one of several).
     """
 
     @property
@@ -38,21 +38,21 @@ class PlanResults(Results[Plan]):
 
     @property
     def sentence(self) -> str:
-        """What the test is expected to give, in one sentence."""
+        """The expected outcome of the test in one sentence."""
         return self.only.sentence
 
     def page(self) -> str:
-        """One self-contained HTML page: what will differ, and how sure the decision will be."""
+        """One self-contained HTML page: expected differences, and certainty of the decision."""
         from damper_estimator.report import plan_page
 
-        return plan_page(self.by_damper, f"a test after {in_words(self.asked['bags'])}")
+        return plan_page(self.by_damper, f"a test after {in_words(self.request['bags'])}")
 
     def save(self, path: str | Path) -> Path:
-        """Writes ``drive.csv``, ``plan.yaml`` and ``plan.html`` into a folder (one per damper where there are several);
+        """Writes ``drive.csv``, ``plan.yaml`` and ``plan.html`` into a folder (one per damper if there are several);
         ``.json`` is the record, ``.html`` the page.
 
         Raises:
-            InputError: where it cannot be written.
+            InputError: if it cannot be written.
         """
         path = Path(path)
         if path.suffix in (".json", ".html"):
@@ -65,31 +65,31 @@ class PlanResults(Results[Plan]):
 
     def write(self, folder: Path) -> list[Path]:
         """Writes the files of one damper into a folder; returns them."""
-        own, files = self.only, [folder / "plan.yaml", folder / "plan.html"]
-        if own.rig.kind != "manoeuvres":
+        test_plan, files = self.only, [folder / "plan.yaml", folder / "plan.html"]
+        if test_plan.rig.kind != "manoeuvres":
             files.append(folder / "drive.csv")
-        texts = [plan_yaml(own, self.asked), self.page(), *([drive_csv(own)] if len(files) > 2 else [])]
+        texts = [plan_yaml(test_plan, self.request), self.page(), *([drive_csv(test_plan)] if len(files) > 2 else [])]
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another place with -o") from error
+            raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another place with -o") from error
         for file, text in zip(files, texts, strict=True):
             write_text(file, text)
         return files
 
-    def _record(self, own: Plan) -> dict[str, object]:
-        return own.record()
+    def _record(self, result: Plan) -> dict[str, object]:
+        return result.record()
 
-    def _line(self, own: Plan) -> str:
-        return own.sentence
+    def _line(self, result: Plan) -> str:
+        return result.sentence
 
-    def _rows(self, own: Plan) -> list[dict[str, object]]:
-        return [step.record() for step in own.steps]
+    def _rows(self, result: Plan) -> list[dict[str, object]]:
+        return [step.record() for step in result.steps]
 
-    def _figure(self, own: Plan) -> Mapping[str, object]:
+    def _figure(self, result: Plan) -> Mapping[str, object]:
         from damper_estimator.report import plan_figure
 
-        return plan_figure(own)
+        return plan_figure(result)
 
 
 def plan(
@@ -102,66 +102,68 @@ def plan(
     minutes: float | None = None,
     parameters: bool = False,
     workers: int = 1,
-    progress: Tell | None = None,
+    progress: Progress | None = None,
 ) -> PlanResults:
-    """The test that tells apart what a diagnosis left tied, as soon as it can, within the limits of a rig.
+    """The shortest test that separates explanations which a diagnosis left tied, within the limits of a rig.
 
     Args:
-        recording: what the diagnosis was made on; several are pooled.
-        model: that was diagnosed.
-        diagnosis: its result, or the file that ``diagnose --json`` wrote; without, the recordings are diagnosed first.
+        recording: recordings of the diagnosis, pooled.
+        model: the diagnosed model.
+        diagnosis: its result, or the file that ``diagnose --json`` wrote; None runs a diagnosis first.
         rig: a name of the library, a rig file, or a rig.
-        travel: m, lowest and highest displacement that the damper allows; None for the rig's file, or what the
-            recordings drove.
-        minutes: length of the test; None for the shortest that decides rightly with 95 %, at most ten.
-        parameters: sharpen the model's parameters instead; no diagnosis is needed.
+        travel: m, lowest and highest displacement that the damper allows; None for those in the rig's file, or of
+            the recordings.
+        minutes: length of the test; None for the shortest with a correct decision in 95 % of cases, at most ten.
+        parameters: make the model's parameters more certain instead; needs no diagnosis.
         workers: processes for the diagnosis.
-        progress: receives what goes on and its share of the work, 0 to 1.
+        progress: receives the current activity and the completed share of the work, 0 to 1.
 
     Raises:
-        InputError: one line; where nothing is tied, for limits that leave nothing to drive, and as ``diagnose``.
+        InputError: if nothing is tied, for limits that permit no test, and as ``diagnose``.
     """
     test_rig = rig if isinstance(rig, Rig) else load_rig(rig)
     if travel is not None:
         if not travel[0] < travel[1]:
-            raise InputError(f"travel from {travel[0]:g} to {travel[1]:g} m: the lowest comes first")
+            raise InputError(f"travel from {travel[0]:g} to {travel[1]:g} m: give the lower limit first")
         test_rig = replace(test_rig, travel=travel)
-    given = judging_of(recording, model, None, "plan")
+    cases = diagnosis_cases(recording, model, None, "plan")
     names = list(recording.names)
-    tell = progress or silent
+    report = progress or no_progress
     found: dict[str, Plan] = {}
     known = None if parameters else _tied_of(diagnosis)
-    for case in given.cases:
-        group = () if parameters else _group(case, known, workers, tell)
+    for case in cases.cases:
+        group = () if parameters else _group(case, known, workers, report)
         if group is not None:
-            found[case.damper] = planned(case.model, case.fit, group, test_rig, minutes=minutes, progress=tell)
+            found[case.damper] = planned(case.model, case.fit, group, test_rig, minutes=minutes, progress=report)
     if not found:
         raise InputError(
-            f"{in_words(names)}: no damper has a tied finding, so nothing is to be told apart; "
-            "--parameters sharpens the model instead"
+            f"{in_words(names)}: no damper has tied findings that a test could separate; "
+            "--parameters plans a test that makes the model's parameters more certain"
         )
-    asked = {"bags": names, "model": given.asked["model"], "rig": test_rig.name}
-    return PlanResults(asked, found)
+    request = {"bags": names, "model": cases.request["model"], "rig": test_rig.name}
+    return PlanResults(request, found)
 
 
 def _tied_of(diagnosis: DiagnosisLike | None) -> dict[str, tuple[str, ...] | None] | None:
-    """By damper the first group of tied phenomena, None where there is none; None without a diagnosis."""
+    """The first group of tied phenomena by damper, None if it has none; None without a diagnosis."""
     if diagnosis is None:
         return None
     if isinstance(diagnosis, DiagnosisResults):
-        return {name: _first([(one.phenomenon, *one.tied_with) for one in own.findings])
-                for name, own in diagnosis.by_damper.items()}  # fmt: skip
+        return {name: _first([(finding.phenomenon, *finding.tied_with) for finding in result.findings])
+                for name, result in diagnosis.by_damper.items()}  # fmt: skip
     path = Path(diagnosis)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         return {
-            str(name): _first([(str(one["phenomenon"]), *map(str, one["tied_with"])) for one in own["findings"]])
-            for name, own in content["dampers"].items()
+            str(name): _first(
+                [(str(finding["phenomenon"]), *map(str, finding["tied_with"])) for finding in result["findings"]]
+            )
+            for name, result in content["dampers"].items()
         }
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); give the file of diagnose --json") from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise InputError(f"{path}: is no diagnosis; give the file that diagnose --json wrote") from error
+        raise InputError(f"{path}: is not a diagnosis; give the file that diagnose --json wrote") from error
 
 
 def _first(groups: list[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -169,14 +171,14 @@ def _first(groups: list[tuple[str, ...]]) -> tuple[str, ...] | None:
 
 
 def _group(
-    case: Case, known: dict[str, tuple[str, ...] | None] | None, workers: int, tell: Tell
+    case: Case, known: dict[str, tuple[str, ...] | None] | None, workers: int, report: Progress
 ) -> tuple[str, ...] | None:
-    """The tied phenomena of one damper; None where there are none."""
+    """The tied phenomena of one damper; None if there are none."""
     if known is not None:
         if case.damper not in known:
             raise InputError(
                 f"the diagnosis has no damper {case.damper}; it has {', '.join(known) or 'none'}; choose one with -d"
             )
         return known[case.damper]
-    found = diagnose_case(case, "both", workers, tell)
-    return _first([(one.phenomenon, *one.tied_with) for one in found.findings])
+    found = diagnose_case(case, "both", workers, report)
+    return _first([(finding.phenomenon, *finding.tied_with) for finding in found.findings])

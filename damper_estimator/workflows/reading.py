@@ -1,4 +1,4 @@
-"""The one reader: bags, bench files and samples in memory, by damper."""
+"""Reads bags, bench files and samples in memory, by damper."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PathLikes = str | PathLike[str] | Sequence[str | PathLike[str]]
 
 @dataclass(frozen=True)
 class OpenedSource:
-    """An opened recording, its signal map with an entry for each of its dampers, and what reads one of them."""
+    """An opened recording, its signal map with an entry for each of its dampers, and a function that reads one."""
 
     source: Source
     signal_map: SignalMap
@@ -36,13 +36,13 @@ class OpenedSource:
 
 @dataclass(frozen=True)
 class Reader:
-    """Opened recordings, of which one damper after the other is read; ``opened`` makes it.
+    """Opened recordings that are read damper by damper; ``open_reader`` returns one.
 
     Attributes:
         sources: the recordings, in order.
-        signal_map: with an entry for every damper of the recordings; where several have one, that of the first.
-        dampers: that are to be read, in order of appearance.
-        chosen: those that were asked for by name.
+        signal_map: with an entry for every damper of the recordings; if several recordings have one, that of the first.
+        dampers: names to read, in order of appearance.
+        chosen: those requested by name.
         window: (from, to) in s since the start.
     """
 
@@ -56,34 +56,38 @@ class Reader:
         """Reads one damper from all recordings that have it; a measured force is not required.
 
         Raises:
-            InputError: for channels that a map names and a recording lacks, and where nothing is left in the window.
+            InputError: if a recording lacks a channel that the map names, and if the window is empty.
         """
-        having = [own for own in self.sources if name in own.signal_map.dampers]
-        lacking = [source_name(own.source) for own in self.sources if name not in own.signal_map.dampers]
+        having = [source for source in self.sources if name in source.signal_map.dampers]
+        lacking = [source_name(source.source) for source in self.sources if name not in source.signal_map.dampers]
         return Recording(
-            sources=tuple(own.source for own in having),
+            sources=tuple(source.source for source in having),
             signal_map=self.signal_map,
-            measurements={name: tuple(own.measure(own.signal_map, name) for own in having)},
+            measurements={name: tuple(source.measure(source.signal_map, name) for source in having)},
             chosen=self.chosen,
             window=self.window,
-            notes=tuple(f"{own}: has no damper {name}; left out" for own in lacking if name in self.chosen),
+            notes=tuple(f"{path}: has no damper {name}; left out" for path in lacking if name in self.chosen),
         )
 
-    def every(self) -> Recording:
+    def all_dampers(self) -> Recording:
         """Reads all dampers; errors as ``damper``."""
-        read = [self.damper(name) for name in self.dampers]
+        recordings = [self.damper(name) for name in self.dampers]
         return Recording(
-            sources=tuple(own.source for own in self.sources if set(own.signal_map.dampers) & set(self.dampers)),
+            sources=tuple(
+                source.source for source in self.sources if set(source.signal_map.dampers) & set(self.dampers)
+            ),
             signal_map=self.signal_map,
-            measurements={name: own.measurements[name] for name, own in zip(self.dampers, read, strict=True)},
+            measurements={
+                name: recording.measurements[name] for name, recording in zip(self.dampers, recordings, strict=True)
+            },
             chosen=self.chosen,
             window=self.window,
-            notes=tuple(note for own in read for note in own.notes),
+            notes=tuple(note for recording in recordings for note in recording.notes),
         )
 
 
 @contextmanager
-def opened(
+def open_reader(
     paths: Sequence[Path],
     signal_map: SignalMap,
     dampers: Sequence[str] = (),
@@ -91,22 +95,22 @@ def opened(
     stop: float | None = None,
     columns: str | Path | None = None,
 ) -> Iterator[Reader]:
-    """Opens recordings, to read them damper by damper.
+    """Opens recordings for reading damper by damper.
 
     Args:
-        paths: ``.mcap`` files, rosbag2 folders, or bench files where ``columns`` are given.
-        dampers: which; empty for all.
-        start, stop: s since the start; None where all is read.
+        paths: ``.mcap`` files, rosbag2 folders, or, with ``columns``, bench files.
+        dampers: names; empty for all.
+        start, stop: s since the start; None for no limit.
         columns: column map of bench files, a path or a name of ``config/columns``.
 
     Raises:
-        InputError: for a recording that cannot be read, and a damper that is in none of them.
+        InputError: for an unreadable recording, and for a damper that is in none of them.
     """
     window = (0.0 if start is None else start, float("inf") if stop is None else stop)
     with ExitStack() as stack:
         if columns is None:
             bags = [stack.enter_context(open_bag(path)) for path in paths]
-            sources = [OpenedSource(own.path, signals_for(own, signal_map), _of_bag(own, window)) for own in bags]
+            sources = [OpenedSource(bag.path, signals_for(bag, signal_map), _of_bag(bag, window)) for bag in bags]
             yield _reader(sources, dampers, window)
         else:
             yield _reader([_in_memory(part, signal_map, window) for part in _parts(paths, columns)], dampers, window)
@@ -123,50 +127,50 @@ def read(
 ) -> Recording:
     """Reads recordings: bags (``.mcap`` or a rosbag2 folder) or, with a column map, bench and logger files.
 
-    Several recordings are pooled by all that works on them. Slow channels, force and the map's corrections are read as
-    the command line does; samples pass the filter of the signal map (third-order Butterworth, 60 Hz by default).
+    Several recordings are pooled in every analysis. Slow channels, force and the map's corrections are read as the
+    command line does; samples pass the filter of the signal map (third-order Butterworth, 60 Hz by default).
 
     Args:
-        paths: one recording, or several of them.
+        paths: one recording or several.
         signals: signal map (path or object); not needed for the default topics.
         columns: column map of a CSV, text or MAT file: a path, or the name of one in ``config/columns``.
         dampers: name or names; empty for all.
-        start, stop: s since the start; None where all is read.
+        start, stop: s since the start; None for no limit.
 
     Returns:
-        The recording, all dampers by name; dampers without a measured force are in it as well.
+        The recording with all dampers, including those without a measured force.
 
     Raises:
-        InputError: one line; the file, what is wrong, what to do.
+        InputError: one line: the file, what is wrong, what to do.
     """
     given = [paths] if isinstance(paths, (str, PathLike)) else list(paths)
     if not given:
-        raise InputError("there are no recordings to read; name a file or a rosbag2 folder")
+        raise InputError("no recordings to read; name a file or a rosbag2 folder")
     chosen = [dampers] if isinstance(dampers, str) else list(dampers)
     columns = None if columns is None else str(columns)
-    with opened([Path(own) for own in given], signal_map_of(signals), chosen, start, stop, columns) as reader:
-        return reader.every()
+    with open_reader([Path(path) for path in given], signal_map_of(signals), chosen, start, stop, columns) as reader:
+        return reader.all_dampers()
 
 
 def read_parts_in_memory(parts: Sequence[Part], signals: str | PathLike[str] | SignalMap | None = None) -> Recording:
-    """The recording of tests that lie in memory."""
+    """The recording of tests in memory."""
     window, signal_map = (0.0, float("inf")), signal_map_of(signals)
-    return _reader([_in_memory(part, signal_map, window) for part in parts], (), window).every()
+    return _reader([_in_memory(part, signal_map, window) for part in parts], (), window).all_dampers()
 
 
 def signal_map_of(signals: str | PathLike[str] | SignalMap | None) -> SignalMap:
-    """A signal map from its path; None is the default one.
+    """A signal map from its path; None for the default one.
 
     Raises:
-        InputError: where the file cannot be used.
+        InputError: if the file is unusable.
     """
     return signals if isinstance(signals, SignalMap) else load_signal_map(None if signals is None else Path(signals))
 
 
 def _reader(sources: Sequence[OpenedSource], wanted: Sequence[str], window: tuple[float, float]) -> Reader:
     entries: dict[str, DamperSignals] = {}
-    for own in sources:
-        entries |= {name: signals for name, signals in own.signal_map.dampers.items() if name not in entries}
+    for source in sources:
+        entries |= {name: signals for name, signals in source.signal_map.dampers.items() if name not in entries}
     missing = [name for name in wanted if name not in entries]
     if missing:
         given = sources[0].signal_map.where
@@ -182,17 +186,17 @@ def _of_bag(bag: Bag, window: tuple[float, float]) -> Callable[[SignalMap, str],
 
 def _in_memory(part: Part, given: SignalMap, window: tuple[float, float]) -> OpenedSource:
     signal_map, name = given.with_dampers(list(part.dampers)), source_name(part)
-    there = replace(signal_map, dampers={k: own for k, own in signal_map.dampers.items() if k in part.dampers})
-    if not there.dampers:
+    present = replace(signal_map, dampers={k: entry for k, entry in signal_map.dampers.items() if k in part.dampers})
+    if not present.dampers:
         raise InputError(
             f"{given.where}: names dampers {', '.join(given.dampers)}, but {name} has {', '.join(part.dampers)}"
         )
 
-    def measure_part(own: SignalMap, damper: str) -> Measurement:
-        channels = part_channels(part, damper, own.dampers[damper].channels())
-        return measured(name, damper, channels, own, *window)
+    def measure_part(used_map: SignalMap, damper: str) -> Measurement:
+        channels = part_channels(part, damper, used_map.dampers[damper].channels())
+        return measured(name, damper, channels, used_map, *window)
 
-    return OpenedSource(part, there, measure_part)
+    return OpenedSource(part, present, measure_part)
 
 
 def _parts(paths: Sequence[Path], columns: str | Path) -> list[Part]:

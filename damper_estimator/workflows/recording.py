@@ -1,4 +1,4 @@
-"""What was measured on one or several dampers, whether it came from a bag, a bench file or arrays."""
+"""Measurements of one or several dampers from a bag, a bench file or arrays."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ if TYPE_CHECKING:
     import pandas
 
 Source = Path | Part
-"""A recording on the disk, or a test that lies in memory."""
+"""A recording on the disk, or a test in memory."""
 
-_FIRST = 1_000_000_000  # ns since 1970, where a recording may begin
+_FIRST = 1_000_000_000  # ns since 1970, earliest time at which a recording can begin
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Recording:
-    """One or several recordings of the same dampers; ``damper_estimator.read`` and ``from_arrays`` make it.
+    """One or several recordings of the same dampers; from ``damper_estimator.read`` or ``from_arrays``.
 
-    Several recordings are pooled by all that works on them. Units are SI; displacement is positive in extension, force
+    Several recordings are pooled in every analysis. Units are SI; displacement is positive in extension, force
     positive where it resists extension.
 
     Attributes:
-        sources: where each recording comes from.
-        signal_map: how raw values became SI units, with an entry for every damper of the recordings.
-        measurements: by damper, one for each recording that has it.
-        chosen: dampers that were asked for by name; empty where all were read.
-        window: (from, to) in s since the start, what was read.
-        notes: what the reading left out, one sentence each.
+        sources: origin of each recording.
+        signal_map: conversion of raw values to SI units, with an entry for every damper of the recordings.
+        measurements: by damper, one for each recording of it.
+        chosen: dampers requested by name; empty for all.
+        window: (from, to) in s since the start.
+        notes: omissions while reading, one sentence each.
     """
 
     sources: tuple[Source, ...]
@@ -68,21 +68,23 @@ class Recording:
             time: (n,) s, rising; it may have gaps.
             displacement: (n,) m, positive in extension. Several dampers: a mapping of arrays by damper.
             force: (n,) N, positive where it resists extension; a mapping where ``displacement`` is one.
-            command, temperature, pressure, acceleration: (n,) A, deg C, Pa, m/s^2, or a number that holds throughout;
-                the same. A slow channel may hold NaN where it was not sampled.
-            damper: name of the damper, where it is one.
+            command, temperature, pressure, acceleration: (n,) A, deg C, Pa, m/s^2, or a constant; or a mapping
+                of these. A slow channel may have NaN between its samples.
+            damper: name of a single damper.
             name: of the recording, for tables and errors.
             signals: signal map (path or object) with the filter, spring rate, offsets; topics and fields are ignored.
 
         Raises:
-            InputError: one line; arrays of other shapes, time that does not rise, values that are not finite, and
-                values that cannot be in the unit (a displacement in mm).
+            InputError: for wrong shapes, time that does not rise, values that are not finite, and values that are
+                impossible in the unit (a displacement in mm).
         """
         channels = {
             "displacement": displacement, "force": force, "command": command, "temperature": temperature,
             "pressure": pressure, "acceleration": acceleration,
         }  # fmt: skip
-        part = part_from_arrays(time, {role: own for role, own in channels.items() if own is not None}, damper, name)
+        part = part_from_arrays(
+            time, {role: values for role, values in channels.items() if values is not None}, damper, name
+        )
         return _of_part(part, signals)
 
     @classmethod
@@ -100,13 +102,13 @@ class Recording:
 
         Args:
             frame: columns named ``displacement``, ``force``, ``command``, ``temperature``, ``pressure``,
-                ``acceleration`` are taken; others are ignored.
-            time: column with the time in s; None takes the column ``time``, or the index where there is none.
-            columns: for each role the column that holds it, where it is named otherwise.
+                ``acceleration`` are used; others are ignored.
+            time: column with the time in s; None for the column ``time``, or the index if there is none.
+            columns: name of the column by role, if different from the role.
             damper, name, signals: as in ``from_arrays``.
 
         Raises:
-            InputError: as ``from_arrays``, and for columns that are not there.
+            InputError: as ``from_arrays``, and for missing columns.
         """
         return _of_part(part_from_dataframe(frame, time, columns or {}, damper, name), signals)
 
@@ -124,55 +126,55 @@ class Recording:
         """The recording of one of its dampers.
 
         Raises:
-            InputError: where it has no such damper.
+            InputError: if it has no such damper.
         """
         if damper not in self.measurements:
             raise InputError(f"{self.names[0]}: has no damper {damper!r}; it has {', '.join(self.dampers)}")
         return replace(self, measurements={damper: self.measurements[damper]})
 
     def each(self) -> Iterator[tuple[str, Recording]]:
-        """Each damper and the recording of it alone."""
+        """Each damper with its own recording."""
         return ((damper, self.of(damper)) for damper in self.dampers)
 
     def where_force(self) -> Recording:
-        """The recording without what has no measured force; ``notes`` tell what is left out.
+        """The parts of the recording with a measured force; ``notes`` list the others.
 
         Raises:
-            InputError: where a damper that was chosen by name has none.
+            InputError: if a damper chosen by name has none.
         """
         kept: dict[str, tuple[Measurement, ...]] = {}
         notes = list(self.notes)
         for damper, measurements in self.measurements.items():
-            for own in measurements if damper in self.chosen else ():
-                check_force(own)
+            for measurement in measurements if damper in self.chosen else ():
+                check_force(measurement)
             notes += [
-                f"{own.recording}: the force of {damper} was not measured; left out"
-                for own in measurements
-                if own.force is None
+                f"{measurement.recording}: the force of {damper} was not measured; left out"
+                for measurement in measurements
+                if measurement.force is None
             ]
-            with_force = tuple(own for own in measurements if own.force is not None)
+            with_force = tuple(measurement for measurement in measurements if measurement.force is not None)
             if with_force:
                 kept[damper] = with_force
         return replace(self, measurements=kept, notes=tuple(notes))
 
     def with_force(self, use: str) -> Recording:
-        """The same for a ``use`` that needs a force, such as ``fit``.
+        """As ``where_force``, for a ``use`` that requires a force, such as ``fit``.
 
         Raises:
-            InputError: also where no damper has one.
+            InputError: also if no damper has one.
         """
         found = self.where_force()
         if not found.measurements:
-            raise no_force(self.names[0], use)
+            raise no_force_error(self.names[0], use)
         return found
 
     def save(self, path: str | Path) -> Path:
-        """Writes what lies in memory as a recording (``.mcap``) with the default topics.
+        """Writes a recording in memory as a file (``.mcap``) with the default topics.
 
-        Times that begin before the first second of 1970 are moved there: a recording cannot hold them.
+        Times before the first second of 1970, which a file cannot represent, are shifted there.
 
         Raises:
-            InputError: for several recordings, or one that is a file already.
+            InputError: for several recordings, or one that is already a file.
         """
         (source,) = self.sources if len(self.sources) == 1 else (None,)
         if not isinstance(source, Part):
@@ -186,7 +188,7 @@ class Recording:
         """The filtered samples of one damper as a table: time, displacement, velocity, acceleration, force, ...
 
         Raises:
-            InputError: where pandas is missing, or the recording has several dampers and none is named.
+            InputError: if pandas is missing, or the recording has several dampers and none is named.
         """
         if damper is None and len(self.dampers) != 1:
             raise InputError(f"{self.names[0]}: has dampers {', '.join(self.dampers)}; name one")
@@ -194,26 +196,31 @@ class Recording:
         return sample_table(measurements)
 
     def to_dict(self) -> dict[str, object]:
-        """What is in it: bags, and for each damper samples, seconds, and whether a force was measured."""
-        return {"bags": list(self.names), "dampers": {damper: _facts(own) for damper, own in self.measurements.items()}}
+        """Contents: bags, and for each damper samples, seconds, and whether a force was measured."""
+        return {
+            "bags": list(self.names),
+            "dampers": {damper: _facts(measurements) for damper, measurements in self.measurements.items()},
+        }
 
     def __repr__(self) -> str:
-        told = "; ".join(f"{damper}: {_in_words(own)}" for damper, own in self.measurements.items())
-        return f"Recording({', '.join(self.names)}; {told or 'no damper'})"
+        dampers = "; ".join(
+            f"{damper}: {_in_words(measurements)}" for damper, measurements in self.measurements.items()
+        )
+        return f"Recording({', '.join(self.names)}; {dampers or 'no damper'})"
 
     def _repr_html_(self) -> str:
-        rows = [[damper, _in_words(own)] for damper, own in self.measurements.items()]
+        rows = [[damper, _in_words(measurements)] for damper, measurements in self.measurements.items()]
         return html_table(", ".join(self.names), ("damper", "samples"), rows)
 
 
 def storable(part: Part) -> Part:
-    """The part with times that a recording can hold: slow channels are logged a little before the first sample."""
+    """The part with times that a file can represent: slow channels are logged shortly before the first sample."""
     early = _FIRST - int(part.stamps[0])
     return part if early <= 0 else replace(part, stamps=part.stamps + early)
 
 
 def checked(given: object) -> Recording:
-    """What was given in place of a recording, if it is one.
+    """The argument itself if it is a recording.
 
     Raises:
         InputError: for a path, or anything else.
@@ -224,19 +231,19 @@ def checked(given: object) -> Recording:
 
 
 def source_name(source: Source) -> str:
-    """Path of a recording, or the name of what lies in memory."""
+    """Path of a recording, or name of a test in memory."""
     if isinstance(source, Path):
         return str(source)
     return str(source.source) if source.parts == 1 else f"{source.source} (part {source.number})"
 
 
 def in_words(recordings: Sequence[str]) -> str:
-    """Recordings for a title."""
+    """Recordings as text for a title."""
     return recordings[0].rpartition("/")[2] if len(recordings) == 1 else f"{len(recordings)} recordings"
 
 
-def no_force(recording: str, use: str) -> InputError:
-    """The error where no damper has a measured force."""
+def no_force_error(recording: str, use: str) -> InputError:
+    """The error if no damper has a measured force."""
     return InputError(f"{recording}: no damper has a measured force; {use} needs one (name its topic in a signal map)")
 
 
@@ -248,9 +255,9 @@ def _of_part(part: Part, signals: str | Path | SignalMap | None) -> Recording:
 
 def _facts(measurements: Sequence[Measurement]) -> dict[str, object]:
     return {
-        "samples": sum(len(own.kinematics) for own in measurements),
-        "seconds": float(sum(own.kinematics.dt.sum() for own in measurements)),
-        "force": any(own.force is not None for own in measurements),
+        "samples": sum(len(measurement.kinematics) for measurement in measurements),
+        "seconds": float(sum(measurement.kinematics.dt.sum() for measurement in measurements)),
+        "force": any(measurement.force is not None for measurement in measurements),
     }
 
 

@@ -1,4 +1,4 @@
-"""Recordings replayed from file to file, of any length."""
+"""Replays recordings of any length from file to file."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from damper_estimator.model import DamperModel
 from damper_estimator.recordings import Bag, BagWriter, open_bag
 from damper_estimator.signals import DEFAULT_MAX_GAP, SignalMap, signals_for
 from damper_estimator.workflows.arrivals import BagArrivals, Chunk
-from damper_estimator.workflows.models import ModelLike, models_for
-from damper_estimator.workflows.replay_line import Answer, ReplayLine, Tally, write_answer
+from damper_estimator.workflows.model_arguments import ModelLike, models_for
+from damper_estimator.workflows.replay_line import LineOutput, ReplayCounts, ReplayLine, write_output
 
 _BATCH = 65536
-_TOLD_FROM = 1_000_000  # messages, of recordings whose progress is told
+_LONG = 1_000_000  # messages from which progress is reported
 
 
 @dataclass(frozen=True)
 class ReplaySetup:
-    """What is replayed: signals and model of each damper, the gap in s that resets, and the window in s."""
+    """Inputs of a replay: signals and model of each damper, the gap in s that resets, and the window in s."""
 
     chosen: SignalMap
     models: Mapping[str, DamperModel]
@@ -33,7 +33,7 @@ class ReplaySetup:
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """How to replay to a file: dampers (empty for all), s from the start (None: all), and the gap that resets, s."""
+    """Options of a replay to a file: dampers (empty for all), window in s (None: open), and the gap that resets, s."""
 
     dampers: Sequence[str] = ()
     start: float | None = None
@@ -47,84 +47,84 @@ def replay_to(
     output: Path,
     signal_map: SignalMap,
     options: ReplayOptions,
-    tell: Callable[[str], None],
-) -> dict[str, Tally]:
-    """Replays a recording of any length into another one: inputs as they were, estimates and residuals beside them.
+    progress: Callable[[str], None],
+) -> dict[str, ReplayCounts]:
+    """Replays a recording of any length into another one: unchanged inputs with estimates and residuals added.
 
     Args:
-        tell: receives what should be known: a filter other than that of the fit, progress of long recordings.
+        progress: receives warnings about a filter other than that of the fit, and progress of long recordings.
 
     Returns:
-        what became of each damper's samples.
+        the counts of each damper's samples.
 
     Raises:
-        InputError: as ``replay``, for an output that is the recording itself, and where it cannot be written.
+        InputError: as ``replay``, for an output that is the recording itself, and if it cannot be written.
     """
-    _refuse_input_as_output(path, output)
+    _check_output(path, output)
     with open_bag(path) as bag:
         whole = signals_for(bag, signal_map)
         for name in options.dampers:
             signals_for(bag, whole, name)
         chosen = only_dampers(whole, options.dampers or whole.dampers)
         models = models_for(model, chosen.dampers)
-        _tell_cutoffs(models, chosen.cutoff, tell)
+        _report_cutoffs(models, chosen.cutoff, progress)
         window = (-np.inf if options.start is None else options.start, np.inf if options.stop is None else options.stop)
         with BagWriter(output) as writer:
-            return replay_bag(bag, ReplaySetup(chosen, models, options.max_gap, window), writer, tell).tallies
+            return replay_bag(bag, ReplaySetup(chosen, models, options.max_gap, window), writer, progress).tallies
 
 
 def replay_bag(
-    bag: Bag, setup: ReplaySetup, writer: BagWriter, tell: Callable[[str], None] | None = None, size: int = _BATCH
+    bag: Bag, setup: ReplaySetup, writer: BagWriter, progress: Callable[[str], None] | None = None, size: int = _BATCH
 ) -> ReplayLine:
     """Writes inputs, estimates and residuals of an opened recording, at most ``size`` messages at a time."""
 
-    def write(chunk: Chunk, answer: Answer) -> None:
+    def write(chunk: Chunk, output: LineOutput) -> None:
         if chunk.batch is not None:
             writer.write_batch(chunk.batch)
-        write_answer(writer, chunk, answer)
+        write_output(writer, chunk, output)
 
-    return run(bag, setup, write, tell, size)
+    return run(bag, setup, write, progress, size)
 
 
 def run(
     bag: Bag,
     setup: ReplaySetup,
-    take: Callable[[Chunk, Answer], None],
-    tell: Callable[[str], None] | None = None,
+    take: Callable[[Chunk, LineOutput], None],
+    progress: Callable[[str], None] | None = None,
     size: int = _BATCH,
 ) -> ReplayLine:
-    """Runs the line over an opened recording; ``take`` is given each chunk and its answer.
+    """Runs the line over an opened recording; ``take`` receives each chunk and its output.
 
     Raises:
-        InputError: for channels that the bag lacks, and for a model that cannot be deployed.
+        InputError: for missing channels, and for a model that cannot be deployed.
     """
     arrivals = BagArrivals(bag, setup.chosen, setup.window)
     line, seen = ReplayLine(setup.models, setup.chosen, setup.max_gap, arrivals.measured), 0
     for chunk in arrivals.chunks(size):
         take(chunk, line.take(chunk))
         seen += 0 if chunk.batch is None else len(chunk.batch)
-        if tell is not None and arrivals.messages > _TOLD_FROM:
-            tell(f"replayed {seen} of {arrivals.messages} messages")
+        if progress is not None and arrivals.messages > _LONG:
+            progress(f"replayed {seen} of {arrivals.messages} messages")
     arrivals.check({name: tally.counts.samples for name, tally in line.tallies.items()})
     return line
 
 
 def only_dampers(signal_map: SignalMap, names: Sequence[str] | Mapping[str, object]) -> SignalMap:
-    """The map with the entries of these dampers alone."""
-    return replace(signal_map, dampers={name: own for name, own in signal_map.dampers.items() if name in names})
+    """The map with the entries of these dampers only."""
+    return replace(signal_map, dampers={name: signals for name, signals in signal_map.dampers.items() if name in names})
 
 
-def _refuse_input_as_output(path: Path, output: Path) -> None:
-    here, there = path.resolve(), output.resolve()
-    if there == here or here in there.parents or (path.exists() and output.exists() and path.samefile(output)):
-        raise InputError(f"{output}: is the recording itself; give another name with -o")
+def _check_output(path: Path, output: Path) -> None:
+    source, target = path.resolve(), output.resolve()
+    if target == source or source in target.parents or (path.exists() and output.exists() and path.samefile(output)):
+        raise InputError(f"{output}: is the recording itself; choose another name with -o")
 
 
-def _tell_cutoffs(models: Mapping[str, DamperModel], cutoff: float, tell: Callable[[str], None]) -> None:
+def _report_cutoffs(models: Mapping[str, DamperModel], cutoff: float, progress: Callable[[str], None]) -> None:
     for name, model in models.items():
         fitted: Any = model.fit.get("cutoff")
         if fitted is not None and float(fitted or 0.0) != cutoff:
-            tell(
-                f"{name}: model {model.name} was fitted with the filter at {fitted or 'none'} Hz, here it is "
-                f"at {cutoff or 'none'} Hz"
+            progress(
+                f"{name}: model {model.name} was fitted with the filter at {fitted or 'none'} Hz, but it is "
+                f"at {cutoff or 'none'} Hz here"
             )

@@ -1,4 +1,4 @@
-"""The node's line over the messages of a recording, and what became of them."""
+"""Runs the node's line over the messages of a recording and counts the results."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _NO_STAMPS = np.zeros(0, np.int64)
 
 
 @dataclass
-class Tally:
-    """What became of one damper's samples."""
+class ReplayCounts:
+    """Counts of one damper's samples and estimates."""
 
     counts: Counts = field(default_factory=Counts)
     estimates: int = 0
@@ -58,8 +58,8 @@ class Tally:
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What a chunk of messages brought about: the messages to send, estimates and residuals by damper."""
+class LineOutput:
+    """The output for a chunk of messages: messages to send, estimates and residuals by damper."""
 
     messages: list[ForceMessages]
     estimates: Mapping[str, Estimates]
@@ -70,35 +70,35 @@ class ReplayLine:
     """All dampers of a vehicle, as the node runs them; memory does not grow with the recording; final.
 
     Attributes:
-        tallies: what became of each damper's samples so far.
+        tallies: counts by damper so far.
     """
 
     def __init__(
         self, models: Mapping[str, DamperModel], chosen: SignalMap, max_gap: float, measured: set[str]
     ) -> None:
-        """``measured`` dampers have a force channel."""
+        """``measured``: names of dampers with a force channel."""
         dampers = {
             name: deployed(model, chosen.cutoff, max_gap, fusion=chosen.fusion, signals=chosen.dampers[name])
             for name, model in models.items()
         }
-        self._line = VehicleLine({name: DamperEstimator(own) for name, own in dampers.items()}, _reaches(dampers))
+        self._line = VehicleLine({name: DamperEstimator(damper) for name, damper in dampers.items()}, _reaches(dampers))
         self._residuals = {
             name: ResidualLine(chosen.dampers[name], chosen.gauge_cutoff, max_gap)
             for name in models
             if name in measured
         }
-        self.tallies = {name: Tally() for name in models}
+        self.tallies = {name: ReplayCounts() for name in models}
 
-    def take(self, chunk: Chunk) -> Answer:
+    def take(self, chunk: Chunk) -> LineOutput:
         """Runs the next messages."""
         messages, estimates = self._line.block(chunk.displacement, chunk.slow)
-        for name, own in estimates.items():
+        for name, found in estimates.items():
             tally = self.tallies[name]
-            tally.counts += Counts.of(own.verdict)
-            tally.estimates += own.force.size
-            tally.not_finite += int(np.count_nonzero(np.isnan(own.force)))
+            tally.counts += Counts.of(found.verdict)
+            tally.estimates += found.force.size
+            tally.not_finite += int(np.count_nonzero(np.isnan(found.force)))
         residuals = {name: self._residual(name, chunk, estimates.get(name)) for name in self._residuals}
-        return Answer(messages, estimates, residuals)
+        return LineOutput(messages, estimates, residuals)
 
     def _residual(self, name: str, chunk: Chunk, estimates: Estimates | None) -> Residuals:
         measured = chunk.gauge.get(name)
@@ -114,33 +114,33 @@ class ReplayLine:
         return found
 
 
-def write_answer(writer: BagWriter, chunk: Chunk, answer: Answer) -> None:
-    """Writes estimates at the log times of the displacements that they answer, and residuals."""
+def write_output(writer: BagWriter, chunk: Chunk, output: LineOutput) -> None:
+    """Writes estimates at the log times of their displacements, and residuals."""
     ranks, logs = _sorted_logs(chunk)
-    for m in answer.messages:
+    for m in output.messages:
         at = logs[np.searchsorted(ranks, m.rank)]
         writer.write_messages(FORCE, FORCE_TYPE, at, damper_forces(m.names, m.stamp, m.fields))
-    residuals = answer.residuals
-    for stamp, rows in group_equal_keys({name: own.stamp for name, own in residuals.items()}):
+    residuals = output.residuals
+    for stamp, rows in group_equal_keys({name: residual.stamp for name, residual in residuals.items()}):
         first = next(iter(rows))
-        effort = np.stack([residuals[name].value[own] for name, own in rows.items()], axis=1)
+        effort = np.stack([residuals[name].value[chosen] for name, chosen in rows.items()], axis=1)
         at = residuals[first].log[rows[first]]
         writer.write_messages(RESIDUAL, RESIDUAL_TYPE, at, joint_states(list(rows), stamp, effort=effort))
 
 
 def _sorted_logs(chunk: Chunk) -> tuple[np.ndarray, np.ndarray]:
     """Log times of all displacement messages by rank."""
-    rank = np.concatenate([_NO_STAMPS, *(own.rank for own in chunk.displacement.values())])
+    rank = np.concatenate([_NO_STAMPS, *(arrivals.rank for arrivals in chunk.displacement.values())])
     logs = np.concatenate([_NO_STAMPS, *chunk.log.values()])
     ranks, first = np.unique(rank, return_index=True)
     return ranks, logs[first]
 
 
 def _reaches(dampers: Mapping[str, Deployed]) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
-    """What commands can reach, for those dampers whose model has an inverse; as the node with its default settings."""
+    """Functions for the reachable forces of dampers whose model has an inverse; as the node does by default."""
     found: dict[str, Callable[[np.ndarray], np.ndarray]] = {}
-    for name, own in dampers.items():
+    for name, damper in dampers.items():
         with suppress(InputError):
-            checked_limits(own.model, own.signals.command.value_limits)
-            found[name] = InverseModel(own.model, usable_limits(name, own)[0]).reach
+            checked_limits(damper.model, damper.signals.command.value_limits)
+            found[name] = InverseModel(damper.model, usable_limits(name, damper)[0]).reach
     return found

@@ -1,4 +1,4 @@
-"""What all results have in common: one entry for each damper, and how they show and save themselves."""
+"""Base class of all results: a mapping by damper with text, table, figure and file output."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
     import pandas
     from plotly.graph_objects import Figure
 
-One = TypeVar("One")
+DamperResult = TypeVar("DamperResult")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Results(Mapping[str, "Results[One]"], Generic[One]):
-    """Results of a use case: a mapping by damper, whose values are the results of that damper alone. Abstract.
+class Results(Mapping[str, "Results[DamperResult]"], Generic[DamperResult]):
+    """Results of a use case: a mapping from each damper to its own results. Abstract.
 
-    Attributes of one damper's result can be read where there is one damper.
+    Properties of a damper's result are available if there is a single damper.
 
     Attributes:
-        asked: what was asked, for the record: ``bags``, ``model``, ...
-        by_damper: what was found for each damper.
+        request: the inputs, for JSON: ``bags``, ``model``, ...
+        by_damper: the result of each damper.
     """
 
-    asked: Mapping[str, Any]
-    by_damper: Mapping[str, One]
+    request: Mapping[str, Any]
+    by_damper: Mapping[str, DamperResult]
 
     def __getitem__(self, damper: str) -> Self:
         return replace(self, by_damper={damper: self.by_damper[damper]})
@@ -43,50 +43,48 @@ class Results(Mapping[str, "Results[One]"], Generic[One]):
         return len(self.by_damper)
 
     @property
-    def only(self) -> One:
-        """What was found for the only damper.
+    def only(self) -> DamperResult:
+        """The result of a single damper.
 
         Raises:
-            InputError: where there are several.
+            InputError: if there are several.
         """
         if len(self.by_damper) != 1:
             first = next(iter(self.by_damper), "NAME")
-            raise InputError(
-                f"there are results of dampers {', '.join(self.by_damper)}; choose one of them: result[{first!r}]"
-            )
+            raise InputError(f"the results are of dampers {', '.join(self.by_damper)}; select one: result[{first!r}]")
         return next(iter(self.by_damper.values()))
 
     def to_dict(self) -> dict[str, object]:
-        """The record as the command line writes it with ``--json``: what was asked, and ``dampers`` by name."""
-        return {**self.asked, "dampers": {damper: self._record(own) for damper, own in self.by_damper.items()}}
+        """The content of the command line's ``--json`` file: the inputs, and ``dampers`` by name."""
+        return {**self.request, "dampers": {damper: self._record(result) for damper, result in self.by_damper.items()}}
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The table behind the result, all dampers in it.
+        """The results of all dampers as a table.
 
         Raises:
-            InputError: where pandas is not installed.
+            InputError: if pandas is not installed.
         """
         return data_frame(
-            [{"damper": damper, **row} for damper, own in self.by_damper.items() for row in self._rows(own)]
+            [{"damper": damper, **row} for damper, result in self.by_damper.items() for row in self._rows(result)]
         )
 
     def figure(self, damper: str | None = None) -> Figure:
-        """A Plotly figure of one damper, the only one where none is named.
+        """A Plotly figure of one damper; ``damper`` is required if there are several.
 
         Raises:
-            InputError: where there are several and none is named, or there is none of that name.
+            InputError: if there are several and none is named, or the name is unknown.
         """
         from damper_estimator.report import plotly_figure
 
         if damper is not None and damper not in self.by_damper:
-            raise InputError(f"there is no result of damper {damper!r}; there are {', '.join(self.by_damper)}")
+            raise InputError(f"no result of damper {damper!r}; the results are of {', '.join(self.by_damper)}")
         return plotly_figure(self._figure(self.only if damper is None else self.by_damper[damper]))
 
     def save(self, path: str | Path) -> Path:
-        """Writes the result: ``.json`` is the record, ``.html`` the page that opens without a network.
+        """Writes the result: ``.json`` as in ``to_dict``, ``.html`` the page that opens without a network.
 
         Raises:
-            InputError: for another ending, and where it cannot be written.
+            InputError: for another file extension, and if it cannot be written.
         """
         path = Path(path)
         if path.suffix == ".json":
@@ -95,47 +93,47 @@ class Results(Mapping[str, "Results[One]"], Generic[One]):
             write_text(path, self.page())
         else:
             endings = ".json or .html" if self._has_page() else ".json"
-            raise InputError(f"{path}: cannot hold this result; give a name that ends in {endings}")
+            raise InputError(f"{path}: cannot hold this result; choose a name ending in {endings}")
         return path
 
     def page(self) -> str:
-        """The result as one self-contained HTML page, where there is one for it."""
+        """The result as one self-contained HTML page, if this kind of result has one."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        told = "; ".join(f"{damper}: {self._line(own)}" for damper, own in self.by_damper.items())
-        return f"{type(self).__name__}({told})"
+        lines = "; ".join(f"{damper}: {self._line(result)}" for damper, result in self.by_damper.items())
+        return f"{type(self).__name__}({lines})"
 
     def _repr_html_(self) -> str:
         rows = [
             [damper, *(_cell(value) for value in row.values())]
-            for damper, own in self.by_damper.items()
-            for row in self._rows(own)
+            for damper, result in self.by_damper.items()
+            for row in self._rows(result)
         ]
-        first = next((row for own in self.by_damper.values() for row in self._rows(own)), {})
+        first = next((row for result in self.by_damper.values() for row in self._rows(result)), {})
         return html_table(self._title(), ("damper", *first), rows)
 
     def _has_page(self) -> bool:
         return type(self).page is not Results.page
 
     def _title(self) -> str:
-        """What stands above the table."""
+        """Title of the table."""
         return repr(self)
 
     @abstractmethod
-    def _record(self, own: One) -> dict[str, object]:
+    def _record(self, result: DamperResult) -> dict[str, object]:
         """One damper for JSON."""
 
     @abstractmethod
-    def _line(self, own: One) -> str:
+    def _line(self, result: DamperResult) -> str:
         """One damper in a few words."""
 
     @abstractmethod
-    def _rows(self, own: One) -> Sequence[Mapping[str, object]]:
+    def _rows(self, result: DamperResult) -> Sequence[Mapping[str, object]]:
         """One damper as rows of a table, all with the same columns."""
 
     @abstractmethod
-    def _figure(self, own: One) -> Mapping[str, object]:
+    def _figure(self, result: DamperResult) -> Mapping[str, object]:
         """One damper as a figure of the report."""
 
 

@@ -14,11 +14,11 @@ from damper_estimator.signals import Measurement
 if TYPE_CHECKING:
     import pandas
 
-_MOST_ROWS = 12  # that a notebook shows
+_MOST_ROWS = 12  # shown in a notebook
 
 
 def html_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A small table as HTML; texts are escaped, long tables cut.
+    """A small table as HTML; texts are escaped, long tables truncated.
 
     Args:
         title: of the table.
@@ -41,7 +41,7 @@ def data_frame(rows: Sequence[Mapping[str, object]] | Mapping[str, np.ndarray]) 
     """A data frame of rows, or of columns.
 
     Raises:
-        InputError: where pandas is not installed.
+        InputError: if pandas is not installed.
     """
     try:
         import pandas
@@ -51,21 +51,21 @@ def data_frame(rows: Sequence[Mapping[str, object]] | Mapping[str, np.ndarray]) 
 
 
 def sample_table(measurements: Sequence[Measurement]) -> pandas.DataFrame:
-    """Filtered samples of one damper, a row each; ``force`` in N is NaN where none was measured.
+    """Filtered samples of one damper, a row each; ``force`` in N is NaN if none was measured.
 
     Raises:
-        InputError: where pandas is not installed.
+        InputError: if pandas is not installed.
     """
     columns: dict[str, list[np.ndarray]] = {}
-    for own in measurements:
-        k = own.kinematics
-        force = np.full(len(k), np.nan) if own.force is None else own.force
+    for measurement in measurements:
+        k = measurement.kinematics
+        force = np.full(len(k), np.nan) if measurement.force is None else measurement.force
         values = {
-            "recording": np.full(len(k), own.recording), "stamp_ns": k.stamp, "time": k.time,
+            "recording": np.full(len(k), measurement.recording), "stamp_ns": k.stamp, "time": k.time,
             "displacement": k.displacement, "velocity": k.velocity, "acceleration": k.acceleration,
             "command": k.command, "temperature": k.temperature, "pressure": k.pressure, "force": force,
-            "judged": own.judged,
+            "judged": measurement.judged,
         }  # fmt: skip
         for name, column in values.items():
             columns.setdefault(name, []).append(column)
-    return data_frame({name: np.concatenate(own) for name, own in columns.items()})
+    return data_frame({name: np.concatenate(parts) for name, parts in columns.items()})

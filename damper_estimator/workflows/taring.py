@@ -1,4 +1,4 @@
-"""Finding rest in a recording, and zeroing gauge and displacement in a signal map."""
+"""Finds standstill in a recording, and zeroes gauge and displacement in a signal map."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from damper_estimator.signals import (
 
 @dataclass(frozen=True)
 class Tared:
-    """One damper: its rests, the longest first, and its entry of the signal map before and after."""
+    """One damper: its rests, longest first, and its entry in the signal map before and after."""
 
     rests: tuple[Rest, ...]
     before: DamperSignals
@@ -54,31 +54,31 @@ class Tared:
 
 @dataclass(frozen=True)
 class Tare:
-    """The signal map with offsets that make the rests zero, and what was found for each damper."""
+    """The signal map with offsets that zero the longest rests, and the result of each damper."""
 
     signal_map: SignalMap
     dampers: Mapping[str, Tared]
 
     def to_dict(self) -> dict[str, object]:
         """For JSON."""
-        return {"dampers": {name: own.record() for name, own in self.dampers.items()}}
+        return {"dampers": {name: tared.record() for name, tared in self.dampers.items()}}
 
 
 def tare(path: Path, signal_map: SignalMap, dampers: Sequence[str] = ()) -> Tare:
     """Sets offsets so that in the longest rest the displacement is zero, and the damper's force as well.
 
     Args:
-        dampers: which; empty for all. The others keep their entries.
+        dampers: names; empty for all. Others keep their entries.
 
     Raises:
-        InputError: where there is no displacement, or no rest.
+        InputError: if there is no displacement or no rest.
     """
     with open_bag(path) as bag:
         whole = signals_for(bag, signal_map)
         for name in dampers:
             signals_for(bag, whole, name)
         found = {name: _tared(bag, name, whole.dampers[name]) for name in dampers or whole.dampers}
-    entries = {**whole.dampers, **{name: own.after for name, own in found.items()}}
+    entries = {**whole.dampers, **{name: tared.after for name, tared in found.items()}}
     return Tare(replace(whole, dampers=entries), found)
 
 
@@ -88,14 +88,14 @@ def _tared(bag: Bag, name: str, signals: DamperSignals) -> Tared:
         raise InputError(
             f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); correct the signal map"
         )
-    moved = ordered(data["displacement"])
+    displacement = ordered(data["displacement"])
     force = ordered(data["force"]) if "force" in data else (None, None)
-    rests = sorted(find_rests(*moved, *force), key=lambda rest: -rest.seconds)
+    rests = sorted(find_rests(*displacement, *force), key=lambda rest: -rest.seconds)
     if not rests:
-        what = "displacement and force are" if "force" in data else "the displacement is"
+        channels = "displacement and force are" if "force" in data else "the displacement is"
         raise InputError(
-            f"{bag.path}: damper {name} is never at rest ({what} nowhere quiet for {LEAST_SECONDS:g} s); "
-            "record some seconds of standstill, or give offsets in the signal map"
+            f"{bag.path}: damper {name} is never at rest ({channels} nowhere quiet for {LEAST_SECONDS:g} s); "
+            "record a few seconds of standstill, or state offsets in the signal map"
         )
     zeroed = replace(signals, displacement=_shifted(signals.displacement, -rests[0].displacement))
     if "force" in data:

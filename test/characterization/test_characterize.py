@@ -7,7 +7,7 @@ import pytest
 from shapes import measurement_of, sine, sine_test
 
 from damper_estimator.characterization import characterize, mean_loops, quasi_static
-from damper_estimator.characterization.record import PEAK_COLUMNS, peaks, peaks_csv, record
+from damper_estimator.characterization.serialization import PEAK_COLUMNS, peaks, peaks_csv, record
 from damper_estimator.errors import InputError
 from damper_estimator.files import plain
 
@@ -152,7 +152,7 @@ def test_a_random_recording_says_that_it_is_none_of_a_sine_test():
 
 def test_a_recording_without_any_cycle_of_use_is_refused():
     motion, rate = random_motion(4.0, 0.1, 3.0)
-    with pytest.raises(InputError, match="has no passage that characterizes"):
+    with pytest.raises(InputError, match="has no motion that characterizes"):
         characterize([measurement_of(motion, viscous(*motion), rate)])
 
 

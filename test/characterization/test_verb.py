@@ -101,4 +101,4 @@ def test_a_recording_at_rest_is_refused_in_one_line(tmp_path, capsys):
     still = write(tmp_path / "still.mcap", lambda x, v, a: 0.0 * x, amplitude=0.0)
     assert main(["characterize", still]) == 1
     errors = capsys.readouterr().err.strip().splitlines()
-    assert len(errors) == 1 and "no passage that characterizes" in errors[0]
+    assert len(errors) == 1 and "no motion that characterizes" in errors[0]

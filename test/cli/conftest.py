@@ -28,7 +28,7 @@ def model_file(tmp_path):
 
 @pytest.fixture
 def write_bag(tmp_path):
-    """Writes a bag of displacement, force (both JointState) and, where given, temperatures.
+    """Writes a bag of displacement, force (both JointState) and, if given, temperatures.
 
     ``names`` in the messages, ``stamp`` (n,) ns, ``displacement`` and ``force`` (n, k) or None; ``log`` defaults to
     the stamps.
@@ -57,7 +57,7 @@ def write_bag(tmp_path):
 
 @pytest.fixture
 def driven(write_bag):
-    """A bag of two dampers at 500 Hz: stamps, displacements and a force that a viscous damper with an error gives."""
+    """A bag of two dampers at 500 Hz: stamps, displacements and the force of a viscous damper with an error."""
 
     def make(
         name="drive.mcap",
@@ -86,7 +86,7 @@ def driven(write_bag):
 
 @pytest.fixture
 def write_current(tmp_path):
-    """Adds Float64 currents to a new bag that holds a copy of another."""
+    """Adds Float64 currents to a copy of a bag."""
     from damper_estimator.recordings import open_bag
 
     def make(source, name, topic, log, value):
@@ -102,7 +102,7 @@ def write_current(tmp_path):
 
 @pytest.fixture
 def refused(capsys):
-    """Runs the command line, expects exit status 1 and one line on standard error, and returns it."""
+    """Runs the command line; returns the one line on standard error after checking that the exit status is 1."""
     from damper_estimator.cli.main import main
 
     def run(*words):

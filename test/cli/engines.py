@@ -1,4 +1,4 @@
-"""Engines of known words in place of the search, so that the verbs can be held to what they do with a diagnosis."""
+"""Engines with fixed results in place of the search, to test what the verbs do with a diagnosis."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from damper_estimator.identification import FittedParameter
 from damper_estimator.model import make_element
 from damper_estimator.validation import DataFinding
 
-RUBS = Finding(
+FRICTION = Finding(
     effect="coulomb",
     phenomenon="friction",
     tied_with=("hysteresis",),
@@ -25,20 +25,25 @@ RUBS = Finding(
     parameters=(FittedParameter("coulomb.force", 61234.0, 120.0, "N", False),),
     is_channel=False,
 )
-SHIFTED = replace(
-    RUBS, effect="force_offset", phenomenon="force_offset", tied_with=(), is_channel=True, evidence="It is never zero."
+OFFSET = replace(
+    FRICTION,
+    effect="force_offset",
+    phenomenon="force_offset",
+    tied_with=(),
+    is_channel=True,
+    evidence="It is never zero.",
 )
 GAPS = DataFinding("gaps", "12 gaps of more than 0.1 s.", "Record to a faster disk.", "/data/a.mcap", 0.1)
 
 
 class Engine:
-    """Stands for ``diagnose`` or ``improve``: keeps what it was asked, and says that the damper rubs, or is shifted."""
+    """Replaces ``diagnose`` or ``improve``: records its calls, and reports friction or an offset of the gauge."""
 
-    def __init__(self, finding=RUBS):
-        self.finding, self.asked = finding, []
+    def __init__(self, finding=FRICTION):
+        self.finding, self.calls = finding, []
 
     def diagnose(self, model, fit, unseen=(), *, mode="both", workers=1, progress=None):
-        self.asked.append({"model": model, "fit": fit, "unseen": unseen, "mode": mode, "workers": workers})
+        self.calls.append({"model": model, "fit": fit, "unseen": unseen, "mode": mode, "workers": workers})
         progress("trying effects", 0.5)
         finding, signals, improved = self.finding, fit[0].signals, model
         element = make_element(find_effect(finding.effect))
@@ -72,10 +77,10 @@ class Engine:
 
     def improve(self, model, fit, unseen=(), *, mode="both", workers=1, progress=None, most=6):
         first = self.diagnose(model, fit, unseen, mode=mode, workers=workers, progress=progress)
-        own = self.finding
-        action = "correct" if own.is_channel else "add"
+        finding = self.finding
+        action = "correct" if finding.is_channel else "add"
         start = Step("start", None, None, model, 101.0, 100.0, None, "the model as given")
-        step = Step(action, own.effect, own.phenomenon, first.improved, 19.0, 20.0, first, "")
+        step = Step(action, finding.effect, finding.phenomenon, first.improved, 19.0, 20.0, first, "")
         last = replace(first, model=first.improved, verdict="nothing_missing", findings=(), elements=())
         return Improvement(
             steps=(start, step),

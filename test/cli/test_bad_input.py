@@ -1,4 +1,4 @@
-"""Every verb, every kind of unusable input: one line, status 1, nothing half-written."""
+"""Every verb with every kind of unusable input: one line, status 1, no partial output."""
 
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def words(verb, bag, folder, model="model.yaml", output=None):
 
 
 def refused(line, folder, capsys):
-    """Runs it; the one line on standard error, after it is checked that the folder is as it was."""
+    """Runs it; the one line on standard error, after checking that the folder is unchanged."""
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     assert main(line) == 1
     captured = capsys.readouterr()
@@ -120,8 +120,8 @@ def test_a_recording_without_force_is_refused_by_the_verb_in_use(verb, good, wri
     line = [verb, str(good / "moved.mcap")]
     line += [] if verb == "characterize" else ["-m", str(good / "model.yaml")]
     line += ["-o", str(good / "out.yaml")] if verb in ("fit", "improve") else []
-    told = refused(line, good, capsys)
-    assert told.endswith(
+    message = refused(line, good, capsys)
+    assert message.endswith(
         f"moved.mcap: no damper has a measured force; {verb} needs one (name its topic in a signal map)"
     )
 
@@ -139,7 +139,7 @@ def test_an_output_that_cannot_be_written(verb, place, good, capsys):
 
 
 @pytest.mark.parametrize("verb", ["inspect", "compare", "fit", "replay"])
-def test_displacement_that_is_not_a_number_is_counted_and_survived(verb, good, write_bag, capsys):
+def test_displacement_that_is_not_a_number_is_counted_and_tolerated(verb, good, write_bag, capsys):
     stamp, x, force = motion()
     x[1500:1505] = np.nan
     force[1800] = np.inf

@@ -1,4 +1,4 @@
-"""`comfort`: one command from any model to the figure and its numbers."""
+"""`comfort`: from any model to the figure and its numbers in one command."""
 
 import json
 
@@ -30,21 +30,20 @@ def test_the_modified_bouc_wen_differs_from_its_curve_at_small_excitation_and_ag
     assert "renault_modified_bouc_wen_point_3" in page
 
 
-def test_any_model_can_be_put_in_and_a_curve_is_its_own_single_curve(capsys):
+def test_any_model_can_be_used_and_a_curve_equals_its_single_curve(capsys):
     assert main(["comfort", "-m", "linear_viscous", *SHORT, "--json", "-"]) == 0
     for sweep in json.loads(capsys.readouterr().out)["sweeps"]:
         assert max(sweep["difference"].values()) < 0.005
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--vehicle", "hovercraft"], "neither a file nor a car's name"),
-        (["--amplitude", "0"], "--amplitude must lie between 0 and 50 mm"),
+        (["--amplitude", "0"], "--amplitude must be between 0 and 50 mm"),
         (["-m", "nothing"], "neither a model file nor a model's name"),
     ],
 )
-def test_what_cannot_be_used_is_refused_in_one_line(words, said, capsys):
+def test_unusable_input_is_refused_in_one_line(words, message, capsys):
     assert main(["comfort", *words]) == 1
-    told = capsys.readouterr().err.strip().splitlines()
-    assert said in told[-1]
+    assert message in capsys.readouterr().err.strip().splitlines()[-1]

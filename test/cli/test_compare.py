@@ -21,32 +21,32 @@ def results(tmp_path, *words):
 
 def test_the_numbers_are_those_of_the_library(driven, model_file, tmp_path):
     bag, *_ = driven()
-    told = results(tmp_path, bag, "-m", model_file)
-    assert list(told) == ["front_left", "front_right"]
+    found = results(tmp_path, bag, "-m", model_file)
+    assert list(found) == ["front_left", "front_right"]
     with open_bag(bag) as opened:
         m = measure(opened, SignalMap(), "front_right")
     expected = compare(load_model(model_file), m).measures.record()
-    assert {name: told["front_right"][name] for name in expected} == expected
+    assert {name: found["front_right"][name] for name in expected} == expected
 
 
-def test_several_bags_are_pooled_and_told_one_by_one(driven, model_file, tmp_path):
+def test_several_bags_are_pooled_and_reported_one_by_one(driven, model_file, tmp_path):
     one, other = driven("one.mcap", seed=1)[0], driven("other.mcap", seconds=4.0, seed=2)[0]
-    told = results(tmp_path, one, other, "-m", model_file)["front_left"]
+    found = results(tmp_path, one, other, "-m", model_file)["front_left"]
     alone = [results(tmp_path, bag, "-m", model_file)["front_left"] for bag in (one, other)]
-    assert [own["rmse_n"] for own in told["bags"]] == [own["rmse_n"] for own in alone]
-    assert told["samples"] == sum(own["samples"] for own in alone)
-    assert [own["bag"] for own in told["bags"]] == [str(one), str(other)]
+    assert [entry["rmse_n"] for entry in found["bags"]] == [entry["rmse_n"] for entry in alone]
+    assert found["samples"] == sum(entry["samples"] for entry in alone)
+    assert [entry["bag"] for entry in found["bags"]] == [str(one), str(other)]
 
 
-def test_several_models_stand_side_by_side(driven, model_file, tmp_path, capsys):
+def test_several_models_are_compared_with_each_other(driven, model_file, tmp_path, capsys):
     bag, *_ = driven()
-    told = results(tmp_path, bag, "-m", "linear_viscous", "-m", model_file)["front_left"]
-    assert [own["model"] for own in told["models"]] == [load_model("linear_viscous").name, "viscous_and_friction"]
-    assert told["rmse_n"] == told["models"][0]["rmse_n"]
+    found = results(tmp_path, bag, "-m", "linear_viscous", "-m", model_file)["front_left"]
+    assert [entry["model"] for entry in found["models"]] == [load_model("linear_viscous").name, "viscous_and_friction"]
+    assert found["rmse_n"] == found["models"][0]["rmse_n"]
     assert "viscous_and_friction" in capsys.readouterr().out
 
 
-def test_json_on_standard_output_is_nothing_but_json(driven, model_file, capsys):
+def test_standard_output_has_only_json(driven, model_file, capsys):
     bag, *_ = driven()
     assert main(["compare", str(bag), "-m", str(model_file), "--json", "-"]) == 0
     assert set(json.loads(capsys.readouterr().out)["dampers"]) == {"front_left", "front_right"}
@@ -68,7 +68,7 @@ def test_a_window_cuts(driven, model_file, tmp_path):
     assert results(tmp_path, bag, "-m", model_file, "--from", 2, "--to", 5)["front_left"]["samples"] == 1400
 
 
-def test_the_page_holds_everything_and_reaches_for_nothing(driven, model_file, tmp_path):
+def test_the_page_is_self_contained(driven, model_file, tmp_path):
     bag, *_ = driven()
     page = tmp_path / "page.html"
     assert main(["compare", str(bag), "-m", str(model_file), "--html", str(page)]) == 0
@@ -76,7 +76,7 @@ def test_the_page_holds_everything_and_reaches_for_nothing(driven, model_file, t
     assert "front_right" in text and not re.search(r"<(?:script|link|img)[^>]+(?:src|href)=[\"'](?!data:)", text)
 
 
-def test_a_damper_without_measured_force_is_left_out_unless_it_is_asked_for(
+def test_a_damper_without_measured_force_is_left_out_unless_it_is_requested(
     driven, model_file, tmp_path, refused, capsys
 ):
     bag, *_ = driven()
@@ -92,19 +92,19 @@ def test_a_damper_without_measured_force_is_left_out_unless_it_is_asked_for(
 
 def test_a_damper_may_be_in_some_of_the_bags(driven, model_file, tmp_path):
     both, one = driven("both.mcap")[0], driven("one.mcap", names=("front_left",))[0]
-    told = results(tmp_path, both, one, "-m", model_file)
-    assert len(told["front_left"]["bags"]) == 2 and "bags" not in told["front_right"]
+    found = results(tmp_path, both, one, "-m", model_file)
+    assert len(found["front_left"]["bags"]) == 2 and "bags" not in found["front_right"]
 
 
-def test_unusable_input_is_one_line_and_leaves_nothing(driven, write_bag, model_file, tmp_path, refused):
+def test_unusable_input_is_one_line_and_leaves_no_files(driven, write_bag, model_file, tmp_path, refused):
     bag, *_ = driven()
     silent, *_ = driven("silent.mcap", force=False)
     page = tmp_path / "page.html"
 
     def line(*words):
-        told = refused("compare", *words, "--html", page, "--json", tmp_path / "r.json")
+        found = refused("compare", *words, "--html", page, "--json", tmp_path / "r.json")
         assert not page.exists() and not (tmp_path / "r.json").exists()
-        return told
+        return found
 
     assert "no damper has a measured force" in line(silent, "-m", model_file)
     assert "'rear'" in line(bag, "-m", model_file, "-d", "rear") and "front_left" in line(

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from damper_estimator.cli.groups import parse_groups
 from damper_estimator.cli.main import main
+from damper_estimator.cli.recording_groups import parse_groups
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import BagWriter, Stream, joint_states
 from damper_estimator.recordings.encode import accelerations
@@ -25,8 +25,8 @@ def write(path, frequency, amplitude, damping=2000.0, seconds=8.0, accelerometer
         Stream("/suspension/force", KIND, stamps, joint_states(["d"], stamps, effort=damping * v[:, None])),
     ]
     if accelerometer:
-        own = accelerations(stamps, -(w**2) * x)
-        streams.append(Stream("/suspension/d/acceleration", "geometry_msgs/msg/AccelStamped", stamps, own))
+        messages = accelerations(stamps, -(w**2) * x)
+        streams.append(Stream("/suspension/d/acceleration", "geometry_msgs/msg/AccelStamped", stamps, messages))
     with BagWriter(path) as bag:
         bag.write_streams(streams)
     return str(path)
@@ -69,13 +69,14 @@ def test_the_page_shows_them(bags, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "wrong"), [("comfort", "is no group"), ("a=none", "is none of the recordings"), ("=slow", "is no group")]
+    ("text", "wrong"),
+    [("comfort", "is not a group"), ("a=none", "is not one of the recordings"), ("=slow", "is not a group")],
 )
-def test_groups_that_make_no_sense_are_refused(text, wrong, tmp_path):
+def test_invalid_groups_are_refused(text, wrong, tmp_path):
     with pytest.raises(InputError, match=wrong):
         parse_groups([text], [tmp_path / "slow.mcap", tmp_path / "fast.mcap"])
 
 
 def test_a_group_given_twice_is_refused(tmp_path):
-    with pytest.raises(InputError, match="given before"):
+    with pytest.raises(InputError, match="given twice"):
         parse_groups(["a=slow", "a=slow"], [tmp_path / "slow.mcap"])

@@ -1,4 +1,4 @@
-"""Completion in shells and manual pages: made of the parsers, and understood by the programs that read them."""
+"""Completion in shells and manual pages: generated from the parsers, and valid for the programs that read them."""
 
 import argparse
 import os
@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from damper_estimator.cli.commands import Command, all_commands
 from damper_estimator.cli.main import main, parser_of, verbs
 from damper_estimator.cli.man_pages import man_pages
+from damper_estimator.cli.parser_description import Command, all_commands
 from damper_estimator.model import library_models
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,7 +42,7 @@ def scripts(tmp_path_factory) -> dict[str, Path]:
 
 
 def completed(script: Path, folder: Path, *words: str) -> set[str]:
-    """What bash offers after these words."""
+    """The words that bash offers after these."""
     call = ["bash", "-c", COMPLETE, "complete", str(script), "damper-estimator", *words]
     done = subprocess.run(call, capture_output=True, text=True, check=True, cwd=folder)
     assert done.stderr == ""
@@ -98,7 +98,7 @@ def test_the_script_for_zsh_describes_every_option(scripts, commands):
     text = scripts["zsh"].read_text()
     assert text.startswith("#compdef damper-estimator\n")
     for command in commands:
-        for flag in (flag for own in command.options for flag in own.flags):
+        for flag in (flag for option in command.options for flag in option.flags):
             assert f"*{flag}[" in text
 
 
@@ -107,13 +107,13 @@ def test_there_is_a_page_for_the_program_and_every_command(commands):
     assert {f"damper-estimator-{verb}.1" for verb in verbs()} | {"damper-estimator.1"} <= set(pages)
     for command in commands:
         page = pages["-".join(("damper-estimator", *command.words)) + ".1"].replace("\\-", "-").replace("\\:", "")
-        for own in command.arguments:
-            assert all(flag in page for flag in own.flags) and own.value in page, (command.words, own)
+        for argument in command.arguments:
+            assert all(flag in page for flag in argument.flags) and argument.value in page, (command.words, argument)
         assert all(f"damper-estimator {example}\n" in page for example in command.examples)
     assert library_models().keys() & set(pages["damper-estimator.1"].split()) == set()
 
 
-def test_groff_finds_nothing_wrong_with_the_pages(commands, tmp_path):
+def test_groff_accepts_the_pages(commands, tmp_path):
     groff = shutil.which("groff")
     if groff is None:
         pytest.skip("groff is not installed")

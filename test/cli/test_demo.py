@@ -1,4 +1,4 @@
-"""demo: the story on the shipped recordings, from a folder that is its own."""
+"""demo: the example on the shipped recordings, in a separate folder."""
 
 import json
 from pathlib import Path
@@ -15,20 +15,20 @@ def test_the_story_finds_the_hidden_effect_and_the_error_falls(tmp_path, capsys)
     folder = tmp_path / "story"
     assert main(["demo", "-o", str(folder), "--json", "-"]) == 0
     captured = capsys.readouterr()
-    told = json.loads(captured.out)
-    assert told["verdict"] == "missing"
-    assert "oil_compressibility" in (told["found"], *told["tied_with"])
-    assert told["noise_floor_n"] < told["rmse_after_n"] < 0.3 * told["rmse_before_n"]
-    assert f"before   rms error on the road {told['rmse_before_n']:.1f} N" in captured.err
+    found = json.loads(captured.out)
+    assert found["verdict"] == "missing"
+    assert "oil_compressibility" in (found["found"], *found["tied_with"])
+    assert found["noise_floor_n"] < found["rmse_after_n"] < 0.3 * found["rmse_before_n"]
+    assert f"before   rms error on the road {found['rmse_before_n']:.1f} N" in captured.err
     for name in (*demo.PAGES, demo.BEFORE, demo.FINDING, demo.AFTER, "mine.yaml", "better.yaml"):
         assert (folder / name).stat().st_size > 0
-    commands = [command for _, own in demo.STORY for command in own]
+    commands = [command for _, group in demo.STORY for command in group]
     assert [line[2:] for line in captured.err.splitlines() if line.startswith("$ ")] == [
         f"damper-estimator {command}" for command in commands
     ]
 
 
-def test_the_recordings_are_those_that_are_shipped(tmp_path):
+def test_the_recordings_are_the_shipped_ones(tmp_path):
     demo.copy_recordings(tmp_path / "story")
     for path in BAGS.glob("*.mcap"):
         assert (tmp_path / "story" / path.name).read_bytes() == path.read_bytes()
@@ -43,7 +43,7 @@ def test_a_folder_of_an_earlier_demo_is_used_again(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["folder", "folder/mine.yaml"])
-def test_a_place_that_holds_something_else_is_left_alone(name, tmp_path, refused):
+def test_a_folder_with_other_content_is_not_changed(name, tmp_path, refused):
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "mine.yaml").write_text("mine")
     assert "is not the folder of an earlier demo" in refused("demo", "-o", tmp_path / name)

@@ -1,4 +1,4 @@
-"""doctor: every piece is looked at, what is missing is named with what it is needed for, the exit status stays 0."""
+"""doctor: every part is checked, missing parts are reported with their purpose, the exit status is 0."""
 
 import json
 import os
@@ -23,11 +23,11 @@ def record(capsys) -> dict:
 
 
 def piece(found: dict, name: str) -> dict:
-    (own,) = (check for check in found["checks"] if check["name"] == name and check["group"] != "programs")
-    return own
+    (only,) = (check for check in found["checks"] if check["name"] == name and check["group"] != "programs")
+    return only
 
 
-def test_every_package_that_the_project_requires_is_looked_at():
+def test_every_package_that_the_project_requires_is_checked():
     text = (ROOT / "setup.py").read_text()
     required = set(re.findall(r'"([\w-]+)>=', text.partition('"test": [')[0]))
     assert required <= {distribution for distribution, *_ in doctor_checks.PACKAGES}
@@ -54,11 +54,11 @@ def test_a_ros_module_that_cannot_be_loaded_is_a_problem_and_no_traceback(monkey
     (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('built for another Python')\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "rclpy", raising=False)
-    own = piece(record(capsys), "rclpy")
-    assert own["state"] == "problem" and "built for another Python" in own["found"]
+    check = piece(record(capsys), "rclpy")
+    assert check["state"] == "problem" and "built for another Python" in check["found"]
 
 
-def test_without_programs_it_says_what_cannot_be_used(monkeypatch, tmp_path, capsys):
+def test_missing_programs_are_reported_with_their_purpose(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     found = record(capsys)
@@ -66,36 +66,36 @@ def test_without_programs_it_says_what_cannot_be_used(monkeypatch, tmp_path, cap
     assert any("browser" in names for names in found["unavailable"].values())
 
 
-def test_without_numba_it_says_what_that_costs(monkeypatch, capsys):
+def test_missing_numba_is_reported(monkeypatch, capsys):
     monkeypatch.setattr("damper_estimator.compiled.COMPILED", False)
     assert piece(record(capsys), "compilation")["state"] == "missing"
 
 
-def test_kernels_that_nothing_keeps_are_a_problem(monkeypatch, capsys):
+def test_kernels_that_cannot_be_stored_are_a_problem(monkeypatch, capsys):
     pytest.importorskip("numba")
     monkeypatch.setattr("damper_estimator.compiled.COMPILED", True)
     monkeypatch.setattr("damper_estimator.compiled.machine_code_folders", list)
     assert piece(record(capsys), "cache")["state"] == "problem"
 
 
-def test_a_complete_installation_is_said_to_be_one():
+def test_a_complete_installation_is_reported_as_such():
     whole = [doctor_checks.Check("packages", "numpy", doctor_checks.OK, "2.0")]
-    assert table(whole).endswith("everything can be used here")
+    assert table(whole).endswith("everything is available")
 
 
-def test_after_warming_no_verb_compiles_anything(tmp_path):
+def test_after_warm_no_verb_compiles_anything(tmp_path):
     pytest.importorskip("numba")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
 
     def call(*words: str) -> set[Path]:
-        """Runs a verb; the machine code that is kept afterwards."""
+        """Runs a verb; returns the stored machine code."""
         command = [sys.executable, "-m", "damper_estimator", *words]
         subprocess.run(command, check=True, capture_output=True, env=environment, cwd=tmp_path)
         return set((tmp_path / "kernels").rglob("*.nbc"))
 
     bag, model = str(ROOT / "bags" / "hidden_unseen.mcap"), "renault_modified_bouc_wen"
-    kept = call("doctor", "--warm")
-    assert kept
-    assert call("compare", bag, "-m", model) == kept
-    assert call("compare", bag, "-m", "mr_damper_on_mount") == kept
-    assert call("replay", bag, "-m", model, "-o", "replayed.mcap") == kept
+    stored = call("doctor", "--warm")
+    assert stored
+    assert call("compare", bag, "-m", model) == stored
+    assert call("compare", bag, "-m", "mr_damper_on_mount") == stored
+    assert call("replay", bag, "-m", model, "-o", "replayed.mcap") == stored

@@ -9,10 +9,10 @@ import pytest
 from damper_estimator.cli.main import main
 from damper_estimator.codegen.build import find_compiler
 
-needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 
-def test_c_is_written_under_the_name_that_is_asked_for(tmp_path, capsys):
+def test_c_is_written_with_the_requested_name(tmp_path, capsys):
     words = [
         "export",
         "carrera_akutain",
@@ -30,7 +30,7 @@ def test_c_is_written_under_the_name_that_is_asked_for(tmp_path, capsys):
     assert json.loads((tmp_path / "j").read_text())["state_bytes"] > 0
 
 
-def test_a_damper_of_a_map_brings_filter_and_limits_with_it(tmp_path):
+def test_a_damper_of_a_map_determines_filter_and_limits(tmp_path):
     path = tmp_path / "map.yaml"
     path.write_text(
         "filter: {cutoff: 33.0}\ndampers:\n  a:\n    displacement: {topic: /x, field: a}\n"
@@ -41,7 +41,7 @@ def test_a_damper_of_a_map_brings_filter_and_limits_with_it(tmp_path):
     assert main([*words, "-d", "a"]) == 0
     header = (tmp_path / "a.h").read_text()
     assert "33 Hz" in header and "command from 0.1 to 1.7" in header
-    assert main(words) == 1  # which of both?
+    assert main(words) == 1  # ambiguous damper
 
 
 @pytest.mark.parametrize(
@@ -49,11 +49,11 @@ def test_a_damper_of_a_map_brings_filter_and_limits_with_it(tmp_path):
     [
         ([], "--c DIR"),
         (["--c", "x", "--name", "2nd"], "no name in C"),
-        (["--c", "x", "--limits", "1,0"], "no range"),
+        (["--c", "x", "--limits", "1,0"], "are not a range"),
         (["--fmu", "missing/x.fmu", "--source-only"], "missing/x.fmu: cannot be written"),
     ],
 )
-def test_one_line_says_what_is_wrong(words, part, tmp_path, monkeypatch, capsys):
+def test_faults_are_reported_in_one_line(words, part, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["export", "semi_active_yield", *words]) == 1
     error = capsys.readouterr().err
@@ -68,13 +68,13 @@ def test_effects_of_the_measurement_chain_are_refused_by_name(tmp_path, capsys):
 
 
 @needs_compiler
-def test_single_precision_says_how_far_it_is_off(tmp_path, capsys):
+def test_single_precision_reports_its_error(tmp_path, capsys):
     assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--float", "--name", "a"]) == 0
     assert "single precision: the force differs by up to" in capsys.readouterr().out
     assert "double" not in (tmp_path / "a.c").read_text().split("#include", 1)[1]
 
 
-def test_without_a_compiler_c_is_written_all_the_same(tmp_path, capsys, monkeypatch):
+def test_without_a_compiler_c_is_still_written(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("damper_estimator.codegen.c_files.find_compiler", lambda: None)
     assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--float", "--name", "a"]) == 0
     assert (tmp_path / "a.c").exists() and "was not measured" in capsys.readouterr().out
@@ -83,11 +83,11 @@ def test_without_a_compiler_c_is_written_all_the_same(tmp_path, capsys, monkeypa
 @needs_compiler
 def test_an_fmu_is_written_with_its_binary(tmp_path, capsys):
     assert main(["export", "renault_modified_bouc_wen", "--fmu", str(tmp_path / "a.fmu"), "--fmi", "3.0"]) == 0
-    said = capsys.readouterr().out
-    assert "sources and binary" in said and "not tunable" in said and "renault_hysteresis.alpha" in said
+    output = capsys.readouterr().out
+    assert "sources and binary" in output and "not tunable" in output and "renault_hysteresis.alpha" in output
 
 
-@pytest.mark.skipif(find_compiler() is None or shutil.which("g++") is None, reason="there are no C and C++ compilers")
+@pytest.mark.skipif(find_compiler() is None or shutil.which("g++") is None, reason="no C and C++ compilers")
 def test_a_controller_in_cpp_links_it(tmp_path):
     assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--name", "a"]) == 0
     (tmp_path / "main.cpp").write_text(

@@ -17,7 +17,7 @@ KIND = "sensor_msgs/msg/JointState"
 
 @pytest.fixture
 def bag(tmp_path):
-    """Writes a recording of a damper that is a model, with a steady command beside it."""
+    """Writes a recording of a damper that equals a model, with a constant command."""
 
     def write(name, model, seed=0, command=None, speed=1.0):
         random = np.random.default_rng(seed)
@@ -48,7 +48,7 @@ def values(path):
     return {slot.address: slot.value for slot in load_model(path).slots}
 
 
-def test_each_position_gets_a_file_and_what_is_shared_is_equal_in_all(bag, tmp_path, capsys):
+def test_each_position_gets_a_file_and_shared_values_are_equal_in_all(bag, tmp_path, capsys):
     bags = [bag("a", damper(900.0)), bag("b", damper(2600.0), 1), bag("c", damper(2600.0), 2)]
     out = tmp_path / "models"
     words = ["--each", "linear_viscous.rebound", "--by", "soft=a.mcap", "--by", "hard=b,c"]
@@ -61,31 +61,35 @@ def test_each_position_gets_a_file_and_what_is_shared_is_equal_in_all(bag, tmp_p
     assert "soft" in text and "hard" in text and text.count("linear_viscous.compression") == 1
 
 
-def test_the_command_tells_the_settings(bag, tmp_path, capsys):
+def test_the_command_determines_the_settings(bag, tmp_path, capsys):
     bags = [bag("a", damper(900.0), command=0.0), bag("b", damper(2600.0), 1, command=1.5)]
     words = ["--each", "*rebound", "--by", "command", "--json", "-"]
     assert main(["fit", *bags, "-m", "linear_viscous", "-o", str(tmp_path / "models"), *words]) == 0
-    own = json.loads(capsys.readouterr().out)["dampers"]["left"]
-    assert own["each"] == ["linear_viscous.rebound"] and set(own["settings"]) == {"0", "1.5"}
-    named = {p["name"]: p["value"] for p in own["parameters"]}
+    found = json.loads(capsys.readouterr().out)["dampers"]["left"]
+    assert found["each"] == ["linear_viscous.rebound"] and set(found["settings"]) == {"0", "1.5"}
+    named = {p["name"]: p["value"] for p in found["parameters"]}
     assert named["linear_viscous.rebound@1.5"] == pytest.approx(2600.0, rel=0.02)
-    assert own["settings"]["0"]["esr"] < 0.01 and (tmp_path / "models" / "1.5.yaml").exists()
+    assert found["settings"]["0"]["esr"] < 0.01 and (tmp_path / "models" / "1.5.yaml").exists()
 
 
-def test_a_front_is_kept_and_another_point_picked_from_it(bag, tmp_path, capsys):
+def test_a_front_is_stored_and_another_point_can_be_picked(bag, tmp_path, capsys):
     bags = [bag("fast", damper(900.0)), bag("slow", damper(2600.0), 1, speed=0.2)]
     out, front = tmp_path / "model.yaml", tmp_path / "model.front.csv"
     words = ["fit", *bags, "-m", "linear_viscous", "--method", "nsga2", "--group", "F=fast", "--group", "S=slow.mcap"]
     brief = ["--population", "20", "--generations", "10", "--json", "-"]
     assert main([*words, *brief, "-o", str(out)]) == 0
-    told = capsys.readouterr()
-    own = json.loads(told.out)["dampers"]["left"]["front"]
-    assert "generation 10 of 10" in told.err and own["groups"] == ["F", "S"] and own["excitations"] == [1, 1]
-    assert set(own["regimes"]["F"]) == {"linear_viscous.rebound", "linear_viscous.compression", "static_force.force"}
+    captured = capsys.readouterr()
+    found = json.loads(captured.out)["dampers"]["left"]["front"]
+    assert "generation 10 of 10" in captured.err and found["groups"] == ["F", "S"] and found["excitations"] == [1, 1]
+    assert set(found["regimes"]["F"]) == {
+        "linear_viscous.rebound",
+        "linear_viscous.compression",
+        "static_force.force",
+    }
     rows = list(csv.DictReader(front.open()))
-    assert len(rows) == len(own["values"]) > 5
+    assert len(rows) == len(found["values"]) > 5
     assert main([*words, "-o", str(tmp_path / "other.yaml"), "--front", str(front), "--pick", "S"]) == 0
-    assert "<- taken" in capsys.readouterr().out
+    assert "<- selected" in capsys.readouterr().out
     best = min(rows, key=lambda row: float(row["e_S"]))
     assert values(tmp_path / "other.yaml")["linear_viscous.rebound"] == float(best["linear_viscous.rebound"])
     assert values(tmp_path / "other.yaml")["linear_viscous.rebound"] > values(out)["linear_viscous.rebound"]
@@ -102,8 +106,8 @@ def test_a_limit_is_kept_and_said_to_be_reached(method, bag, tmp_path, capsys):
 
 REFUSED = {
     "a group without several objectives": (["--group", "F=a"], "--method nsga2"),
-    "each without by": (["--each", "static_force"], "go together"),
-    "by without each": (["--by", "command"], "go together"),
+    "each without by": (["--each", "static_force"], "require each other"),
+    "by without each": (["--by", "command"], "require each other"),
     "a recording that is not there": (["--each", "static_force", "--by", "soft=x.mcap"], "x.mcap is not among"),
     "a recording in no setting": (["--each", "static_force", "--by", "soft=a"], "no setting"),
     "a setting without a name": (["--each", "static_force", "--by", "=a"], "NAME=BAG"),
@@ -120,12 +124,12 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_cannot_be_done_is_refused_in_one_line(name, bag, tmp_path, capsys):
+def test_invalid_options_are_refused_in_one_line(name, bag, tmp_path, capsys):
     words, reason = REFUSED[name]
     bags = [bag("a", damper(900.0)), bag("b", damper(2600.0), 1)]
     assert main(["fit", *bags, "-m", "linear_viscous", "-o", str(tmp_path / "models"), *words]) == 1
-    told = [line for line in capsys.readouterr().err.splitlines() if reason in line]
-    assert len(told) == 1 and not (tmp_path / "models").exists()
+    captured = [line for line in capsys.readouterr().err.splitlines() if reason in line]
+    assert len(captured) == 1 and not (tmp_path / "models").exists()
 
 
 def test_a_joint_fit_wants_a_folder(bag, tmp_path, capsys):

@@ -93,7 +93,7 @@ def test_several_dampers_go_into_a_folder(bag, damper, tmp_path):
     assert identified(tmp_path / "models" / "right.yaml")["linear_viscous.rebound"] == pytest.approx(900.0, rel=0.02)
 
 
-def test_a_damper_without_force_is_left_out_unless_it_is_asked_for(bag, damper, tmp_path, capsys):
+def test_a_damper_without_force_is_left_out_unless_it_is_requested(bag, damper, tmp_path, capsys):
     path = bag("half", left=damper, right=None)
     assert main(["fit", path, "-m", "linear_viscous", "-o", str(tmp_path / "left.yaml")]) == 0
     assert "right was not measured" in capsys.readouterr().err

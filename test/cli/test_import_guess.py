@@ -1,4 +1,4 @@
-"""``import --guess``: a map and a page beside the output; nothing is imported while something is in doubt."""
+"""``import --guess``: a map and a page next to the output; doubtful guesses are not imported."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from damper_estimator.recordings import load_column_maps
 
 @pytest.fixture
 def bench(tmp_path):
-    """Two files: one that tells everything, one without units."""
+    """Two files: one with titles and units, one without units."""
     t = np.arange(0.0, 4.0, 2e-3)
     x = 0.03 * np.sin(9.0 * t)
     v = np.gradient(x, t)
@@ -22,8 +22,10 @@ def bench(tmp_path):
 
 def test_a_file_that_tells_everything_is_imported(bench, capsys):
     assert main(["import", str(bench / "good.csv"), "--guess", "-o", str(bench / "out")]) == 0
-    said = capsys.readouterr().out
-    assert "Weg [mm]: damper displacement in mm" in said and "assumed: displacement is positive in extension" in said
+    output = capsys.readouterr().out
+    assert (
+        "Weg [mm]: damper displacement in mm" in output and "assumed: displacement is positive in extension" in output
+    )
     assert sorted(path.name for path in (bench / "out").iterdir()) == [
         "good.mcap",
         "good_columns.yaml",
@@ -44,8 +46,8 @@ def test_a_file_that_tells_everything_is_imported(bench, capsys):
 def test_what_is_in_doubt_is_said_in_one_line_and_not_imported(bench, capsys):
     words = ["import", str(bench / "good.csv"), str(bench / "bare.csv"), "--guess", "-o", str(bench / "out")]
     assert main(words) == 1
-    said = capsys.readouterr().err.strip().splitlines()
-    assert "the unit of 'x' (displacement) is not named" in said[-1] and "bare_columns.yaml" in said[-1]
+    output = capsys.readouterr().err.strip().splitlines()
+    assert "the unit of 'x' (displacement) is not named" in output[-1] and "bare_columns.yaml" in output[-1]
     assert not list((bench / "out").glob("*.mcap"))
     text = (bench / "out" / "bare_columns.yaml").read_text()
     assert "# IN DOUBT: the unit of 'F' (force)" in text and load_column_maps(bench / "out" / "bare_columns.yaml")

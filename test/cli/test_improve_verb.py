@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from engines import SHIFTED, Engine
+from engines import OFFSET, Engine
 
 from damper_estimator.cli.main import main
 from damper_estimator.model import load_model
@@ -14,9 +14,9 @@ from damper_estimator.signals import load_signal_map, measure
 
 @pytest.fixture
 def engine(monkeypatch):
-    own = Engine()
-    monkeypatch.setattr("damper_estimator.workflows.improvement.improved", own.improve)
-    return own
+    fake = Engine()
+    monkeypatch.setattr("damper_estimator.workflows.improvement.improved", fake.improve)
+    return fake
 
 
 def run(*words):
@@ -31,11 +31,11 @@ def test_the_model_and_that_of_every_step_are_kept(engine, driven, model_file, t
     assert "coulomb" in load_model(target).uses()
     assert sorted(path.name for path in steps.iterdir()) == ["00_start.yaml", "01_add_coulomb.yaml"]
     assert "coulomb" not in load_model(steps / "00_start.yaml").uses()
-    told = json.loads(results.read_text())["dampers"]["front_left"]
-    assert [step["effect"] for step in told["steps"]] == [None, "coulomb"]
-    assert [step["phenomenon"] for step in told["steps"]] == [None, "friction"]
-    assert [step["rmse_unseen_n"] for step in told["steps"]] == [100.0, 20.0]
-    assert told["verdict"] == "nothing_missing" and told["noise_floor_n"] == 5.0
+    found = json.loads(results.read_text())["dampers"]["front_left"]
+    assert [step["effect"] for step in found["steps"]] == [None, "coulomb"]
+    assert [step["phenomenon"] for step in found["steps"]] == [None, "friction"]
+    assert [step["rmse_unseen_n"] for step in found["steps"]] == [100.0, 20.0]
+    assert found["verdict"] == "nothing_missing" and found["noise_floor_n"] == 5.0
     out = capsys.readouterr().out
     assert (
         out.index("12 gaps") < out.index("add friction (coulomb)") < out.index("noise floor") < out.index(str(target))
@@ -52,16 +52,16 @@ def test_several_dampers_go_into_a_folder(engine, driven, model_file, tmp_path):
 
 def test_one_file_for_several_dampers_is_refused_before_any_work(engine, driven, model_file, tmp_path, refused):
     assert "name a folder" in refused("improve", driven()[0], "-m", model_file, "-o", tmp_path / "one.yaml")
-    assert not engine.asked
+    assert not engine.calls
 
 
 def test_corrections_go_to_the_signal_map_and_not_into_the_model(engine, driven, model_file, tmp_path, capsys):
-    engine.finding = SHIFTED
+    engine.finding = OFFSET
     bag = driven()[0]
     target, corrected = tmp_path / "m.yaml", tmp_path / "map.yaml"
     words = (bag, "-m", model_file, "-d", "front_left", "-o", target)
     assert run(*words) == 0
-    assert "--signals-out MAP.yaml writes them" in capsys.readouterr().out
+    assert "use --signals-out MAP.yaml" in capsys.readouterr().out
     assert run(*words, "--signals-out", corrected) == 0
     out = capsys.readouterr().out
     assert "force.offset: 0 -> -35 N" in out and "--signals-out" not in out and str(corrected) in out
@@ -75,7 +75,7 @@ def test_corrections_go_to_the_signal_map_and_not_into_the_model(engine, driven,
 
 
 def test_the_map_that_was_used_is_kept_but_for_the_corrections(engine, driven, model_file, tmp_path):
-    engine.finding = SHIFTED
+    engine.finding = OFFSET
     (tmp_path / "mine.yaml").write_text(
         "filter: {cutoff: 50.0, band: 25.0}\n"
         "dampers:\n"
@@ -103,8 +103,8 @@ def test_a_map_without_corrections_reads_the_same(engine, driven, model_file, tm
 def test_json_on_standard_output_is_nothing_but_json(engine, driven, model_file, tmp_path, capsys):
     words = (driven()[0], "-m", model_file, "-d", "front_left", "-o", tmp_path / "m.yaml", "--json", "-")
     assert run(*words) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["dampers"]["front_left"]["file"] == str(tmp_path / "m.yaml")
+    found = json.loads(capsys.readouterr().out)
+    assert found["dampers"]["front_left"]["file"] == str(tmp_path / "m.yaml")
 
 
 def test_the_page_is_written(engine, driven, model_file, tmp_path):
@@ -123,10 +123,10 @@ def test_a_failure_leaves_nothing(engine, driven, model_file, tmp_path, monkeypa
     assert "nowhere" in refused(
         "improve", bag, "-m", model_file, "-o", "m", "--signals-out", tmp_path / "nowhere" / "m"
     )
-    assert not engine.asked
+    assert not engine.calls
 
     def fails_for_the_second(*words, **more):
-        if engine.asked:
+        if engine.calls:
             raise InputError("a.mcap: has no force")
         return engine.improve(*words, **more)
 

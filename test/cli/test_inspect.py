@@ -44,7 +44,7 @@ def test_millimetres_and_a_wrong_sign_are_guessed_and_said(driven, tmp_path):
 
 
 def test_channels_are_found_by_name_and_type(tmp_path):
-    """No JointState: plain numbers, told apart by their topics."""
+    """No JointState: plain numbers, distinguished by their topics."""
     time = np.arange(4000) / 500.0
     x = 0.02 * np.sin(2 * np.pi * 2.0 * time)
     stamp = START + (time * 1e9).astype(np.int64)

@@ -110,7 +110,7 @@ def test_an_interrupt_is_one_line_and_status_130(verb, capsys):
 
 @pytest.fixture
 def bug(verb, monkeypatch, tmp_path):
-    """A verb with a bug, and a home and a folder for temporary files that are this test's own."""
+    """A verb with a bug, and a home folder and a temporary folder for this test."""
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.delenv("XDG_STATE_HOME", raising=False)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
@@ -118,7 +118,7 @@ def bug(verb, monkeypatch, tmp_path):
     verb(lambda arguments: 1 // 0)
 
 
-def told(capsys):
+def details_file(capsys):
     """The one line on standard error, and the file that it names."""
     line = capsys.readouterr().err
     assert line.count("\n") == 1 and line.startswith("damper-estimator: internal error: ZeroDivisionError")
@@ -127,7 +127,7 @@ def told(capsys):
 
 def test_a_bug_of_ours_is_one_line_with_status_1_and_its_details_lie_in_a_file(bug, tmp_path, capsys):
     assert command_line.main(["probe", "--count", "7"]) == 1
-    path = told(capsys)
+    path = details_file(capsys)
     assert path.parent == tmp_path / "home" / ".local" / "state" / "damper_estimator"
     details = path.read_text()
     assert "Traceback" in details and "1 // 0" in details and "'probe' '--count' '7'" in details
@@ -137,7 +137,7 @@ def test_a_bug_of_ours_is_one_line_with_status_1_and_its_details_lie_in_a_file(b
 def test_the_details_of_a_bug_are_kept_where_the_home_cannot_be_written_to(bug, tmp_path, capsys):
     (tmp_path / "home").write_text("a file: nothing can be written below it")
     assert command_line.main(["probe"]) == 1
-    path = told(capsys)
+    path = details_file(capsys)
     assert path.parent == tmp_path / "temporary" / "damper_estimator" and "Traceback" in path.read_text()
 
 
@@ -170,8 +170,8 @@ def test_a_reader_that_leaves_early_causes_no_complaint():
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (["prob"], "there is no verb 'prob'; did you mean probe?"),
-        (["nothing_like_it"], "there is no verb 'nothing_like_it' (damper-estimator --help lists all)"),
+        (["prob"], "no verb 'prob'; did you mean probe?"),
+        (["nothing_like_it"], "no verb 'nothing_like_it' (damper-estimator --help lists all)"),
         (["probe", "--cout", "1"], "unknown: --cout 1; did you mean --count?"),
         (["probe", "--cout=1"], "unknown: --cout=1; did you mean --count?"),
     ],

@@ -75,7 +75,7 @@ def test_an_effect_is_put_where_its_kind_belongs(tmp_path, capsys):
     [
         (["nothing_known"], "unknown effect"),
         (["channel_skew"], "signal map"),
-        (["path"], "by hand"),
+        (["path"], "write it in the model file"),
         (["coulomb", "--set", "force"], "NAME=VALUE"),
         (["coulomb", "--set", "force=strong"], "NAME=VALUE"),
         (["coulomb", "--set", "mass=3"], "mass"),

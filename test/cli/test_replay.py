@@ -1,4 +1,4 @@
-"""replay: the node's own line over a file, in order of arrival."""
+"""replay: the line of the node over a file, in order of arrival."""
 
 import json
 from pathlib import Path
@@ -117,10 +117,12 @@ def test_spring_preload_and_skew_enter_the_residual(driven, model_file, tmp_path
     with open_bag(bag) as opened:
         m = measure(opened, load_signal_map(tmp_path / "map.yaml"), "front_left")
     columns = read(out, RESIDUAL, "effort[front_left]")
-    own = np.isin(m.kinematics.stamp, columns.stamp) & m.judged
+    chosen = np.isin(m.kinematics.stamp, columns.stamp) & m.judged
     expected = load_model(model_file).force(m.kinematics.block) - m.force
-    assert own.sum() > 3800
-    assert columns.values[np.isin(columns.stamp, m.kinematics.stamp[own]), 0] == pytest.approx(expected[own], abs=1e-6)
+    assert chosen.sum() > 3800
+    assert columns.values[np.isin(columns.stamp, m.kinematics.stamp[chosen]), 0] == pytest.approx(
+        expected[chosen], abs=1e-6
+    )
 
 
 def test_slow_channels_hold_what_arrived_last(driven, write_current, tmp_path):
@@ -192,8 +194,8 @@ def test_a_name_that_is_not_in_every_message_is_left_out_there(model_file, tmp_p
             )
     out = messages(replay(path, model_file, tmp_path / "out.mcap"), FORCE)
     assert [m.name for m in out] == [["b", "a"] if i % 3 else ["b"] for i in range(600)]
-    own = np.arange(600) % 3 > 0
-    _, alone = sample_by_sample(model_file, stamp[own], x[own])
+    chosen = np.arange(600) % 3 > 0
+    _, alone = sample_by_sample(model_file, stamp[chosen], x[chosen])
     assert [m.force[1] for m in out if len(m.name) == 2] == alone[:, FIELDS.index("force")].tolist()
 
 
@@ -268,14 +270,14 @@ def test_unusable_input_is_one_line_and_leaves_nothing(driven, model_file, tmp_p
     (tmp_path / "name.yaml").write_text(
         "dampers: {a: {displacement: {topic: /suspension/displacement, field: 'position[a]'}}}"
     )
-    for words, told in (
+    for words, message in (
         (["-s", tmp_path / "topic.yaml"], "/nowhere"),
         (["-s", tmp_path / "field.yaml"], "positions"),
         (["-s", tmp_path / "name.yaml"], "position[a]"),
         (["-d", "rear"], "rear"),
     ):
         line = refused("replay", bag, "-m", model_file, "-o", out, *words)
-        assert told in line and leftovers(tmp_path) == set()
+        assert message in line and leftovers(tmp_path) == set()
     assert "no_model" in refused("replay", bag, "-m", "no_model", "-o", out)
     assert "missing.mcap" in refused("replay", tmp_path / "missing.mcap", "-m", model_file, "-o", out)
     assert "folder" in refused("replay", bag, "-m", model_file, "-o", tmp_path / "absent" / "out.mcap")

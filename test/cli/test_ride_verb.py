@@ -32,13 +32,13 @@ def test_the_identified_model_tracks_with_less_than_half_of_the_tables_error(tmp
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["-m", "linear_viscous"], "its force does not depend on the command"),
         (["--seconds", "1", "--seed", "-2"], "--seconds 1 is not between 5 and 600; --seed -2 is negative"),
     ],
 )
-def test_what_cannot_be_used_is_refused_before_anything_is_simulated(words, said, capsys):
+def test_unusable_input_is_refused_before_any_simulation(words, message, capsys):
     assert main(["ride", *words]) == 1
-    (told,) = capsys.readouterr().err.strip().splitlines()
-    assert said in told
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert message in line

@@ -1,4 +1,4 @@
-"""`synth`: recordings that the other verbs can read, and the truth beside them."""
+"""`synth`: recordings that the other verbs can read, and their true signals."""
 
 import json
 from pathlib import Path

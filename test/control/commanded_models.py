@@ -1,4 +1,4 @@
-"""Motions, and models whose force depends on a command in every way that there is."""
+"""Motions, and models whose force depends on a command in various ways."""
 
 from functools import cache
 
@@ -34,7 +34,7 @@ def smooth_motion(size: int, seed: int, speed: float = 0.3, step: float = STEP) 
 
 
 def random_commands(size: int, seed: int) -> np.ndarray:
-    """Commands (size,) that jump now and then."""
+    """Commands (size,) with occasional steps."""
     random = np.random.default_rng([seed, 3])
     levels = random.uniform(LOWEST, HIGHEST, size // 20 + 1)
     return np.repeat(levels, 20)[:size]
@@ -50,19 +50,19 @@ def model_of(*entries: Element) -> DamperModel:
 
 @cache
 def commanded_models() -> dict[str, DamperModel]:
-    """Those of the library, and some that the library has not."""
+    """Models of the library, and some others."""
     viscous = entry("viscous", rate=800.0)
     squash = entry("semi_active_squash", gain=600.0, damping=30.0)
-    made = {
+    others = {
         "without a lag": model_of(viscous, squash),
         "steep at once": model_of(viscous, entry("semi_active_squash", gain=600.0, damping=5000.0)),
         "against the spring": model_of(viscous, entry("semi_active_squash", gain=600.0, damping=8.0, stiffness=40.0)),
         "behind a lag of the force": model_of(entry("command_lag"), viscous, squash, entry("force_lag")),
-        "beside friction with memory": model_of(entry("command_lag"), entry("bouc_wen"), squash),
+        "parallel to friction with memory": model_of(entry("command_lag"), entry("bouc_wen"), squash),
         "in series with oil": model_of(entry("command_lag"), entry("oil_spring", (viscous, squash))),
         "on a mount, without a lag": model_of(entry("rubber_mount", (viscous, squash)), entry("gas_spring")),
         "asymmetric": model_of(
             viscous, entry("path", (squash, entry("direction_gate", direction=-1.0))), entry("coulomb")
         ),
     }  # fmt: skip
-    return {name: load_model(name) for name in LIBRARY} | made
+    return {name: load_model(name) for name in LIBRARY} | others

@@ -1,4 +1,4 @@
-"""The controller of a corner hands the same wish and kinematics to whatever drives the coil."""
+"""The controller of a corner passes the same desired force and kinematics to every kind of command."""
 
 import numpy as np
 import pytest
@@ -24,15 +24,15 @@ def commands() -> list:
     return [InverseCommand(inverse), TableCommand(TABLE), ConstantCommand(0.7)]
 
 
-def test_the_wish_is_the_laws_on_the_force_at_rest_whatever_the_command():
+def test_the_desired_force_is_that_of_the_law_plus_the_force_at_rest_for_every_command():
     block = smooth_motion(200, 1)
-    wishes = []
+    desired = []
     for command in commands():
         controller, block[COMMAND] = CornerController(skyhook(2000.0), command, rest_force=-300.0), 0.0
-        wishes.append([controller.step(column, np.sin(0.1 * k)).wanted for k, column in enumerate(block.T)])
-    assert wishes[0] == wishes[1] == wishes[2]
-    assert wishes[0][0] == -300.0
-    assert np.ptp(wishes[0]) > 10.0
+        desired.append([controller.step(column, np.sin(0.1 * k)).wanted for k, column in enumerate(block.T)])
+    assert desired[0] == desired[1] == desired[2]
+    assert desired[0][0] == -300.0
+    assert np.ptp(desired[0]) > 10.0
 
 
 def test_currents_are_those_of_the_command():
@@ -46,14 +46,14 @@ def test_currents_are_those_of_the_command():
     assert by_model.step(sample, 0.0).current == InverseModel(model, (LOWEST, HIGHEST)).solve(sample, 450.0).current
 
 
-def test_without_an_answer_the_fallback_is_set():
+def test_without_a_current_the_fallback_is_used():
     silent = model_of(entry("viscous"), entry("semi_active_squash"))
     controller = CornerController(skyhook(1.0), InverseCommand(InverseModel(silent, (LOWEST, HIGHEST))), 0.0, 0.3)
     sample = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.2, np.nan, np.nan])
     assert controller.step(sample, 0.0).current == 0.3
 
 
-def test_the_limit_bounds_what_is_wanted_on_top_of_the_force_at_rest():
+def test_the_limit_bounds_the_desired_force_relative_to_the_force_at_rest():
     sample = np.zeros(8)
     for velocity, wanted in ((0.4, -50.0), (-0.4, -350.0), (0.05, -150.0)):
         sample[V] = velocity

@@ -1,4 +1,4 @@
-"""The inverse of a model: the command that gives the wanted force, on any model, motion and command."""
+"""The inverse of a model: the command for a desired force, for any model, motion and command."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def force_after(model: DamperModel, past: np.ndarray, command: float, horizon: f
 
 
 def driven(model: DamperModel, block: np.ndarray, horizon: float = 0.004, lead: float = 0.004) -> InverseModel:
-    """An inverse that has taken all samples but the last one."""
+    """An inverse after all samples except the last."""
     inverse = InverseModel(model, (LOWEST, HIGHEST), horizon, lead)
     for column in block[:, :-1].T:
         inverse.solve(column)
@@ -75,24 +75,24 @@ def test_the_inverse_of_the_forward_model_is_the_identity(name, seed, size, spee
 
 
 @every_model
-def test_it_takes_fewer_than_five_evaluations_of_the_model_per_sample(name):
+def test_it_needs_fewer_than_five_evaluations_of_the_model_per_sample(name):
     model, block = MODELS[name], smooth_motion(1500, 4)
     inverse = InverseModel(model, (LOWEST, HIGHEST))
     wanted = 0.7 * np.ptp(model.force(block)) * np.sin(11.0 * block[T]) + 900.0 * np.sign(block[V])
-    answers = [inverse.solve(column, wish) for column, wish in zip(block.T, wanted, strict=True)]
+    answers = [inverse.solve(column, desired) for column, desired in zip(block.T, wanted, strict=True)]
     assert np.mean([answer.evaluations for answer in answers]) < 5.0
-    # With the wish always within reach, where the search has the most to do.
+    # With reachable desired forces only, which need most evaluations.
     inverse.reset()
-    random, spent, wish = np.random.default_rng(2), [], np.nan
+    random, spent, desired = np.random.default_rng(2), [], np.nan
     for column in block.T:
-        answer = inverse.solve(column, wish)
-        wish = random.uniform(answer.force_min, answer.force_max)
+        answer = inverse.solve(column, desired)
+        desired = random.uniform(answer.force_min, answer.force_max)
         spent.append(answer.evaluations)
     assert np.mean(spent) < 5.0
 
 
 @every_model
-def test_its_force_is_that_of_the_model_with_the_commands_that_were_in_force(name):
+def test_its_force_is_that_of_the_model_with_the_actual_commands(name):
     model, block = MODELS[name], smooth_motion(200, 5)
     block[COMMAND] = random_commands(200, 5)
     inverse = InverseModel(model, (LOWEST, HIGHEST))
@@ -104,7 +104,7 @@ def test_its_force_is_that_of_the_model_with_the_commands_that_were_in_force(nam
     assert given_forces == alone
 
 
-def test_a_step_of_the_wish_pushes_the_coil_to_its_limit_until_the_lag_has_caught_up():
+def test_a_step_of_the_desired_force_drives_the_coil_to_its_limit_until_the_lag_has_settled():
     model = load_model("lozoya_santos_simple_symmetric")
     inverse = InverseModel(model, (LOWEST, HIGHEST), 0.004, 0.004)
     sample = np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0, np.nan, np.nan])
@@ -129,8 +129,8 @@ def with_command(sample: np.ndarray, command: float) -> np.ndarray:
 
 
 @every_model
-def test_trials_leave_no_trace(name):
-    """Wishes change what is commanded, never what the model is."""
+def test_trials_do_not_change_the_state(name):
+    """Desired forces change the command, never the state of the model."""
     model, block = MODELS[name], smooth_motion(120, 6)
     block[COMMAND] = random_commands(120, 6)
     busy, idle = InverseModel(model, (LOWEST, HIGHEST)), InverseModel(model, (LOWEST, HIGHEST))
@@ -142,7 +142,7 @@ def test_trials_leave_no_trace(name):
 
 
 def test_slopes_are_those_of_the_force():
-    model = MODELS["beside friction with memory"]
+    model = MODELS["parallel to friction with memory"]
     block = smooth_motion(50, 8)
     block[COMMAND] = random_commands(50, 8)
     answer = driven(model, block).solve(block[:, -1], force_after(model, block, 1.2, 0.004, 0.004), slope=True)
@@ -162,7 +162,7 @@ def test_a_lead_is_as_good_as_later_kinematics():
     assert driven(model, block, 0.004, 0.01).solve(block[:, -1], wanted).current == pytest.approx(0.8, abs=0.02)
 
 
-def test_a_wish_inside_a_dip_is_found_and_one_below_it_gets_the_bottom():
+def test_a_force_inside_a_dip_is_found_and_one_below_it_gets_the_bottom():
     """At 0 A the force is that of oil; a little current lowers it, more raises it."""
     model = MODELS["against the spring"]
     block = smooth_motion(30, 9)
@@ -179,8 +179,8 @@ def test_a_wish_inside_a_dip_is_found_and_one_below_it_gets_the_bottom():
     assert below.expected == pytest.approx(deep, abs=0.01 * (max(forces.values()) - deep))
 
 
-def test_a_wish_out_of_reach_gets_current_as_far_as_current_helps():
-    """Near a reversal the command hardly matters, and a slow coil would keep its field for the time after."""
+def test_a_force_out_of_reach_gets_only_as_much_current_as_helps():
+    """Near a reversal the command has little effect, and a slow coil would keep its field afterwards."""
     inverse = InverseModel(MODELS["without a lag"], (LOWEST, HIGHEST), 0.004, 0.0)
     sample = np.array([0.0, 0.0, 0.0, 1.0, 0.0, np.nan, np.nan, np.nan])
     assert inverse.solve(sample, 1e5).current == HIGHEST
@@ -197,7 +197,7 @@ def test_a_wish_out_of_reach_gets_current_as_far_as_current_helps():
 
 
 def test_where_no_command_changes_the_force_the_last_one_is_kept():
-    """At standstill the yield force has no sign; any command gives the same, so it must not chatter."""
+    """At standstill the yield force has no sign; any command gives the same force, so it must not chatter."""
     model = MODELS["without a lag"]
     inverse = InverseModel(model, (LOWEST, HIGHEST))
     sample = np.array([0.0, 0.0, 0.0, 0.3, 0.0, np.nan, np.nan, np.nan])
@@ -210,8 +210,8 @@ def test_where_no_command_changes_the_force_the_last_one_is_kept():
     assert not inverse.solve(sample, 300.0).reached
 
 
-def test_a_gap_starts_the_model_anew():
-    model = MODELS["beside friction with memory"]
+def test_a_gap_resets_the_model():
+    model = MODELS["parallel to friction with memory"]
     block = smooth_motion(60, 3)
     block[COMMAND] = random_commands(60, 3)
     inverse, late = InverseModel(model, (LOWEST, HIGHEST)), InverseModel(model, (LOWEST, HIGHEST))
@@ -222,7 +222,7 @@ def test_a_gap_starts_the_model_anew():
     assert [inverse.solve(column).force for column in block.T] == through
 
 
-def test_a_force_that_is_no_number_has_no_answer_and_ends_with_its_sample():
+def test_a_force_that_is_not_finite_has_no_command_and_affects_only_its_sample():
     model = model_of(entry("viscous"), entry("semi_active_squash"), entry("temperature_gain"))
     block = smooth_motion(20, 3)
     block[COMMAND], block[TEMPERATURE] = 1.0, 50.0
@@ -258,7 +258,7 @@ def test_limits_come_from_the_fit_or_must_be_given():
         InverseModel(model)
     fitted = DamperModel(model.name, model.source, model.effects, fit={"region": {"command": [0.1, 1.6]}})
     assert InverseModel(fitted).limits == (0.1, 1.6)
-    with pytest.raises(InputError, match="are no range"):
+    with pytest.raises(InputError, match="are not a range"):
         InverseModel(model, (2.0, 0.0))
 
 
@@ -268,13 +268,13 @@ def test_effects_of_the_measurement_chain_are_refused():
         InverseModel(model, (LOWEST, HIGHEST))
 
 
-def test_another_wish_at_the_same_sample_is_answered_from_the_same_state():
-    for name in ("semi_active_on_mount", "beside friction with memory"):
-        asked, told = InverseModel(MODELS[name], (LOWEST, HIGHEST)), InverseModel(MODELS[name], (LOWEST, HIGHEST))
+def test_another_desired_force_at_the_same_sample_uses_the_same_state():
+    for name in ("semi_active_on_mount", "parallel to friction with memory"):
+        repeated, single = InverseModel(MODELS[name], (LOWEST, HIGHEST)), InverseModel(MODELS[name], (LOWEST, HIGHEST))
         block = smooth_motion(300, 11)
         for k, column in enumerate(block.T):
             wanted = 600.0 * np.sin(0.1 * k)
-            looked, answer = asked.solve(column, slope=True), asked.again(wanted)
-            direct = told.solve(column, wanted)
+            first, answer = repeated.solve(column, slope=True), repeated.again(wanted)
+            direct = single.solve(column, wanted)
             assert (answer.current, answer.force, answer.expected) == (direct.current, direct.force, direct.expected)
-            assert answer.evaluations == direct.evaluations - 1 and np.isnan(looked.current)
+            assert answer.evaluations == direct.evaluations - 1 and np.isnan(first.current)

@@ -1,4 +1,4 @@
-"""What a semi-active damper should give, and the body's velocity that the laws need."""
+"""Desired forces of a semi-active damper, and the body's velocity that the laws need."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from damper_estimator.control import BodyVelocity, groundhook, mixed, passive, skyhook
 
 
-def test_each_law_damps_what_it_says():
+def test_each_law_damps_its_mass():
     assert skyhook(2000.0).force(0.3, 5.0) == pytest.approx(600.0)
     assert groundhook(2000.0).force(0.3, 5.0) == pytest.approx(-10000.0)
     assert passive(2000.0).force(0.3, 0.1) == pytest.approx(400.0)
@@ -21,7 +21,7 @@ def test_mixed_goes_from_groundhook_to_skyhook():
 
 @pytest.mark.parametrize("law", [skyhook(3000.0), mixed(3000.0, 0.5), passive(3000.0)])
 def test_a_car_comes_to_rest_by_the_law_alone(law):
-    """Given by an actuator that can do anything; a groundhook alone would leave the body swinging."""
+    """With an ideal actuator; a groundhook alone would not damp the body."""
     body, wheel, spring, tyre = 300.0, 40.0, 20000.0, 200000.0
     z, w, vz, vw, dt, energies = 0.02, 0.01, 0.3, -0.4, 1e-4, []
     for _ in range(20000):
@@ -33,7 +33,7 @@ def test_a_car_comes_to_rest_by_the_law_alone(law):
     assert energies[-1] < 0.05 * energies[0]
 
 
-def test_the_bodys_velocity_follows_its_acceleration_and_forgets_an_offset():
+def test_the_bodys_velocity_follows_its_acceleration_and_removes_an_offset():
     time = np.arange(0.0, 60.0, 0.002)
     velocity = 0.2 * np.sin(2.0 * np.pi * 1.3 * time)
     felt = np.gradient(velocity, time) + 0.05
@@ -46,7 +46,7 @@ def test_the_bodys_velocity_follows_its_acceleration_and_forgets_an_offset():
     assert estimate[late].std() == pytest.approx(velocity.std(), rel=0.03)
 
 
-def test_a_step_of_zero_starts_the_bodys_velocity_anew():
+def test_a_step_of_zero_resets_the_bodys_velocity():
     body, fresh = BodyVelocity(), BodyVelocity()
     for k in range(50):
         body.step(1.0, 0.002 * (k > 0))

@@ -22,8 +22,8 @@ def named(section):
 def keys(value):
     """All keys of a record, at any depth."""
     if isinstance(value, dict):
-        return set(value) | {key for own in value.values() for key in keys(own)}
-    return {key for own in value for key in keys(own)} if isinstance(value, (list, tuple)) else set()
+        return set(value) | {key for entry in value.values() for key in keys(entry)}
+    return {key for entry in value for key in keys(entry)} if isinstance(value, (list, tuple)) else set()
 
 
 @pytest.fixture(scope="module")
@@ -38,12 +38,15 @@ def records(tmp_path_factory):
         "`diagnose`": de.diagnose(drive, fitted.model, validate=other),
         "`improve`": de.improve(drive, fitted.model, validate=other),
     }
-    told = folder / "diagnosis.json"
+    diagnosis = folder / "diagnosis.json"
     tie = {"findings": [{"phenomenon": "friction", "tied_with": ["asymmetry"]}]}
-    told.write_text(json.dumps({"dampers": dict.fromkeys(drive.dampers, tie)}))
-    plans = de.plan(drive, fitted.model, diagnosis=told, minutes=0.3), de.plan(drive, fitted.model, parameters=True)
+    diagnosis.write_text(json.dumps({"dampers": dict.fromkeys(drive.dampers, tie)}))
+    plans = (
+        de.plan(drive, fitted.model, diagnosis=diagnosis, minutes=0.3),
+        de.plan(drive, fitted.model, parameters=True),
+    )
     records = {section: keys(result.to_dict()) for section, result in found.items()}
-    return records | {"`plan`": set().union(*(keys(own.to_dict()) for own in plans))}
+    return records | {"`plan`": set().union(*(keys(entry.to_dict()) for entry in plans))}
 
 
 @pytest.mark.parametrize("section", ["`fit`", "`compare`", "`diagnose`", "`improve`", "`plan`"])

@@ -122,12 +122,12 @@ def test_every_python_block_runs(page):
 
 
 def test_the_lines_of_the_readme_are_those_of_the_tutorial():
-    """The tutorial's are run by ``test_tutorials``, `demo` and `doctor` by tests of their own."""
+    """``test_tutorials`` runs the commands of the tutorials, other tests run `demo` and `doctor`."""
     tutorial = [" ".join(words) for words in commands(ROOT / "docs" / "hidden_effect.md")]
     for words in commands(ROOT / "README.md"):
         if words[0] == "damper-estimator" and words[1] not in ("demo", "doctor"):
             line = " ".join(words).replace("bags/", "").replace("page.html", "diagnosis.html")
-            assert any(own.startswith(line) for own in tutorial), line
+            assert any(command.startswith(line) for command in tutorial), line
 
 
 def test_the_readme_is_short():

@@ -45,21 +45,21 @@ def test_every_equation_becomes_mathml_and_keeps_its_symbols(effect):
         ("F <- F exp(-b (theta - theta_0))", r"F \leftarrow F \operatorname{exp}(-b (\theta  - \theta _{0}))"),
     ],
 )
-def test_plain_equations_are_read_as_they_are_meant(plain, expected):
+def test_plain_equations_are_converted(plain, expected):
     assert equations.latex(plain) == expected
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=NAMES)
 def test_the_picture_of_every_effect_shows_it(effect):
-    own = signatures.signature(effect)
-    assert signatures.share_changed(own.runs, own.without, own.with_it) > 0.01
+    signature = signatures.signature(effect)
+    assert signatures.share_changed(signature.runs, signature.without, signature.with_it) > 0.01
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=NAMES)
-def test_a_page_says_all_that_the_declaration_says(effect):
+def test_a_page_has_everything_in_the_declaration(effect):
     page = effect_pages.page(effect, {})
-    for own in (*effect.parameters, *effect.settings):
-        assert f"`{own.name}`" in page
+    for entry in (*effect.parameters, *effect.settings):
+        assert f"`{entry.name}`" in page
     assert all(part in page.replace("&lt;", "<").lower() for part in (effect.shows.lower(), effect.separate.lower()))
     assert "## Source" in page and "## How often it is found" in page
 

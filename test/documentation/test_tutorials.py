@@ -10,7 +10,7 @@ from pages import ROOT, commands
 from damper_estimator.cli.main import main
 from damper_estimator.model import load_model
 
-# Verbs that have long tests of their own; the commands are parsed by ``test_pages``.
+# Verbs with separate long tests; the commands are parsed by ``test_pages``.
 ELSEWHERE = {"ride", "fleet"}
 
 
@@ -19,8 +19,8 @@ def run(page, folder, monkeypatch, **replaced):
     monkeypatch.chdir(folder)
     for words in commands(ROOT / "docs" / page):
         if words[0] == "damper-estimator" and words[1] not in ELSEWHERE:
-            own = [replaced.get(word, word) for word in words[1:]]
-            assert main(own) == 0, " ".join(words)
+            arguments = [replaced.get(word, word) for word in words[1:]]
+            assert main(arguments) == 0, " ".join(words)
     return {path.name for path in folder.iterdir()}
 
 

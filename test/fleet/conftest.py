@@ -1,11 +1,11 @@
-"""One cluster for all tests of the fleet: two workers, processes of their own."""
+"""One cluster for all tests of the fleet: two workers, each a process."""
 
 import pytest
 from fleet_bags import quick, write_drive
 
 from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.manifest import find_recordings
-from damper_estimator.fleet.run import Asked, Fleet
+from damper_estimator.fleet.scheduling import Fleet, FleetRequest
 from damper_estimator.fleet.verbs import Compare
 
 COMPARE = Compare()
@@ -20,7 +20,7 @@ effects:
 
 @pytest.fixture(scope="session")
 def client():
-    """Of a scheduler with two workers."""
+    """A client of a scheduler with two workers."""
     with connected(None, 2, "auto") as client:
         yield client
 
@@ -34,7 +34,7 @@ def model(tmp_path):
 
 @pytest.fixture
 def drives(tmp_path):
-    """A folder of two vehicles with three recordings, one of them of two dampers."""
+    """A folder with two vehicles and three recordings, one of them with two dampers."""
     folder = tmp_path / "cars"
     write_drive(folder / "car_a" / "monday.mcap", 1)
     write_drive(folder / "car_a" / "tuesday.mcap", 2, ("front_left", "front_right"), warm=40.0)
@@ -44,11 +44,11 @@ def drives(tmp_path):
 
 @pytest.fixture
 def run(client, model, tmp_path):
-    """Runs a fleet over patterns and returns it; by default of a work that does next to nothing."""
+    """Runs a fleet over patterns and returns it; by default with trivial work."""
 
-    def go(*patterns, work=quick, tell=lambda tally: None, options=COMPARE, output="out", **more):
-        asked = Asked(options, str(model), tmp_path / output, **more)
-        fleet = Fleet(asked, find_recordings([str(own) for own in patterns]), work, tell)
+    def go(*patterns, work=quick, progress=lambda counts: None, options=COMPARE, output="out", **more):
+        request = FleetRequest(options, str(model), tmp_path / output, **more)
+        fleet = Fleet(request, find_recordings([str(pattern) for pattern in patterns]), work, progress)
         fleet.run(client)
         return fleet
 

@@ -1,4 +1,4 @@
-"""Small recordings for the tests of the fleet, and works that are tried on workers."""
+"""Small recordings for the tests of the fleet, and functions that workers execute in them."""
 
 import json
 import os
@@ -22,8 +22,8 @@ def write_drive(path, seed=0, dampers=("front_left",), gain=1500.0, warm=30.0, b
     draw = np.random.default_rng(seed)
     phases = draw.uniform(0, 6, (len(dampers), 8))
     waves = [
-        sum(np.sin(2 * np.pi * f * time + p) / f for f, p in zip(np.linspace(0.7, 6.0, 8), own, strict=True))
-        for own in phases
+        sum(np.sin(2 * np.pi * f * time + p) / f for f, p in zip(np.linspace(0.7, 6.0, 8), damper_phases, strict=True))
+        for damper_phases in phases
     ]
     x = 0.01 * np.stack(waves, axis=1)
     v = np.gradient(x, time, axis=0)
@@ -50,7 +50,7 @@ def write_drive(path, seed=0, dampers=("front_left",), gain=1500.0, warm=30.0, b
 
 
 def attempts(task, note=""):
-    """How often a task was begun: one line each in a file beside its results."""
+    """How often a task was started: one line for each in a file next to its results."""
     path = Path(task.folder) / f"{task.damper}.attempts"
     with path.open("a") as file:
         file.write(f"{note or os.getpid()}\n")
@@ -58,35 +58,35 @@ def attempts(task, note=""):
 
 
 def quick(task):
-    """Does next to nothing, and counts how often."""
+    """Counts its calls and does nothing else."""
     attempts(task)
     task.place("json").write_text(json.dumps({"damper": task.damper}))
     return {"rmse_n": float(len(task.recording)), "samples": 1}
 
 
 def dies_once(task):
-    """Kills its worker the first time that it meets a recording named so."""
+    """Kills its worker the first time that it gets a recording of this name."""
     if "deadly" in Path(task.recording).name and attempts(task) == 1:
         os.kill(os.getpid(), signal.SIGKILL)
     return quick(task)
 
 
 def dies_four_times(task):
-    """Kills its worker, as often as Dask bears and once more, when it meets a recording named so."""
+    """Kills its worker at a recording of this name, once more than Dask tolerates."""
     if "unlucky" in Path(task.recording).name and attempts(task) <= 4:
         os.kill(os.getpid(), signal.SIGKILL)
     return quick(task)
 
 
 def dies_always(task):
-    """Kills its worker whenever it meets a recording named so."""
+    """Kills its worker whenever it gets a recording of this name."""
     if "deadly" in Path(task.recording).name:
         os.kill(os.getpid(), signal.SIGKILL)
     return quick(task)
 
 
 def fills_the_disk(task):
-    """Finds no room for its results."""
+    """Fails because the disk is full."""
     if "large" in Path(task.recording).name:
         try:
             raise OSError(ENOSPC, os.strerror(ENOSPC), str(task.place("json")))
@@ -95,8 +95,8 @@ def fills_the_disk(task):
     return quick(task)
 
 
-def is_mistaken(task):
-    """A mistake of ours in one recording."""
+def has_a_bug(task):
+    """Raises an unexpected exception for one recording."""
     if "odd" in Path(task.recording).name:
-        raise ZeroDivisionError("of\nour own")
+        raise ZeroDivisionError("in\nour code")
     return quick(task)

@@ -1,4 +1,4 @@
-"""The verb as users call it: the same results as the single verbs, whoever works and in whatever order."""
+"""The verb as users call it: the same results as the single verbs, on any worker and in any order."""
 
 import json
 import os
@@ -17,8 +17,8 @@ from fleet_bags import write_drive
 from damper_estimator import __version__
 from damper_estimator.cli.main import main
 from damper_estimator.fleet import cluster
-from damper_estimator.fleet.carry import carry_out
-from damper_estimator.fleet.rows import write_rows
+from damper_estimator.fleet.result_rows import write_rows
+from damper_estimator.fleet.task_execution import execute
 from damper_estimator.fleet.verbs import Compare, Replay, work
 from damper_estimator.model import load_model
 
@@ -27,13 +27,13 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture
 def fleet(client, model, tmp_path, capsys):
-    """Runs ``fleet`` on the tests' cluster; gives exit status, the JSON record and what went to standard error."""
+    """Runs ``fleet`` on the tests' cluster; returns the exit status, the JSON results and standard error."""
 
     def call(verb, *sources, output="out", options=()):
         words = ["fleet", verb, *map(str, sources), "-m", str(model), "-o", str(tmp_path / output), "--json", "-"]
         status = main([*words, "--scheduler", client.scheduler.address, *options])
-        told = capsys.readouterr()
-        return status, json.loads(told.out) if told.out else None, told.err
+        captured = capsys.readouterr()
+        return status, json.loads(captured.out) if captured.out else None, captured.err
 
     return call
 
@@ -56,13 +56,13 @@ def results(folder):
 
 
 @pytest.mark.parametrize("options", [Compare(), Replay()])
-def test_two_workers_give_the_bits_that_this_process_gives_in_another_order(run, drives, tmp_path, options):
+def test_two_workers_write_the_same_bytes_as_one_process_in_another_order(run, drives, tmp_path, options):
     spread = run(drives / "*" / "*.mcap", work=work, options=options)
     there, here = tmp_path / "out", tmp_path / "here"
     alone = [replace(task, folder=task.folder.replace(str(there), str(here))) for task in spread.tasks[::-1]]
     for task in alone:
         Path(task.folder).mkdir(parents=True, exist_ok=True)
-        assert carry_out(task, work, __version__).reason == ""
+        assert execute(task, work, __version__).reason == ""
     for output, tasks in ((there, spread.tasks), (here, alone)):
         write_rows(output, options.verb, tasks)
     expected = results(here)
@@ -74,20 +74,20 @@ def test_two_workers_give_the_bits_that_this_process_gives_in_another_order(run,
 def test_a_task_writes_what_the_single_verb_writes(fleet, drives, model, tmp_path):
     status, record, _ = fleet("compare", drives / "car_b" / "*.mcap")
     assert (status, record["done"]) == (0, 1)
-    bag, own, page = drives / "car_b" / "monday.mcap", tmp_path / "own.json", tmp_path / "own.html"
-    main(["compare", str(bag), "-m", str(model), "-d", "front_left", "--json", str(own), "--html", str(page)])
+    bag, single, page = drives / "car_b" / "monday.mcap", tmp_path / "single.json", tmp_path / "single.html"
+    main(["compare", str(bag), "-m", str(model), "-d", "front_left", "--json", str(single), "--html", str(page)])
     (folder,) = (tmp_path / "out" / "tasks").iterdir()
-    assert (folder / "front_left.compare.json").read_text() == own.read_text()
+    assert (folder / "front_left.compare.json").read_text() == single.read_text()
     assert (folder / "front_left.compare.html").read_text() in without_plotly(page.read_text())
     (row,) = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
-    told = json.loads(own.read_text())["dampers"]["front_left"]
+    expected = json.loads(single.read_text())["dampers"]["front_left"]
     assert {name: row[name] for name in ("rmse_n", "esr", "samples", "bias_n")} == {
-        name: told[name] for name in ("rmse_n", "esr", "samples", "bias_n")
+        name: expected[name] for name in ("rmse_n", "esr", "samples", "bias_n")
     }
 
 
 def without_plotly(page):
-    """A single page as it is where plotly lies beside it."""
+    """A single page that loads plotly from a file."""
     head, rest = page.split("<script>", 1)
     return f'{head}<script src="../../plotly.min.js"></script>{rest.split("</script>", 1)[1]}'
 
@@ -126,38 +126,37 @@ def test_a_signal_map_and_options_reach_the_tasks(fleet, drives, tmp_path):
     assert fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2"])[1]["done"] == 1
 
 
-def test_failures_are_listed_and_the_status_is_1_only_where_all_failed(fleet, drives):
+def test_failures_are_listed_and_the_status_is_1_only_if_all_failed(fleet, drives):
     (drives / "car_b" / "foreign.mcap").write_bytes(b"PK\x03\x04" + bytes(500))
     status, record, _ = fleet("compare", drives / "car_b" / "*.mcap")
-    assert status == 0 and [Path(own["recording"]).name for own in record["failures"]] == ["foreign.mcap"]
+    assert status == 0 and [Path(failure["recording"]).name for failure in record["failures"]] == ["foreign.mcap"]
     status, record, _ = fleet("compare", drives / "car_b" / "foreign.mcap", output="none")
     assert status == 1 and record["failed"] == record["tasks"] == 1
 
 
 def test_a_scheduler_that_cannot_be_reached_is_one_line(drives, model, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(cluster, "_PATIENCE", 1)
+    monkeypatch.setattr(cluster, "_TIMEOUT", 1)
     words = ["fleet", "compare", str(drives / "*" / "*.mcap"), "-m", str(model), "-o", str(tmp_path / "out")]
     assert main([*words, "--scheduler", "tcp://127.0.0.1:9"]) == 1
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert line == (
-        "damper-estimator: tcp://127.0.0.1:9: no scheduler answers there; start one (dask scheduler) or leave "
-        "--scheduler out"
+        "damper-estimator: tcp://127.0.0.1:9: no scheduler answers; start one (dask scheduler) or omit --scheduler"
     )
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "message"),
     [
         (["-m", "no_such_model"], "no_such_model: is neither a model file nor"),
-        (["-m", "guo", "--memory", "much"], "--memory much: is no amount of memory"),
+        (["-m", "guo", "--memory", "much"], "--memory much: is not an amount of memory"),
     ],
 )
-def test_what_cannot_begin_is_one_line(drives, tmp_path, capsys, options, told):
+def test_a_run_that_cannot_start_is_one_line(drives, tmp_path, capsys, options, message):
     assert main(["fleet", "compare", str(drives / "*" / "*.mcap"), "-o", str(tmp_path / "out"), *options]) == 1
-    assert told in capsys.readouterr().err.strip().splitlines()[-1]
+    assert message in capsys.readouterr().err.strip().splitlines()[-1]
 
 
-def test_a_client_that_is_killed_goes_on_where_it_was(model, tmp_path):
+def test_a_killed_run_is_continued_by_the_next(model, tmp_path):
     for seed in range(8):
         write_drive(tmp_path / "many" / f"{seed:02}.mcap", seed, seconds=8.0)
     output = tmp_path / "out"
@@ -177,7 +176,7 @@ def test_a_client_that_is_killed_goes_on_where_it_was(model, tmp_path):
 
 
 def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(drives, model, tmp_path):
-    """A limit on the size of files acts like a disk that is full, for the workers as well."""
+    """A limit on the size of files acts like a full disk, also in the workers."""
     output = tmp_path / "out"
     words = command("compare", drives / "*" / "*.mcap", "-m", model, "-o", output, "--workers", 1, "--no-pages")
     limited = subprocess.run(

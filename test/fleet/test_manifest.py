@@ -1,4 +1,4 @@
-"""Which recordings a manifest, a pattern or a path means."""
+"""The recordings that a manifest, a pattern or a path names."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from damper_estimator.fleet.manifest import find_recordings
 
 @pytest.fixture
 def files(tmp_path):
-    """Recordings as files and folders, with others among them; only their names matter here."""
+    """Recordings as files and folders among other files; only their names matter here."""
     for name in ("car_a/one.mcap", "car_a/two.mcap", "car_b/one.mcap", "car_b/notes.txt", "car_b/log/log_0.mcap"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
@@ -18,7 +18,7 @@ def files(tmp_path):
 
 def test_a_pattern_finds_files_and_folders_and_names_the_vehicle_after_the_folder(files):
     found = find_recordings([str(files / "**" / "*")])
-    assert [(own.path.removeprefix(f"{files}/"), own.vehicle) for own in found] == [
+    assert [(recording.path.removeprefix(f"{files}/"), recording.vehicle) for recording in found] == [
         ("car_a/one.mcap", "car_a"),
         ("car_a/two.mcap", "car_a"),
         ("car_b/log", "car_b"),
@@ -31,14 +31,14 @@ def test_the_order_of_sources_does_not_matter(files):
     assert find_recordings(sources) == find_recordings(sources[::-1])
 
 
-def test_a_manifest_says_more_of_each_recording(files):
+def test_a_manifest_describes_each_recording(files):
     (files / "map.yaml").touch()
-    (files / "own.yaml").touch()
-    entry = "{recording: car_a/one.mcap, vehicle: A 1, dampers: [left], signals: map.yaml, model: own.yaml}"
+    (files / "special.yaml").touch()
+    entry = "{recording: car_a/one.mcap, vehicle: A 1, dampers: [left], signals: map.yaml, model: special.yaml}"
     (files / "fleet.yaml").write_text(f"recordings:\n  - {entry}\n  - {{recording: 'car_b/*.mcap', model: guo}}\n")
     first, second = find_recordings([str(files / "fleet.yaml")], dampers=["right"])
     assert (first.vehicle, first.dampers, second.vehicle, second.dampers) == ("A 1", ("left",), "car_b", ("right",))
-    assert (first.signals, first.model) == (str(files / "map.yaml"), str(files / "own.yaml"))
+    assert (first.signals, first.model) == (str(files / "map.yaml"), str(files / "special.yaml"))
     assert (second.signals, second.model) == ("", "guo")
 
 
@@ -51,7 +51,7 @@ def test_a_table_says_the_same_as_yaml(files):
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "told"),
+    ("name", "text", "message"),
     [
         ("a.yaml", "recordings: 3", "not a manifest"),
         ("a.yaml", "recordings: []", "names no recording"),
@@ -66,10 +66,10 @@ def test_a_table_says_the_same_as_yaml(files):
         ("missing.csv", None, "cannot be read"),
     ],
 )
-def test_what_is_wrong_with_a_manifest_is_said_in_one_line(tmp_path, name, text, told):
+def test_a_faulty_manifest_is_reported_in_one_line(tmp_path, name, text, message):
     path = tmp_path / name
     if text is not None:
         path.write_text(text)
     with pytest.raises(InputError) as refused:
         find_recordings([str(path)])
-    assert told in str(refused.value) and "\n" not in str(refused.value) and str(path) in str(refused.value)
+    assert message in str(refused.value) and "\n" not in str(refused.value) and str(path) in str(refused.value)

@@ -241,6 +241,6 @@ def test_a_bad_file_among_good_ones_leaves_no_file(bench, tmp_path, capsys):
 def test_an_output_that_cannot_be_created_is_named(bench, tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert bench(rules_with(), output="file/out")[0] == 1
-    assert "file/out: cannot be made (Not a directory)" in capsys.readouterr().err
+    assert "file/out: cannot be created (Not a directory)" in capsys.readouterr().err
     assert bench(rules_with(), output="none/out.mcap")[0] == 1
     assert "none/out.mcap: cannot be written (there is no folder" in capsys.readouterr().err

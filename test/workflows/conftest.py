@@ -1,4 +1,4 @@
-"""Small drives in the test's own folder."""
+"""Small recordings in the temporary folder of a test."""
 
 import pytest
 from drives import write_drive

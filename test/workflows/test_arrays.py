@@ -1,4 +1,4 @@
-"""Samples in memory pass the code that samples of a bag pass, and what cannot be meant is refused in one line."""
+"""Samples in memory are processed like samples of a bag, and impossible values are refused in one line."""
 
 import numpy as np
 import pytest
@@ -9,32 +9,32 @@ from damper_estimator.files import plain
 from damper_estimator.signals import DamperSignals, SignalMap, default_signals
 from damper_estimator.workflows import Recording, compare, read, replay
 
-TIME, X, FORCE, WARM = samples()
+TIME, X, FORCE, TEMPERATURE = samples()
 STAMPED = START / 1e9 + TIME
 
 
-def seldom(values):
-    """A slow channel: NaN but once a second."""
+def sparse(values):
+    """A slow channel: NaN except once a second."""
     slow = np.full(values.size, np.nan)
     slow[::RATE] = values[::RATE]
     return slow
 
 
 def arrays(**more):
-    given = {"force": FORCE, "temperature": seldom(WARM), "damper": "front_left"} | more
+    given = {"force": FORCE, "temperature": sparse(TEMPERATURE), "damper": "front_left"} | more
     return Recording.from_arrays(TIME, X, **given)
 
 
-def test_samples_of_a_bag_give_the_bits_that_the_bag_gives(drive):
+def test_samples_of_a_bag_give_the_same_bits_as_the_bag(drive):
     bag, memory = read(drive()), arrays()
     (expected,), (found,) = bag.measurements["front_left"], memory.measurements["front_left"]
     assert np.array_equal(found.kinematics.block, expected.kinematics.block, equal_nan=True)
     assert np.array_equal(found.force, expected.force) and np.array_equal(found.judged, expected.judged)
-    record, other = (plain(compare(own, "linear_viscous").to_dict()["dampers"]) for own in (bag, memory))
+    record, other = (plain(compare(recording, "linear_viscous").to_dict()["dampers"]) for recording in (bag, memory))
     assert record == other
 
 
-def test_gaps_commands_and_a_signal_map_mean_what_they_mean_in_a_bag(drive, tmp_path):
+def test_gaps_commands_and_a_signal_map_work_as_for_a_bag(drive, tmp_path):
     kept = (TIME < 2.0) | (TIME > 2.5)
     current = np.where(TIME < 3.0, 0.5, 1.5)
     memory = Recording.from_arrays(TIME[kept], X[kept], force=FORCE[kept], command=current[kept], damper="front_left")
@@ -56,7 +56,7 @@ def _sprung(signals: DamperSignals) -> DamperSignals:
 
 
 def test_replay_of_arrays_is_replay_of_the_bag_bit_for_bit(drive):
-    bag, memory = (replay(own, "linear_viscous") for own in (read(drive()), arrays()))
+    bag, memory = (replay(recording, "linear_viscous") for recording in (read(drive()), arrays()))
     for name in ("force", "status", "residual"):
         assert np.array_equal(getattr(bag, name), getattr(memory, name)), name
 
@@ -92,13 +92,13 @@ REFUSED = {
     "command of damper: 1200 of 1200": {"command": np.full(1200, np.nan)},
     "force given by damper, but displacement is one array": {"force": {"left": FORCE}},
     "but force is not": {"displacement": {"left": X}, "force": FORCE},
-    "force of right, of which there is no displacement": {"displacement": {"left": X}, "force": {"right": FORCE}},
+    "force of right, which has no displacement": {"displacement": {"left": X}, "force": {"right": FORCE}},
     "names no damper": {"displacement": {}, "force": None},
 }
 
 
 @pytest.mark.parametrize("words", REFUSED)
-def test_what_cannot_be_meant_is_refused_in_one_line(words):
+def test_impossible_values_are_refused_in_one_line(words):
     given = {"time": TIME, "displacement": X, "force": FORCE} | REFUSED[words]
     with pytest.raises(InputError, match=words) as refused:
         Recording.from_arrays(given.pop("time"), given.pop("displacement"), **given)
@@ -106,7 +106,7 @@ def test_what_cannot_be_meant_is_refused_in_one_line(words):
 
 
 class Frame(dict):
-    """What ``from_dataframe`` uses of a data frame: pandas is not needed to say which columns there are."""
+    """The part of a data frame that ``from_dataframe`` uses, without pandas."""
 
     @property
     def columns(self):
@@ -124,7 +124,7 @@ def test_a_data_frame_is_its_columns(frame):
     assert np.array_equal(found.force, expected.force)
 
 
-def test_columns_of_other_names_are_named_and_missing_ones_refused():
+def test_columns_can_be_renamed_and_missing_ones_are_refused():
     frame = Frame(t=TIME, x=X, load=FORCE)
     columns = {"displacement": "x", "force": "load"}
     (found,) = Recording.from_dataframe(frame, time="t", columns=columns).measurements["damper"]

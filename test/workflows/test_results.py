@@ -1,4 +1,4 @@
-"""Results: by damper, short in a notebook, and the same record as the command line's."""
+"""Results: a mapping by damper, short in a notebook, and equal to the JSON of the command line."""
 
 import json
 from xml.etree import ElementTree
@@ -19,12 +19,12 @@ TIMES = {"seconds"}
 
 def without_times(value):
     if isinstance(value, dict):
-        return {key: without_times(own) for key, own in value.items() if key not in TIMES}
-    return [without_times(own) for own in value] if isinstance(value, list) else value
+        return {key: without_times(result) for key, result in value.items() if key not in TIMES}
+    return [without_times(result) for result in value] if isinstance(value, list) else value
 
 
-def said(tmp_path, *words):
-    """What the command line writes with ``--json``."""
+def json_of(tmp_path, *words):
+    """The content that the command line writes with ``--json``."""
     target = tmp_path / "record.json"
     assert main([*map(str, words), "--json", str(target)]) == 0
     return without_times(json.loads(target.read_text()))
@@ -37,27 +37,27 @@ def two(drive):
 
 def test_the_record_of_a_comparison_is_that_of_the_command_line(two, drive, tmp_path):
     other = drive("other.mcap", dampers=("front_left", "front_right"), seed=5)
-    expected = said(tmp_path, "compare", two, other, "-m", "linear_viscous", "-m", "coulomb")
+    expected = json_of(tmp_path, "compare", two, other, "-m", "linear_viscous", "-m", "coulomb")
     results = compare(read([two, other]), ["linear_viscous", "coulomb"])
     assert without_times(plain(results.to_dict())) == expected
 
 
-def test_the_record_of_a_fit_is_that_of_the_command_line_but_for_the_file(two, tmp_path):
-    expected = said(tmp_path, "fit", two, "-m", "linear_viscous", "-o", tmp_path / "models")
+def test_the_record_of_a_fit_is_that_of_the_command_line_except_for_the_file(two, tmp_path):
+    expected = json_of(tmp_path, "fit", two, "-m", "linear_viscous", "-o", tmp_path / "models")
     results = fit(read(two), "linear_viscous")
     record = without_times(plain(results.to_dict()))
-    for damper, own in expected["dampers"].items():
-        assert own.pop("file") == str(tmp_path / "models" / f"{damper}.yaml")
+    for damper, result in expected["dampers"].items():
+        assert result.pop("file") == str(tmp_path / "models" / f"{damper}.yaml")
         assert record["dampers"][damper].pop("file") is None
     assert record == expected
     results.save(tmp_path / "saved")
     for damper in results:
-        written, there = (load_model(tmp_path / name, damper) for name in ("models", "saved"))
-        assert written.slots == there.slots == results[damper].model.slots
+        written, saved = (load_model(tmp_path / name, damper) for name in ("models", "saved"))
+        assert written.slots == saved.slots == results[damper].model.slots
 
 
 def test_the_record_and_the_estimates_of_a_replay_are_those_of_the_command_line(two, tmp_path):
-    expected = said(
+    expected = json_of(
         tmp_path, "replay", two, "-m", "linear_viscous", "-o", tmp_path / "out.mcap", "--from", 1, "--to", 4
     )
     results = replay(read(two, start=1.0, stop=4.0), "linear_viscous")
@@ -70,13 +70,11 @@ def test_the_record_and_the_estimates_of_a_replay_are_those_of_the_command_line(
 def test_results_are_a_mapping_by_damper_whose_values_are_results_alone(use, two):
     results = use(read(two), "linear_viscous")
     assert list(results) == ["front_left", "front_right"] and len(results) == 2
-    for damper, own in results.items():
-        assert list(own) == [damper] and isinstance(own, type(results))
-        assert own.to_dict()["dampers"][damper].keys() == results.to_dict()["dampers"][damper].keys()
-        assert own.only is results.by_damper[damper]
-    with pytest.raises(
-        InputError, match=r"dampers front_left, front_right; choose one of them: result\['front_left'\]"
-    ):
+    for damper, result in results.items():
+        assert list(result) == [damper] and isinstance(result, type(results))
+        assert result.to_dict()["dampers"][damper].keys() == results.to_dict()["dampers"][damper].keys()
+        assert result.only is results.by_damper[damper]
+    with pytest.raises(InputError, match=r"dampers front_left, front_right; select one: result\['front_left'\]"):
         results.only  # noqa: B018
     with pytest.raises(KeyError):
         results["rear"]
@@ -91,9 +89,9 @@ def test_a_notebook_shows_a_short_table_and_a_figure(use, two):
     figure = results.figure("front_left")
     assert figure.data and figure.layout.xaxis.title.text == "time in s"
     assert "@" not in figure.to_json().replace("@en", "")
-    with pytest.raises(InputError, match="choose one"):
+    with pytest.raises(InputError, match="select one"):
         results.figure()
-    with pytest.raises(InputError, match="no result of damper 'rear'; there are front_left, front_right"):
+    with pytest.raises(InputError, match="no result of damper 'rear'; the results are of front_left, front_right"):
         results.figure("rear")
 
 
@@ -108,10 +106,10 @@ def test_models_by_damper_are_compared_each_with_its_own(two):
     recording = read(two)
     fitted = fit(recording, "linear_viscous")
     results = compare(recording, fitted.models)
-    for damper, own in results.items():
-        assert own.comparison.model.slots == fitted.models[damper].slots
-        assert own.rmse_n == pytest.approx(fitted[damper].rmse_n, rel=1e-9)
-    with pytest.raises(InputError, match="models: none for damper front_right; there are models for front_left"):
+    for damper, result in results.items():
+        assert result.comparison.model.slots == fitted.models[damper].slots
+        assert result.rmse_n == pytest.approx(fitted[damper].rmse_n, rel=1e-9)
+    with pytest.raises(InputError, match="models: none for damper front_right; the mapping has front_left"):
         compare(recording, {"front_left": "linear_viscous"})
 
 
@@ -122,7 +120,7 @@ def test_results_are_saved_by_the_ending_of_the_name(two, tmp_path):
     assert results.save(tmp_path / "c.html").read_text().startswith("<!doctype html>")
     with pytest.raises(InputError, match=r"c\.txt: .*\.json or \.html"):
         results.save(tmp_path / "c.txt")
-    with pytest.raises(InputError, match=r"one\.yaml: is one file, but there are dampers"):
+    with pytest.raises(InputError, match=r"one\.yaml: is one file, but there are several dampers"):
         fit(recording, "linear_viscous").save(tmp_path / "one.yaml")
     estimates = replay(recording.of("front_left"), "linear_viscous")
     rows = estimates.save(tmp_path / "e.csv").read_text().splitlines()
@@ -130,7 +128,7 @@ def test_results_are_saved_by_the_ending_of_the_name(two, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.html", "c.json", "drive.mcap", "e.csv"]
 
 
-def test_a_fit_takes_options_of_the_command_line(two):
+def test_a_fit_accepts_options_of_the_command_line(two):
     recording = read(two, dampers="front_left")
     free = fit(recording, "linear_viscous", fix=["*"], free=["linear_viscous.rebound"])
     assert [p.name for p in free.parameters] == ["linear_viscous.rebound"]
@@ -142,11 +140,11 @@ def test_a_fit_takes_options_of_the_command_line(two):
 
 
 def test_only_a_single_recording_is_replayed(drive):
-    with pytest.raises(InputError, match="replay takes one recording, but there are"):
+    with pytest.raises(InputError, match="replay accepts one recording, but got"):
         replay(read([drive("a.mcap"), drive("b.mcap")]), "linear_viscous")
 
 
-def test_characteristics_show_themselves_as_well(tmp_path):
+def test_characteristics_are_displayed_like_other_results(tmp_path):
     import numpy as np
 
     time = np.arange(0.0, 20.0, 0.002)
