@@ -1,4 +1,4 @@
-# make help says what there is. Everything lands in this checkout: .venv (tools), out (results).
+# make help lists the targets. Everything is written in this checkout: .venv (tools), out (results).
 PYTHON ?= python3
 BIN := .venv/bin
 
@@ -18,7 +18,7 @@ help: ## this list
 env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it is up to date
 	@tools/environment "$(PYTHON)"
 
-test: env ## run all tests, those of the ROS node included (a browser's settings stay in out)
+test: env ## run all tests, including those of the ROS node (browser settings go to out)
 	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" $(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
 
 check: env ## style, faults and types, without running anything
@@ -26,15 +26,15 @@ check: env ## style, faults and types, without running anything
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 
-format: env ## correct what make check finds, as far as that goes by itself
+format: env ## correct what make check finds, if possible automatically
 	@$(BIN)/ruff check --fix-only --quiet .
 	@$(BIN)/ruff format .
 
-demo: env ## the story of damper-estimator demo, then the live node over DDS on the same recording
+demo: env ## the example of damper-estimator demo, then the live node over DDS on the same recording
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/demo
 
 .PHONY: docs
-docs: env ## build the documentation into out/site; nothing in it is loaded from elsewhere
+docs: env ## build the documentation into out/site; it loads nothing from a network
 	@NO_MKDOCS_2_WARNING=1 NUMBA_DISABLE_JIT=1 $(BIN)/mkdocs build --strict --quiet
 	@$(BIN)/python tools/docs/check.py out/site
 
@@ -42,23 +42,23 @@ pictures: env ## the pictures of README.md, docs/hidden_effect.md and docs/studi
 	@$(BIN)/python tools/docs/pictures.py
 	@PATH="$(CURDIR)/$(BIN):$$PATH" tools/pictures
 
-real-data: env ## the tables of docs/real_data.md, where the recordings are there
+real-data: env ## the tables of docs/real_data.md, if the recordings are available
 	@$(BIN)/python benchmarks/real_story.py -o docs/real_data.md
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
 bench: env ## measure speed and print it, 20 minutes (bench-node: the full bars of the node)
 	@for file in $(filter-out %/bench_diagnosis.py %/bench_hidden.py %/bench_plan.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
 
-bench-node: env ## the node against a relay as the bars want it: 60 s, five rounds, 25 minutes on a quiet machine
+bench-node: env ## the node against a relay at full length: 60 s, five rounds, 25 minutes on a quiet machine
 	@$(BIN)/python benchmarks/bench_node.py --full
 
-bench-diagnosis: env ## hide effects in 150 dampers drawn at random and see whether they are found (FULL=1: 600)
+bench-diagnosis: env ## hide effects in 150 randomly drawn dampers and check whether they are found (FULL=1: 600)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_diagnosis.py -o docs/diagnosis_bench.md
 
-bench-plan: env ## plan tests for 60 ties drawn at random, drive them on the plant, and see whether the ties break; goes on
+bench-plan: env ## plan tests for 60 randomly drawn ties, drive them on the plant, and check whether the ties break; resumable
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_plan.py -o docs/planning.md $(PLAN)
 
-bench-hidden: env ## the same for the listed cases of the project's plant (FULL=1: all there is)
+bench-hidden: env ## the same for the listed cases of the project's plant (FULL=1: all)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_hidden.py -o out/bench_hidden.md
 
 soak: env ## half an hour of the closed loop under random faults, judged against the truth (SOAK="SECONDS RATE")
@@ -80,6 +80,6 @@ package: man ## wheel and source distribution with the manual pages, into dist, 
 	@$(BIN)/python -m build --outdir dist .
 	@$(BIN)/python -m twine check --strict dist/*
 
-clean: ## remove what make made: .venv, out, caches
+clean: ## remove everything that make created: .venv, out, caches
 	rm -rf .venv out build dist install log man .pytest_cache .ruff_cache .mypy_cache .hypothesis *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -2,7 +2,7 @@
 # # A bench file
 #
 # A dynamometer's text file becomes a recording, a recording a model. The file is written here, so that the notebook
-# runs anywhere: a damper of 1500 N s/m with 60 N of friction, driven by five sines together.
+# runs anywhere: a damper of 1500 N s/m with 60 N of friction, driven by a sum of five sines.
 
 # %%
 import tempfile
@@ -20,7 +20,7 @@ table = np.column_stack([time, travel, load])
 np.savetxt(folder / "run.csv", table, delimiter=",", header="Time,Travel,Load", comments="", fmt="%.6f")
 
 # %% [markdown]
-# A column map says which column is which quantity, in which unit.
+# A column map states quantity and unit of each column.
 
 # %%
 (folder / "columns.yaml").write_text("""
@@ -38,7 +38,7 @@ recording = de.read(folder / "run.csv", columns=folder / "columns.yaml")
 recording
 
 # %% [markdown]
-# A straight line first, and what it lacks. The last 40 % of the recording are kept back to judge on.
+# First a straight line, and its missing effects. The last 40 % of the recording are reserved for judging.
 
 # %%
 line = de.fit(recording, "linear_viscous")

@@ -29,7 +29,7 @@ binary = find_compiler() is not None
 model.to_fmu(folder / "front_left.fmu", name="front_left", binary=binary)
 
 # %% [markdown]
-# A master steps the FMU at 1 kHz through a sine of 20 mm at 2 Hz, and the same samples go through the Python line:
+# A master steps the FMU at 1 kHz through a sine of 20 mm at 2 Hz; the Python line processes the same samples:
 
 # %%
 time = np.arange(0.0, 1.0, 1e-3)

@@ -2,8 +2,8 @@
 # # A fleet
 #
 # The same question for many recordings, and the answer as one table. On many cores or a cluster `damper-estimator
-# fleet` does this ([fleets](../fleet.md)); in a notebook a loop is enough for some dozens. Three cars here, the last
-# of which has new friction.
+# fleet` does this ([fleets](../fleet.md)); in a notebook a loop is enough for a few dozen. Three cars here; the last
+# one has additional friction.
 
 # %%
 import numpy as np
@@ -27,7 +27,7 @@ def drive(seed, friction):
 fleet = {"car_1": drive(1, 20.0), "car_2": drive(2, 20.0), "car_3": drive(3, 80.0)}
 
 # %% [markdown]
-# One model, identified on the first car as it was when it was new:
+# One model, identified on the first car when it was new:
 
 # %%
 model = de.fit(drive(0, 20.0), "dahl").model
@@ -38,7 +38,7 @@ for car, error in errors.items():
     print(f"{car}: {error:5.1f} N {'#' * round(error)}")
 
 # %% [markdown]
-# The outlier, and what its parameters say now: the friction has grown several times.
+# The outlier and its new parameters: the friction has increased several times.
 
 # %%
 outlier = max(errors, key=errors.get)

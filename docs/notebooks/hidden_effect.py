@@ -1,8 +1,8 @@
 # %% [markdown]
 # # The hidden effect, from Python
 #
-# [The walk through](../hidden_effect.md) in ten lines: a model that was right, a damper that has changed, what
-# changed.
+# [The walkthrough](../hidden_effect.md) in ten lines: a model that was accurate, a damper that has changed, and the
+# change.
 
 # %%
 import damper_estimator as de
@@ -13,7 +13,7 @@ base, now = (de.read(bags / f"hidden_{name}.mcap", start=0, stop=20) for name in
 road = de.read(bags / "hidden_unseen.mcap")
 
 # %% [markdown]
-# A force-velocity curve, identified on the damper as it was. On the road, months later, it is wrong:
+# A force-velocity curve, identified on the original damper. On the road, months later, it is wrong:
 
 # %%
 model = de.fit(base, "viscous_curve").model
@@ -22,7 +22,7 @@ print(f"{before.rmse_n:.1f} N rms error, of which {before.noise_floor_n:.1f} N a
 before.regions[0].where
 
 # %% [markdown]
-# What is missing? Sought on the bench recording of the damper as it is now, judged on the road, which no parameter is
+# What is missing? Identified on the bench recording of the changed damper, judged on the road, which no parameter is
 # fitted to.
 
 # %%
@@ -32,7 +32,7 @@ for finding in found.findings:
     print(f"{finding.phenomenon}, tied with {finding.tied_with}: {finding.evidence}")
 
 # %% [markdown]
-# The diagnosis has put its findings into `found.improved`; `de.improve` goes on for as long as unseen data justify it.
+# `found.improved` has the findings of the diagnosis; `de.improve` continues as long as unseen data justify it.
 
 # %%
 after = de.compare(road, found.improved)

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A magneto-rheological damper with changing current
 #
-# A simulated damper whose yield force follows the coil's current, late by the coil's lag; random motion while the
+# A simulated damper whose yield force follows the coil's current with a lag; random motion while the
 # current steps from 0 to 2 A.
 
 # %%
@@ -15,7 +15,7 @@ bench = de.read(bags / "semi_active_random.mcap", start=0, stop=20)
 road = de.read(bags / "semi_active_road.mcap", start=0, stop=20)
 
 # %% [markdown]
-# A model that does not know the current, and one that does:
+# A model without current, and one with it:
 
 # %%
 blind = de.fit(bench, "linear_viscous").model
@@ -24,7 +24,7 @@ for model in (blind, fitted.model):
     print(f"{model.name}: {de.compare(road, model).rmse_n:.0f} N on the road")
 
 # %% [markdown]
-# Values with their standard errors; a lag of some 20 ms is the coil's.
+# Values with their standard errors; the coil has a lag of about 20 ms.
 
 # %%
 for p in fitted.parameters:

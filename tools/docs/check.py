@@ -23,12 +23,12 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Keeps links, sources and anchors."""
-        own = {name: value or "" for name, value in attrs}
-        self.anchors |= {own[name] for name in ("id", "name") if own.get(name)}
+        attributes = {name: value or "" for name, value in attrs}
+        self.anchors |= {attributes[name] for name in ("id", "name") if attributes.get(name)}
         for name in ("href", "src", "srcset"):
-            if own.get(name):
-                loads = (tag, name) in LOADED and own.get("rel") not in NAMES_ONLY
-                self.targets.append((own[name], loads))
+            if attributes.get(name):
+                loads = (tag, name) in LOADED and attributes.get("rel") not in NAMES_ONLY
+                self.targets.append((attributes[name], loads))
 
 
 def faults(site: Path) -> list[str]:

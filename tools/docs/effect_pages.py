@@ -21,10 +21,10 @@ def files() -> Iterator[tuple[str, str]]:
     """Path in the site and content of every generated file: the index, the pages and their pictures."""
     yield "effects/index.md", index()
     for effect in all_effects().values():
-        own = signature(effect)
-        for name, picture in svgs(own).items():
+        drawn = signature(effect)
+        for name, picture in svgs(drawn).items():
             yield f"effects/{effect.name}_{name}.svg", picture
-        yield f"effects/{effect.name}.md", page(effect, own.values)
+        yield f"effects/{effect.name}.md", page(effect, drawn.values)
 
 
 def title(effect: Effect) -> str:
@@ -146,7 +146,7 @@ def shown(effect: Effect, values) -> Iterator[str]:
 def look_alikes(effect: Effect) -> Iterator[str]:
     """What tells it apart, and the effects that the same form-free tests speak for."""
     yield (
-        f"To tell it apart: {effect.separate}."
+        f"To separate it: {effect.separate}."
         if effect.separate
         else "Its declaration names no test that tells it apart."
     )

@@ -51,7 +51,7 @@ def with_symbols(paragraph: str) -> str:
 
 
 def paragraph_html(paragraph: str) -> str:
-    """A paragraph of a docstring as HTML: Markdown takes MathML at the start of a line for a block of its own."""
+    """A paragraph of a docstring as HTML: Markdown treats MathML at the start of a line as a separate block."""
     text = with_symbols(escape(paragraph, quote=False))
     return "<p>" + re.sub("`([^`]+)`", r"<code>\1</code>", text) + "</p>"
 

@@ -6,7 +6,7 @@ import effect_pages
 import reference_pages
 from mkdocs.structure.files import File, InclusionLevel
 
-# Files outside docs, by the page that they have become.
+# Files outside docs by the page made from them.
 PAGES = {
     "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
@@ -47,7 +47,7 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Links out of docs lead to pages; a picture of two themes becomes two that the page's own switch chooses from."""
+    """Links out of docs lead to pages; a picture in two themes becomes two that the page's theme switch selects."""
     markdown = _PICTURE.sub(r"![\2](\1#only-dark)\n![\2](\3#only-light)", markdown)
     return _LINK.sub(lambda found: _page_of(found[1], page.file.src_uri), markdown)
 

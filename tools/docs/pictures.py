@@ -32,18 +32,20 @@ def story() -> Figure:
     figure = Figure(figsize=(11.0, 3.5))
     figure.subplots_adjust(left=0.075, right=0.985, bottom=0.15, top=0.88, wspace=0.55)
     before, finding, after = figure.subplots(1, 3, width_ratios=(1.0, 0.75, 1.0))
-    for axes, own, words in ((before, model, "Before"), (after, better.model, "After")):
-        _errors(axes, de.replay(unseen, own))
-        axes.set_title(f"{words}: {de.compare(unseen, own).rmse_n:.0f} N rms error on the road", color=LIGHT["ink"])
+    for axes, each, words in ((before, model, "Before"), (after, better.model, "After")):
+        _errors(axes, de.replay(unseen, each))
+        axes.set_title(
+            f"{words}: {de.compare(unseen, each).rmse_n:.0f} N rms error on the road", color=LIGHT["ink"]
+        )
     _candidates(finding, better.only.first)
     return figure
 
 
 def _errors(axes, estimates) -> None:
-    own = estimates.only
-    time = (own.residual_stamp - own.residual_stamp[0]) * 1e-9
+    result = estimates.only
+    time = (result.residual_stamp - result.residual_stamp[0]) * 1e-9
     shown = (time >= SHOWN[0]) & (time <= SHOWN[1])
-    axes.fill_between(time[shown], own.residual[shown], color=BLUE, lw=0.8)
+    axes.fill_between(time[shown], result.residual[shown], color=BLUE, lw=0.8)
     axes.set(xlabel="time, s", ylabel="model - measured, N", ylim=LIMITS)
 
 
@@ -51,15 +53,15 @@ def _candidates(axes, diagnosis) -> None:
     """What the candidates take away of the squared error, each phenomenon by its best effect."""
     best: dict[str, object] = {}
     for judged in diagnosis.ranking:
-        own = judged.refitted or judged.kept
-        if own is not None and judged.phenomenon not in best and own.gain > 0.0:
-            best[judged.phenomenon] = own
+        judgement = judged.refitted or judged.kept
+        if judgement is not None and judged.phenomenon not in best and judgement.gain > 0.0:
+            best[judged.phenomenon] = judgement
     rows = sorted(best.items(), key=lambda row: row[1].gain)[-6:]
     named = {name for one in diagnosis.findings for name in (one.phenomenon, *one.tied_with)}
-    for i, (name, own) in enumerate(rows):
+    for i, (name, judgement) in enumerate(rows):
         colour = ORANGE if name in named else LIGHT["plain"]
-        axes.plot([100.0 * own.low, 100.0 * own.high], [i, i], color=colour, lw=3.0, alpha=0.5)
-        axes.plot([100.0 * own.gain], [i], color=colour, marker="o" if name in named else "s", ms=7)
+        axes.plot([100.0 * judgement.low, 100.0 * judgement.high], [i, i], color=colour, lw=3.0, alpha=0.5)
+        axes.plot([100.0 * judgement.gain], [i], color=colour, marker="o" if name in named else "s", ms=7)
     axes.set_yticks(range(len(rows)), [name.replace("_", " ") for name, _ in rows], fontsize=8.5)
     axes.set(xlabel="squared error it explains, %", xlim=(0.0, 102.0))
     axes.set_title("Finding", color=LIGHT["ink"])
@@ -85,7 +87,7 @@ def accuracy() -> Figure:
 
 
 def speed() -> Figure:
-    """Round trip of the node beside a relay that only republishes, as `make bench-node` printed it."""
+    """Round trip of the node compared with a relay that only republishes, as `make bench-node` printed it."""
     text = (ROOT / "docs" / "real_time.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d.*?) \| ([\d.]+) ms, ([\d.]+) x.*? \| ([\d.]+) ms, ([\d.]+) x", text, re.MULTILINE)
     figure = Figure(figsize=(7.6, 2.6))

@@ -56,14 +56,14 @@ def command_line() -> str:
 
 def models() -> str:
     """Every model of the library with its source, notes and effects."""
-    own = [load_model(path) for path in library_models().values()]
+    library = [load_model(path) for path in library_models().values()]
     parts = [
         "# Models",
         "A model is a list of [effects](effects/index.md), in a YAML file of `config/models`. Values are published "
         "ones or starts; `damper-estimator fit` identifies them for your damper. `damper-estimator models NAME` "
         "prints all parameters.",
     ]
-    for model in own:
+    for model in library:
         parts += [f"## {model.name}", *described(model)]
     return "\n\n".join(parts)
 
@@ -88,7 +88,7 @@ def messages() -> str:
 
 
 def node_parameters() -> str:
-    """The node's parameters, each explained beside its default."""
+    """The node's parameters, each explained with its default."""
     parts = ["# Parameters of the nodes"]
     for name, what in (("node", "The estimator"), ("controller", "The example controller")):
         text = (ROOT / "config" / f"{name}.yaml").read_text(encoding="utf-8").rstrip()

@@ -26,7 +26,7 @@ SPEED, AMPLITUDE = 0.38, 0.03  # m/s and m of the slow sine
 RATE, CYCLES = 2000.0, 4
 DAMPING = 1500.0  # N s/m of the plain damper
 LEAST = 0.05  # of the force: less cannot be seen
-KNOTS = np.array((-1.0, -0.5, -0.2, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0))  # m/s, the curves' own
+KNOTS = np.array((-1.0, -0.5, -0.2, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0))  # m/s, of the curves
 RANGES = Ranges(
     compression=-AMPLITUDE, extension=AMPLITUDE, speed=SPEED, acceleration=20.0, force=DAMPING * SPEED / 2**0.5,
     seconds=60.0, command=(0.0, 1.5), temperature=(20.0, 80.0),
@@ -60,7 +60,7 @@ EXAMPLES: dict[str, dict[str, object]] = {
     "static_force": {"force": 100.0},
     "viscous_curve": {"force": tuple(500.0 * np.tanh(6.0 * KNOTS))},
 }  # fmt: skip
-# Blue and orange of Okabe and Ito, which all readers tell apart; the dashes tell them apart in grey as well.
+# Blue and orange of Okabe and Ito, which all readers can distinguish; dashes distinguish them in grey as well.
 COLOURS = {
     "light": {"ink": "#1f2328", "grid": "#d0d7de", "plain": "#6e7781", "lines": ("#0072b2", "#d55e00")},
     "dark": {"ink": "#e6edf3", "grid": "#3d444d", "plain": "#9198a1", "lines": ("#56b4e9", "#e69f00")},
@@ -79,7 +79,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Signature:
-    """What is drawn: per run the block and both forces (n,) in N; over which variable the difference is shown."""
+    """What is drawn: per run the block and both forces (n,) in N; over which variable the difference is shsignature."""
 
     runs: tuple[Run, ...]
     without: tuple[np.ndarray, ...]
@@ -135,8 +135,8 @@ def put(effect: Effect, values: Mapping[str, object], base: tuple[Element, ...])
     """The damper with the effect, where its kind belongs."""
     if effect.kind == "series":
         return (make_element(effect, values, base),)
-    own = make_element(effect, values)
-    return (own, *base) if effect.kind == "input" else (*base, own)
+    element = make_element(effect, values)
+    return (element, *base) if effect.kind == "input" else (*base, element)
 
 
 def signature(effect: Effect) -> Signature:
@@ -181,25 +181,25 @@ def _moved(effect: Effect, start: Values, limits: Mapping[str, tuple[float, floa
     return moved
 
 
-def svgs(own: Signature) -> dict[str, str]:
-    """The two pictures, each in both themes, by the end of the file's name; the reader's own font draws the letters."""
+def svgs(signature: Signature) -> dict[str, str]:
+    """The two pictures, each in both themes, by the end of the file's name; text uses the reader's font."""
     drawn = {"force": _forces, "difference": _differences}
     return {
         f"{name}_{theme}": recoloured(light, COLOURS[theme])
         for name, draw in drawn.items()
-        for light in (_light(draw, own),)
+        for light in (_light(draw, signature),)
         for theme in COLOURS
     }
 
 
-def _light(draw: Callable[[Axes, Signature], None], own: Signature) -> str:
+def _light(draw: Callable[[Axes, Signature], None], signature: Signature) -> str:
     with mpl.rc_context(
         {"svg.fonttype": "none", "svg.hashsalt": "damper", "font.family": "sans-serif", "font.size": 11}
     ):
         figure = Figure(figsize=(3.9, 3.2))
         figure.subplots_adjust(left=0.22, right=0.97, bottom=0.16, top=0.87)
         axes = figure.subplots()
-        draw(axes, own)
+        draw(axes, signature)
         style(axes, COLOURS["light"])
         handles, labels = axes.get_legend_handles_labels()
         figure.legend(handles, labels, loc="upper center", ncols=3, frameon=False, fontsize=9, columnspacing=1.2,
@@ -216,9 +216,9 @@ def svg_text(figure: Figure) -> str:
 
 def recoloured(light: str, colours) -> str:
     """The light picture in the colours of another theme."""
-    own = COLOURS["light"]
-    pairs = [(own[role], colours[role]) for role in ("ink", "grid", "plain")]
-    for before, after in (*pairs, *zip(own["lines"], colours["lines"], strict=True)):
+    palette = COLOURS["light"]
+    pairs = [(palette[role], colours[role]) for role in ("ink", "grid", "plain")]
+    for before, after in (*pairs, *zip(palette["lines"], colours["lines"], strict=True)):
         light = light.replace(before, after)
     return light
 
@@ -231,9 +231,9 @@ AXES = {
 }
 
 
-def _forces(axes: Axes, own: Signature) -> None:
+def _forces(axes: Axes, signature: Signature) -> None:
     colours = COLOURS["light"]
-    for k, (run, before, after) in enumerate(zip(own.runs, own.without, own.with_it, strict=True)):
+    for k, (run, before, after) in enumerate(zip(signature.runs, signature.without, signature.with_it, strict=True)):
         v = run.block[V, run.drawn]
         if k == 0:
             axes.plot(v, before[run.drawn], color=colours["plain"], linewidth=1.0, label="without it")
@@ -241,9 +241,9 @@ def _forces(axes: Axes, own: Signature) -> None:
     axes.set(xlabel="velocity, m/s", ylabel="force, N")
 
 
-def _differences(axes: Axes, own: Signature) -> None:
-    row, scale, label = AXES[own.over]
-    for k, (run, before, after) in enumerate(zip(own.runs, own.without, own.with_it, strict=True)):
+def _differences(axes: Axes, signature: Signature) -> None:
+    row, scale, label = AXES[signature.over]
+    for k, (run, before, after) in enumerate(zip(signature.runs, signature.without, signature.with_it, strict=True)):
         axes.plot(scale * run.block[row, run.drawn], (after - before)[run.drawn], label=run.name, **_line(k))
     axes.set(xlabel=label, ylabel="what the model lacks, N")
 
