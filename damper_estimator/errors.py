@@ -13,7 +13,7 @@ class InputError(Exception):
     """
 
     def __init__(self, text: str) -> None:
-        """``text`` may contain names from files: line breaks become blanks, other unprintable characters escapes."""
+        """``text`` may contain names from files: line breaks become blanks, unprintable characters escapes."""
         line = " ".join(part.strip() for part in text.splitlines())
         super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in line))
 

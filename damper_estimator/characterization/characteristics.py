@@ -143,8 +143,8 @@ def _diagram(loop: Loop, role: str = "total", subtrahend: float = float("nan")) 
 
 
 def _of_difference(found: Difference, role: str = "") -> Diagram:
-    of = found.subtrahend.pressure if found.what == "pressure" else found.subtrahend.command
-    return _diagram(found.loop, role or found.what, of)
+    subtrahend = found.subtrahend.pressure if found.quantity == "pressure" else found.subtrahend.command
+    return _diagram(found.loop, role or found.quantity, subtrahend)
 
 
 def _requested(

@@ -13,7 +13,7 @@ PEAK_COLUMNS = (
     "frequency_hz", "amplitude_m", "command", "pressure_pa", "cycles", "peak_velocity_rebound_m_s", "force_rebound_n",
     "peak_velocity_compression_m_s", "force_compression_n", "largest_force_n", "smallest_force_n",
 )  # fmt: skip
-_LOOP_STEP = 4  # every fourth of 360 phases goes to JSON
+_LOOP_STEP = 4  # JSON has every fourth of 360 phases
 
 
 def peaks(loop: Loop) -> dict[str, float]:

@@ -22,14 +22,14 @@ class Difference:
     Attributes:
         loop: motion of ``minuend``, force of ``minuend`` minus that of ``subtrahend``.
         minuend, subtrahend: the two loops.
-        what: ``command``, ``pressure``, or ``setting`` if the recordings do not show the change.
+        quantity: ``command``, ``pressure``, or ``setting`` if the recordings do not show the change.
         velocity_difference: relative difference of their peak velocities.
     """
 
     loop: Loop
     minuend: Loop
     subtrahend: Loop
-    what: str
+    quantity: str
     velocity_difference: float
 
 

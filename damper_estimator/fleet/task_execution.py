@@ -13,7 +13,7 @@ from damper_estimator.fleet.result_rows import DONE, FAILED, write_row
 from damper_estimator.fleet.task import Task
 
 Work = Callable[[Task], Mapping[str, object]]
-"""Does what the verb does, writes its results under `Task.place`, and returns the values of the row's columns."""
+"""Runs the verb, writes its results under `Task.place`, and returns the values of the row's columns."""
 
 _DISK_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS}
 

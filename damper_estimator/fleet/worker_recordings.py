@@ -86,7 +86,7 @@ class PreparedRecording:
     """One recording prepared for the fit; final.
 
     Attributes:
-        measurement: as it was read.
+        measurement: the samples.
         rows: of its usable parts.
     """
 
@@ -220,7 +220,7 @@ def _channel(recording: PreparedRecording, row: int) -> np.ndarray:
 
 
 def error_bound(recording: PreparedRecording, text: str) -> np.ndarray:
-    """(1,) N, ``identification.record.force_stddev`` over what is recording."""
+    """(1,) N, ``identification.record.force_stddev`` over the usable parts of the recording."""
     return np.array([force_stddev(model_of(text), recording.used)])
 
 

@@ -68,15 +68,15 @@ def part_from_dataframe(
     unknown = [role for role in columns if role not in UNITS]
     if unknown:
         raise InputError(f"{name}: unknown roles {', '.join(unknown)}; the roles are {', '.join(UNITS)}")
-    wanted = {role: role for role in UNITS if role in frame.columns} | dict(columns)
-    missing = [column for column in (*wanted.values(), *([time] if time else [])) if column not in frame.columns]
+    column_of = {role: role for role in UNITS if role in frame.columns} | dict(columns)
+    missing = [column for column in (*column_of.values(), *([time] if time else [])) if column not in frame.columns]
     if missing:
         columns_there = ", ".join(map(str, frame.columns)) or "none"
         raise InputError(f"{name}: has no column {', '.join(missing)}; it has {columns_there}")
-    if "displacement" not in wanted:
+    if "displacement" not in column_of:
         raise InputError(f"{name}: has no column displacement; name it: columns={{'displacement': ...}}")
     instants = frame[time] if time else frame["time"] if "time" in frame.columns else frame.index
-    channels = {role: np.asarray(frame[column]) for role, column in wanted.items()}
+    channels = {role: np.asarray(frame[column]) for role, column in column_of.items()}
     return part_from_arrays(np.asarray(instants), channels, damper, name)
 
 
@@ -144,7 +144,7 @@ def _numbers(label: str, values: Values) -> np.ndarray:
     try:
         return np.array(values, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"{label}: holds no numbers ({error}); give an array of floats") from error
+        raise InputError(f"{label}: contains no numbers ({error}); give an array of floats") from error
 
 
 def _count(bad: np.ndarray) -> str:

@@ -140,7 +140,7 @@ def compare(
     """Judges models against the measured force; both pass the same filters (docs/python.md names the measures).
 
     Args:
-        recording: what was measured; dampers without a force are left out.
+        recording: the measurements; dampers without a force are left out.
         model: one or several to be compared with each other: a name of the library, a model file, a folder with one
             ``DAMPER.yaml`` each, a model, or a mapping of these by damper.
         groups: names of groups with their recordings; None groups by velocity and frequency.

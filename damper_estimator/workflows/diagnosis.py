@@ -95,7 +95,7 @@ def diagnose(
     """Adds each effect that represents a phenomenon to the model and judges it on recordings it was not fitted to.
 
     Args:
-        recording: what was measured; dampers without a force are left out.
+        recording: the measurements; dampers without a force are left out.
         model: the one to improve on: a name of the library, a model file, a folder with one ``DAMPER.yaml`` each, a
             model, or a mapping of these by damper.
         validate: recordings to judge on; None reserves the last 40 % of each recording.

@@ -148,7 +148,7 @@ def fit(
     """Identifies a model's free parameters, for each damper on all its recordings together.
 
     Args:
-        recording: what was measured; dampers without a force are left out.
+        recording: the measurements; dampers without a force are left out.
         model: the start model: a name of the library, a model file, a folder with one ``DAMPER.yaml`` each, a model,
             or a mapping of these by damper.
         free, fix: addresses such as ``coulomb.force``, whole effects, or patterns with ``*`` and ``?``: to identify

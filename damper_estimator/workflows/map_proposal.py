@@ -76,7 +76,7 @@ def _candidates(bag: Bag) -> Iterator[Candidate]:
             batch = next(iter(bag.batches([topic.name], size=_EXAMINED)))
             messages = [message for _, message in batch.messages(topic.name)]
         except InputError:
-            continue  # a type that cannot be decoded holds no channel
+            continue  # a type that cannot be decoded has no channels
         seen: dict[Candidate, None] = {}
         for message in messages[:20]:
             seen |= dict.fromkeys(_of_message(topic.name, topic.type, message))

@@ -167,17 +167,17 @@ def signal_map_of(signals: str | PathLike[str] | SignalMap | None) -> SignalMap:
     return signals if isinstance(signals, SignalMap) else load_signal_map(None if signals is None else Path(signals))
 
 
-def _reader(sources: Sequence[OpenedSource], wanted: Sequence[str], window: tuple[float, float]) -> Reader:
+def _reader(sources: Sequence[OpenedSource], requested: Sequence[str], window: tuple[float, float]) -> Reader:
     entries: dict[str, DamperSignals] = {}
     for source in sources:
         entries |= {name: signals for name, signals in source.signal_map.dampers.items() if name not in entries}
-    missing = [name for name in wanted if name not in entries]
+    missing = [name for name in requested if name not in entries]
     if missing:
         given = sources[0].signal_map.where
         where = given if given != SignalMap().where else source_name(sources[0].source)
         raise InputError(f"{where}: has no damper {missing[0]!r}; it has {', '.join(entries)}")
-    dampers = tuple(name for name in entries if not wanted or name in wanted)
-    return Reader(tuple(sources), replace(sources[0].signal_map, dampers=entries), dampers, tuple(wanted), window)
+    dampers = tuple(name for name in entries if not requested or name in requested)
+    return Reader(tuple(sources), replace(sources[0].signal_map, dampers=entries), dampers, tuple(requested), window)
 
 
 def _of_bag(bag: Bag, window: tuple[float, float]) -> Callable[[SignalMap, str], Measurement]:

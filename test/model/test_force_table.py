@@ -99,9 +99,9 @@ def test_channel_effects_are_refused():
         force_table(model_of(CURVE, "force_offset"))
 
 
-def test_the_verb_writes_the_files_and_says_that_memory_is_lost(tmp_path, capsys):
+def test_the_verb_writes_the_files_and_says_that_hysteresis_is_lost(tmp_path, capsys):
     assert main(["export", "bouc_wen", "--tables", str(tmp_path / "out"), "--velocity=-0.5,0,0.5"]) == 0
-    assert "no memory" in capsys.readouterr().out
+    assert "without hysteresis" in capsys.readouterr().out
     assert (tmp_path / "out" / "bouc_wen.dpr").exists()
     assert (tmp_path / "out" / "force_velocity.csv").read_text().splitlines()[0] == ",".join(COLUMNS)
 

@@ -112,7 +112,8 @@ def test_a_vehicle_gets_words_and_no_drive_file(fitted, old, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "said"), [("[]", "is no diagnosis"), ("{", "is no diagnosis"), ('{"dampers": {}}', "has no damper")]
+    ("content", "said"),
+    [("[]", "is not a diagnosis"), ("{", "is not a diagnosis"), ('{"dampers": {}}', "has no damper")],
 )
 def test_a_diagnosis_that_cannot_be_used_is_refused(fitted, old, tmp_path, content, said):
     path = tmp_path / "d.json"
@@ -123,7 +124,7 @@ def test_a_diagnosis_that_cannot_be_used_is_refused(fitted, old, tmp_path, conte
 
 def test_without_a_tie_there_is_nothing_to_plan(fitted, old, tmp_path):
     told = diagnosis(tmp_path / "d.json", [("gas_spring",)])
-    with pytest.raises(de.InputError, match="no damper has a tied finding"):
+    with pytest.raises(de.InputError, match="no damper has tied findings"):
         de.plan(old, fitted, diagnosis=told)
 
 
@@ -141,4 +142,4 @@ def test_the_verb_refuses_in_one_line(tmp_path, capsys):
     assert "did you mean crank" in capsys.readouterr().err
     words = ["plan", str(bag), "-m", "linear_viscous", "--parameters", "--diagnosis", "d.json", "-o", str(tmp_path)]
     assert main(words) == 1
-    assert "leave one of them out" in capsys.readouterr().err
+    assert "omit one of them" in capsys.readouterr().err

@@ -139,7 +139,7 @@ def test_the_address_that_is_printed_can_be_opened():
     [
         (["--host", "192.0.2.77", "--token"], "choose an address of this machine"),
         (["--host", "no.such.name.invalid", "--token"], "choose an address of this machine"),
-        (["--allow-host", "http://rig"], "give a name alone"),
+        (["--allow-host", "http://rig"], "give only a name"),
     ],
 )
 def test_an_address_or_name_that_cannot_be_is_refused_in_one_line(tmp_path, words, said):
@@ -157,7 +157,7 @@ def test_a_taken_port_is_said_and_names_the_option(tmp_path):
         command = [sys.executable, "-m", "damper_estimator", "studio", str(tmp_path), "--no-browser", "--port", port]
         done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    assert port in done.stderr and "choose another with --port" in done.stderr
+    assert port in done.stderr and "choose another port with --port" in done.stderr
 
 
 def test_a_large_request_is_refused(client):

@@ -93,7 +93,7 @@ def test_minutes_out_of_range_are_refused(tmp_path, capsys):
 
 
 def test_thinning_keeps_the_extremes_and_leaves_out_what_is_no_number():
-    pytest.importorskip("rclpy", reason="ROS 2 is not installed here")
+    pytest.importorskip("rclpy", reason="ROS 2 is not installed")
     from damper_estimator.node.watch import thinned
 
     time = np.arange(0.0, 1.0, 1e-3)

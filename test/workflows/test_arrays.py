@@ -83,7 +83,7 @@ REFUSED = {
         "displacement": np.where(np.arange(1200) < 2, np.nan, X)
     },
     "in mm": {"displacement": 1000.0 * X},
-    "holds no numbers": {"displacement": ["a"] * 1200},
+    "contains no numbers": {"displacement": ["a"] * 1200},
     r"force of damper: has shape \(\)": {"force": 3.0},
     "force of damper: 1200 of 1200 values are not finite": {"force": np.full(1200, np.inf)},
     "force of damper: reaches 1e": {"force": np.full(1200, 1e9)},
