@@ -34,9 +34,7 @@ def story() -> Figure:
     before, finding, after = figure.subplots(1, 3, width_ratios=(1.0, 0.75, 1.0))
     for axes, each, words in ((before, model, "Before"), (after, better.model, "After")):
         _errors(axes, de.replay(unseen, each))
-        axes.set_title(
-            f"{words}: {de.compare(unseen, each).rmse_n:.0f} N rms error on the road", color=LIGHT["ink"]
-        )
+        axes.set_title(f"{words}: {de.compare(unseen, each).rmse_n:.0f} N rms error on the road", color=LIGHT["ink"])
     _candidates(finding, better.only.first)
     return figure
 
