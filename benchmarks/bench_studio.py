@@ -18,7 +18,7 @@ from browser import BROWSER
 from hand import Hand, hand, served
 from hour_bag import write_hour
 
-from damper_estimator.report.paint import painted
+from damper_estimator.report.theme import themed
 from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.session import Session
@@ -64,7 +64,7 @@ def drawn(session: Session, view: View) -> dict:
     """The figures for the page."""
     scene = Scene([session.shown(session.model)], [MODEL], view)
     clouds = {motion: cloud_figure(scene, motion) for motion in MOTIONS}
-    return {name: painted(figure, "light") for name, figure in ({"time": time_figure(scene)} | clouds).items()}
+    return {name: themed(figure, "light") for name, figure in ({"time": time_figure(scene)} | clouds).items()}
 
 
 def in_browser(folder: Path, name: str) -> None:

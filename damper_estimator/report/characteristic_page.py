@@ -7,9 +7,10 @@ import numpy as np
 from damper_estimator.characterization import MEANINGS, Characterization, Diagram
 from damper_estimator.characterization.serialization import peaks
 from damper_estimator.numbers import number
-from damper_estimator.report.figures import packed
+from damper_estimator.report.packing import packed
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import axis, line
+from damper_estimator.report.plots import GREY, INK, MOTIONS, TIGHT, Figure, axis, line
+from damper_estimator.report.theme import model_colour
 from damper_estimator.report.wording import recording_name
 
 _ROLES = {
@@ -26,8 +27,37 @@ def characteristic_page(found: Sequence[Characterization]) -> str:
         [_section(c) for c in found],
         ["page.css", "characteristics.css"],
         "characteristics.js",
-        [[_figure(d) for d in (*c.diagrams, *c.differences)] for c in found],
+        {
+            "sections": [[_figure(d) for d in (*c.diagrams, *c.differences)] for c in found],
+            "styles": _styles(),
+            "axes": {
+                motion: {"xaxis": axis(title), "yaxis": axis("force in N"), "margin": TIGHT}
+                for motion, title in MOTIONS.items()
+            },
+        },
     )
+
+
+def _styles() -> dict[str, Figure]:
+    """Traces without samples: a pale loop of a steady or of a single cycle, the chosen loop, and its points."""
+
+    def loop(colour: str, width: float, hover: str, **more: object) -> Figure:
+        line = {"color": colour, "width": width} | more
+        hover += "<extra>%{fullData.name}</extra>"
+        return {"type": "scatter", "mode": "lines", "line": line, "hovertemplate": hover}
+
+    return {
+        "steady": loop(GREY, 1, "%{y:.0f} N") | {"opacity": 0.55},
+        "single": loop(GREY, 1, "%{y:.0f} N", dash="dot") | {"opacity": 0.55},
+        "chosen": loop("@model0", 2.5, "%{x:.4g}, %{y:.0f} N"),
+        "points": {
+            "type": "scatter",
+            "mode": "markers+text",
+            "textfont": {"size": 14, "color": INK},
+            "marker": {"size": 9, "color": "@model1"},
+            "hovertemplate": "%{text}: %{x:.4g}, %{y:.0f} N<extra></extra>",
+        },
+    }
 
 
 def _figure(diagram: Diagram) -> dict[str, object]:
@@ -51,6 +81,7 @@ def _figure(diagram: Diagram) -> dict[str, object]:
         },
         "points": {
             "name": [p.name for p in points],
+            "textposition": ["middle left" if p.name in "CGDH" else "middle right" for p in points],
             "force": [p.force for p in points],
             "displacement": [1e3 * p.displacement for p in points],
             "velocity": [p.velocity for p in points],
@@ -137,7 +168,7 @@ def loops_over_velocity(diagrams: Sequence[Diagram]) -> dict[str, object]:
     """Force over velocity of each operating point, for notebooks."""
     data = [
         line(np.append(d.loop.velocity, d.loop.velocity[0]), np.append(d.loop.force, d.loop.force[0]), _name(d),
-             f"@model{number % 5}")
+             model_colour(number))
         for number, d in enumerate(diagrams)
     ]  # fmt: skip
     return {"data": data, "layout": {"xaxis": axis("velocity in m/s"), "yaxis": axis("force in N"), "showlegend": True}}

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from damper_estimator.report.figures import unpacked
+from damper_estimator.report.packing import unpacked
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import Figure, apart, axis, line, short
+from damper_estimator.report.plots import Figure, axis, line, shared_arrays, short
 from damper_estimator.vehicle.comfort import AXLES, ComfortRun, Loops, differences
 
 COLOURS = ("@model0", "@model1")
@@ -42,7 +42,7 @@ def comfort_page(car: str, names: Sequence[str], runs: Sequence[ComfortRun], oth
         "axles": AXLES,
     }
     title = f"comfort of {car}: {names[0]} against {names[1]}"
-    return render("comfort.html", title, [section], ["page.css"], "plots.js", apart([figures]))
+    return render("comfort.html", title, [section], ["page.css"], "plots.js", shared_arrays([figures]))
 
 
 def _for_drivers(names: Sequence[str], runs: Sequence[ComfortRun], others: Sequence[ComfortRun]) -> str:

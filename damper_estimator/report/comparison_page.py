@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from damper_estimator.report.excitation_figures import partial_coherence_figure, relative_rms_figure
-from damper_estimator.report.figures import coherence_figure, cycle_map, error_map, passage
+from damper_estimator.report.figures import cloud_figures, coherence_figure, cycle_map, error_map, passage, time_figure
 from damper_estimator.report.page import render
 from damper_estimator.report.wording import (
     MEASURES,
@@ -49,8 +49,11 @@ def damper_section(comparisons: Sequence[Comparison], sections: int = 1) -> Sect
     first = models[0]
     recordings = range(len(first.traces))
     most = max(POINTS // (sections * len(recordings) * max(len(models) // 2, 1)), _FEWEST)
+    names = [c.model.name for c in models]
     figures = {
-        "models": [c.model.name for c in models],
+        "models": names,
+        "time": time_figure(names),
+        "clouds": cloud_figures(names),
         "recordings": [
             passage(models, index, most) | {"name": recording_name(first.recordings[index])} for index in recordings
         ],

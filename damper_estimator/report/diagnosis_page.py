@@ -26,7 +26,7 @@ from damper_estimator.report.diagnosis_wording import (
     rejected_rows,
 )
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import apart
+from damper_estimator.report.plots import shared_arrays
 from damper_estimator.report.verdict_figures import atlas_figure, error_bars, moved_figure, ranking_figure
 from damper_estimator.report.wording import quality_rows, recording_name
 
@@ -79,7 +79,7 @@ def diagnosis_page(sections: Sequence[DiagnosisSection], title: str) -> str:
         [section.text for section in sections],
         STYLES,
         SCRIPT,
-        apart([section.figures for section in sections]),
+        shared_arrays([section.figures for section in sections]),
     )
 
 

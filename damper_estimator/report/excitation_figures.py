@@ -1,9 +1,11 @@
-"""Curves over frequency: the relative error by excitation, and what of the force each signal explains."""
+"""Curves over frequency: the relative error by excitation, and the share of the force that each signal explains."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from damper_estimator.report.plots import TIGHT, axis
+from damper_estimator.report.theme import model_colour
 from damper_estimator.validation import Comparison
 from damper_estimator.validation.spectra import PartialCoherence
 
@@ -14,7 +16,8 @@ def relative_rms_figure(comparisons: Sequence[Comparison]) -> dict[str, object] 
         {
             "type": "scatter",
             "mode": "lines+markers",
-            "role": f"model{index}",
+            "line": {"color": model_colour(index), "width": 1.6},
+            "marker": {"size": 5},
             "name": c.model.name,
             "x": [round(row.frequency_hz, 4) for row in c.relative_rms],
             "y": [_percent(row.relative_rms) for row in c.relative_rms],
@@ -27,8 +30,9 @@ def relative_rms_figure(comparisons: Sequence[Comparison]) -> dict[str, object] 
     if not curves:
         return None
     layout = {
-        "xaxis": {"title": {"text": "frequency of the excitation in Hz"}},
-        "yaxis": {"title": {"text": "rms error over rms force in %"}, "rangemode": "tozero"},
+        "xaxis": axis("frequency of the excitation in Hz"),
+        "yaxis": axis("rms error over rms force in %", rangemode="tozero"),
+        "margin": TIGHT,
         "showlegend": len(curves) > 1,
     }
     return {"data": curves, "layout": layout}
@@ -42,7 +46,7 @@ def partial_coherence_figure(found: PartialCoherence) -> dict[str, object] | Non
         {
             "type": "scatter",
             "mode": "lines",
-            "role": f"model{index}",
+            "line": {"color": model_colour(index), "width": 1.6},
             "name": name,
             "x": np.round(found.frequency, 4).tolist(),
             "y": [float(f"{v:.4g}") if np.isfinite(v) else None for v in value],
@@ -51,8 +55,9 @@ def partial_coherence_figure(found: PartialCoherence) -> dict[str, object] | Non
         for index, (name, value) in enumerate(found.partial.items())
     ]
     layout = {
-        "xaxis": {"title": {"text": "frequency in Hz"}},
-        "yaxis": {"title": {"text": "partial coherence (1)"}, "range": [0.0, 1.03]},
+        "xaxis": axis("frequency in Hz"),
+        "yaxis": axis("partial coherence (1)", range=[0.0, 1.03]),
+        "margin": TIGHT,
         "showlegend": True,
     }
     return {"data": curves, "layout": layout}

@@ -1,12 +1,9 @@
 "use strict";
 // The fleet's page: filters and sorts the rows that stand in the page's data, draws them, and opens their reports.
 (() => {
-  const data = JSON.parse(document.getElementById("data").textContent);
-  const root = document.documentElement;
+  const { data } = report;
   const find = (id) => document.getElementById(id);
-  const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
   const PER_PAGE = 50, MOST_VEHICLES = 40, MANY = 3000;
-  const colour = (role) => getComputedStyle(root).getPropertyValue("--" + role).trim();
   const ALL = "";
   const state = { sort: null, down: true, page: 0, rows: [] };
   let verb, table;
@@ -45,35 +42,32 @@
     return rows;
   }
 
-  function layout(x, y, more) {
-    const axis = (title) => ({ title: { text: title, standoff: 6 }, gridcolor: colour("line"), zerolinecolor: colour("line"), linecolor: colour("line"), automargin: true });
-    return { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: colour("ink"), size: 12, family: getComputedStyle(document.body).fontFamily },
-      margin: { l: 55, r: 12, t: 8, b: 42 }, hovermode: "closest", showlegend: false, modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("samples"), activecolor: colour("ink") },
-      hoverlabel: { bgcolor: colour("card"), font: { color: colour("ink") }, align: "left" }, xaxis: Object.assign(axis(x), more), yaxis: Object.assign(axis(y), { rangemode: "tozero" }) };
+  // Draws a figure of the page's data with these traces, the chosen quantity at its vertical axis.
+  function draw(element, name, traces, title, more) {
+    const { layout } = data.figures[name], yaxis = Object.assign({}, layout.yaxis, { title: { text: title } });
+    report.draw(element, { data: traces, layout: Object.assign({}, layout, { yaxis }, more) });
   }
 
   function open(i) { if (table.link[i]) window.open(table.link[i], "_blank", "noopener"); }
 
-  function cloud(element, rows, x, title, more) {
-    const y = values(), quantity = data.measures[find("measure").value];
-    const known = rows.filter((i) => x[i] !== null && y[i] !== null && y[i] !== undefined);
-    const kind = known.length > MANY ? "scattergl" : "scatter";
-    const trace = (own, role, size, symbol) => ({ type: kind, mode: "markers", x: own.map((i) => x[i]), y: own.map((i) => y[i]), customdata: own,
-      text: own.map((i) => table.recording[i] + "<br>" + vehicle(i) + ", " + damper(i)), marker: { color: colour(role), size, symbol, opacity: 0.75 },
-      hovertemplate: "%{text}<br>%{y:.4g}<extra></extra>" });
-    Plotly.react(element, [trace(known.filter((i) => !table.far[i]), "model0", 5, "circle"), trace(known.filter((i) => table.far[i]), "error", 9, "diamond")],
-      layout(title, quantity, more), CONFIG);
+  function cloud(element, name, rows, x) {
+    const y = values(), known = rows.filter((i) => x[i] !== null && y[i] !== null && y[i] !== undefined);
+    const type = known.length > MANY ? "scattergl" : "scatter";
+    const trace = (style, shown) => Object.assign({}, style, { type, x: shown.map((i) => x[i]), y: shown.map((i) => y[i]), customdata: shown,
+      text: shown.map((i) => table.recording[i] + "<br>" + vehicle(i) + ", " + damper(i)) });
+    const [near, far] = data.figures[name].data;
+    const annotations = known.length ? [] : [{ text: "no values", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5 }];
+    draw(element, name, [trace(near, known.filter((i) => !table.far[i])), trace(far, known.filter((i) => table.far[i]))], data.measures[find("measure").value], { annotations });
     if (!element.listening) { element.on("plotly_click", (event) => open(event.points[0].customdata)); element.listening = true; }
-    if (!known.length) Plotly.relayout(element, { annotations: [{ text: "nothing known", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5 }] });
   }
 
   function boxes(element, rows, of, names, most) {
     const y = values(), groups = new Map();
     for (const i of rows) if (y[i] !== null && y[i] !== undefined) { if (!groups.has(of[i])) groups.set(of[i], []); groups.get(of[i]).push(y[i]); }
-    const middle = (own) => { const sorted = Float64Array.from(own).sort(); return sorted[sorted.length >> 1]; };
-    const order = [...groups].map(([k, own]) => [k, own, middle(own)]).sort((a, b) => b[2] - a[2]).slice(0, most);
-    const traces = order.map(([k, own]) => ({ type: "box", name: names[k] || "unknown", y: own, boxpoints: false, line: { color: colour("model0"), width: 1.4 }, fillcolor: "rgba(0,0,0,0)" }));
-    Plotly.react(element, traces, layout("", data.measures[find("measure").value], { type: "category" }), CONFIG);
+    const middle = (found) => { const sorted = Float64Array.from(found).sort(); return sorted[sorted.length >> 1]; };
+    const order = [...groups].map(([k, found]) => [k, found, middle(found)]).sort((a, b) => b[2] - a[2]).slice(0, most);
+    const [style] = data.figures.boxes.data;
+    draw(element, "boxes", order.map(([k, found]) => Object.assign({}, style, { name: names[k] || "unknown", y: found })), data.measures[find("measure").value]);
     return groups.size;
   }
 
@@ -86,10 +80,9 @@
     for (const i of done) own.missing[i].forEach((name, k) => { counts.set(name, (counts.get(name) || 0) + 1); if (k === 0) first.set(name, (first.get(name) || 0) + 1); });
     const names = [...counts.keys()].sort((a, b) => counts.get(a) - counts.get(b)), share = (map) => names.map((name) => 100 * (map.get(name) || 0) / done.length);
     const nothing = done.filter((i) => own.verdict[i] === "nothing_missing").length, changed = done.filter((i) => own.verdict[i] === "parameters_changed").length;
-    find("diagnosed").textContent = `in how many of ${done.length} diagnosed (filled: first in rank); nothing is missing in ${nothing}, parameters changed in ${changed}`;
-    const bar = (x, role, fill) => ({ type: "bar", orientation: "h", y: names.map((name) => name.replaceAll("_", " ")), x, marker: { color: fill ? colour(role) : "rgba(0,0,0,0)", line: { color: colour(role), width: 1.5 } },
-      hovertemplate: "%{y}: %{x:.3g} %<extra></extra>" });
-    Plotly.react(find("missing"), [bar(share(counts), "model0", false), bar(share(first), "model0", true)], Object.assign(layout("share of the diagnosed (%)", ""), { barmode: "overlay" }), CONFIG);
+    find("diagnosed").textContent = `share of ${done.length} diagnosed recordings (filled: ranked first); nothing is missing in ${nothing}, parameters changed in ${changed}`;
+    const y = names.map((name) => name.replaceAll("_", " ")), [all, leading] = data.figures.missing.data;
+    draw(find("missing"), "missing", [Object.assign({}, all, { y, x: share(counts) }), Object.assign({}, leading, { y, x: share(first) })], "");
   }
 
   function columns() {
@@ -148,8 +141,8 @@
     state.rows = chosen();
     state.page = 0;
     find("count").textContent = `${state.rows.length} of ${table.recording.length} rows`;
-    cloud(find("time"), state.rows, table.begin, "", { type: "date" });
-    cloud(find("warm"), state.rows, table.temperature, "temperature (deg C)", {});
+    cloud(find("time"), "time", state.rows, table.begin);
+    cloud(find("warm"), "temperature", state.rows, table.temperature);
     const count = boxes(find("byvehicle"), state.rows, table.vehicle.of, table.vehicle.names, MOST_VEHICLES);
     find("vehicles").textContent = "median, quartiles, range" + (count > MOST_VEHICLES ? `; the ${MOST_VEHICLES} worst of ${count}` : "; the worst first");
     boxes(find("bydamper"), state.rows, table.damper.of, table.damper.names, MOST_VEHICLES);
@@ -170,7 +163,5 @@
     row.addEventListener("click", () => pick(row));
     row.addEventListener("keydown", (event) => { if (event.key === "Enter") pick(row); });
   }
-  find("theme").addEventListener("click", () => { root.classList.toggle("dark"); update(); });
-  if (window.matchMedia("(prefers-color-scheme: dark)").matches) root.classList.add("dark");
-  chooseVerb();
+  report.start(() => (table ? update() : chooseVerb()));
 })();

@@ -13,7 +13,7 @@ from urllib.parse import quote
 import numpy as np
 
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import short
+from damper_estimator.report.plots import TIGHT, Figure, axis, short
 
 MOST = 20_000  # rows in the page, about 5 MB
 _FAR = 3.5  # robust standard deviations from the damper's own median: an outlier
@@ -48,6 +48,7 @@ def fleet_page(
     data = {
         "verbs": {verb: _columns(own, verb) for verb, own in shown.items()},
         "measures": _MEASURES,
+        "figures": _figures(),
         "first": {verb: _FIRST.get(verb, "rmse_n") for verb in shown},
     }
     text = {
@@ -61,6 +62,32 @@ def fleet_page(
         "diagnosed": "diagnose" in shown,
     }
     return render("fleet.html", "fleet", [text], ["page.css", "fleet.css"], "fleet.js", data)
+
+
+def _figures() -> dict[str, Figure]:
+    """The figures without rows; the page's script puts in those on view and the chosen quantity."""
+
+    def marks(colour: str, size: int, symbol: str) -> Figure:
+        marker = {"color": colour, "size": size, "symbol": symbol, "opacity": 0.75}
+        return {"mode": "markers", "marker": marker, "hovertemplate": "%{text}<br>%{y:.4g}<extra></extra>"}
+
+    def bars(fill: str) -> Figure:
+        marker = {"color": fill, "line": {"color": "@model0", "width": 1.5}}
+        return {"type": "bar", "orientation": "h", "marker": marker, "hovertemplate": "%{y}: %{x:.3g} %<extra></extra>"}
+
+    def layout(x: Figure) -> Figure:
+        return {"xaxis": x, "yaxis": axis(rangemode="tozero"), "margin": TIGHT}
+
+    clear = "rgba(0,0,0,0)"
+    clouds = [marks("@model0", 5, "circle"), marks("@error", 9, "diamond")]
+    box = {"type": "box", "boxpoints": False, "line": {"color": "@model0", "width": 1.4}, "fillcolor": clear}
+    share = layout(axis("share of the diagnosed recordings in %")) | {"barmode": "overlay"}
+    return {
+        "time": {"data": clouds, "layout": layout(axis(type="date"))},
+        "temperature": {"data": clouds, "layout": layout(axis("temperature in °C"))},
+        "boxes": {"data": [box], "layout": layout(axis(type="category"))},
+        "missing": {"data": [bars(clear), bars("@model0")], "layout": share},
+    }
 
 
 def _shown(rows: Sequence[Mapping[str, object]]) -> list[Mapping[str, object]]:

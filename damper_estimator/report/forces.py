@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper_estimator.report.decimation import min_max_rows
-from damper_estimator.report.paint import LIGHT, painted
 from damper_estimator.report.plots import GREY, INK, axis, line
+from damper_estimator.report.theme import LIGHT, model_colour, themed
 from damper_estimator.validation import Comparison
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def forces_figure(comparisons: Sequence[Comparison]) -> dict[str, object]:
     measured = _joined([own.measured[at] for own, at in zip(first.traces, rows, strict=True)])
     data = [line(time, measured, "measured", INK)]
     for number, c in enumerate(comparisons):
-        colour, name = f"@model{number % 5}", c.model.name
+        colour, name = model_colour(number), c.model.name
         modelled = [np.where(t.judged, t.modelled, np.nan)[at] for t, at in zip(c.traces, rows, strict=True)]
         data.append(line(time, _joined(modelled), name, colour))
         error = line(time, _joined(modelled) - measured, f"error of {name}", colour, yaxis="y2", showlegend=False)
@@ -73,7 +73,7 @@ def plotly_figure(figure: Mapping[str, object]) -> PlotlyFigure:
     """A figure of the report as one of Plotly's, in the light theme on white."""
     from plotly.graph_objects import Figure as PlotlyFigure
 
-    drawn = painted(figure, LIGHT)
+    drawn = themed(figure, LIGHT)
     layout = drawn["layout"] | {"paper_bgcolor": "#fff", "plot_bgcolor": "#fff"}
     return PlotlyFigure(data=drawn["data"], layout=layout)
 

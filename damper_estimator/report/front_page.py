@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import Figure, apart, axis, short
+from damper_estimator.report.plots import Figure, axis, shared_arrays, short
 from damper_estimator.report.wording import groups_in_words
 
 _LEAST = 1e-9  # a squared error that is shown as it is
@@ -48,7 +48,9 @@ def front_page(
         "rows": rows,
     }
     figures = {f"pair{k}": _pair(groups, objectives, a, b, picked, corners) for k, (a, b) in enumerate(pairs)}
-    return render("front.html", f"Pareto front of {model}", [section], ["page.css"], "plots.js", apart([figures]))
+    return render(
+        "front.html", f"Pareto front of {model}", [section], ["page.css"], "plots.js", shared_arrays([figures])
+    )
 
 
 def _pair(groups: Sequence[str], objectives: np.ndarray, a: int, b: int, picked: int, corners: Sequence[int]) -> Figure:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from damper_estimator.recordings import Guess, Part, velocity_of
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import Figure, apart, axis, line
+from damper_estimator.report.plots import Figure, axis, line, shared_arrays
 
 _MOST = 6000  # points of a line
 
@@ -25,7 +25,7 @@ def import_page(guess: Guess, parts: Sequence[Part]) -> str:
     ]
     figures = [import_figures(parts, own) if parts else {} for own in dampers]
     title = f"guessed columns of {guess.path.name}"
-    return render("import.html", title, sections, ["page.css"], "plots.js", apart(figures))
+    return render("import.html", title, sections, ["page.css"], "plots.js", shared_arrays(figures))
 
 
 def column_rows(guess: Guess) -> list[tuple[str, str, str, str]]:

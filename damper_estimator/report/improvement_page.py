@@ -22,7 +22,7 @@ from damper_estimator.report.diagnosis_wording import (
     step_name,
 )
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import apart
+from damper_estimator.report.plots import shared_arrays
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
 
 
@@ -53,7 +53,7 @@ def improvement_page(sections: Sequence[DiagnosisSection], title: str) -> str:
         [section.text for section in sections],
         STYLES,
         SCRIPT,
-        apart([section.figures for section in sections]),
+        shared_arrays([section.figures for section in sections]),
     )
 
 

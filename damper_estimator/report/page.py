@@ -11,6 +11,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader
 
 from damper_estimator.files import write_text
+from damper_estimator.report.theme import themes, variables
 
 _plotly_address: ContextVar[str] = ContextVar("plotly_address", default="")
 
@@ -43,13 +44,13 @@ def render(
         .render(
             title=title,
             sections=sections,
-            style="".join(_asset(name) for name in styles),
-            script=_asset(script),
+            style=variables() + "".join(_asset(name) for name in styles),
+            script=_asset("theme.js") + _asset(script),
             files_script=figure_script(),
             plotly="" if _plotly_address.get() else _plotly(),
             plotly_address=_plotly_address.get(),
-            # Inside a script element only "<" could end it early.
-            data=json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+            data=_json(data),
+            themes=_json(themes()),
             **more,
         )
     )
@@ -63,6 +64,11 @@ def figure_script() -> str:
 def save_plotly(path: Path) -> None:
     """Writes the file that pages rendered inside ``plotly_from`` read."""
     write_text(path, _plotly())
+
+
+def _json(data: object) -> str:
+    # Inside a script element only "<" could end it early.
+    return json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
 
 
 @cache

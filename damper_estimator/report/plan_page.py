@@ -7,7 +7,7 @@ import numpy as np
 from damper_estimator.planning import Plan
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import GREY, INK, Figure, apart, axis, line, short
+from damper_estimator.report.plots import GREY, INK, Figure, axis, line, shared_arrays, short
 
 COLOURS = ("@model0", "@model1", "@model2", "@model3", "@error")
 _MOST = 4000  # points of the drive
@@ -21,7 +21,7 @@ def plan_page(plans: Mapping[str, Plan], title: str) -> str:
     """
     sections = [_section(damper, own) for damper, own in plans.items()]
     figures = [_figures(own) for own in plans.values()]
-    return render("plan.html", title, sections, ["page.css"], "plots.js", apart(figures))
+    return render("plan.html", title, sections, ["page.css"], "plots.js", shared_arrays(figures))
 
 
 def plan_figure(own: Plan) -> Figure:

@@ -1,23 +1,28 @@
 """Small pieces of plotly figures: axes, traces, numbers as short as they are shown.
 
-A colour is written ``@role``; the page's script puts the theme's colour there, so a figure is right in light and dark.
+A colour is written ``@role``; the theme replaces it (``theme.py``, ``theme.js``).
 """
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from damper_estimator.report.figures import packed
+from damper_estimator.report.packing import packed
 
 INK, SOFT, LINE, GREY, CARD = "@ink", "@soft", "@line", "@samples", "@card"
 BEFORE, AFTER, FOUND = "@error", "@model0", "@model2"
+
+TIGHT = {"l": 55, "r": 12, "t": 8, "b": 40}  # margin of figures with nothing above them
+MOTIONS = {
+    "displacement": "displacement in mm", "velocity": "velocity in m/s", "acceleration": "acceleration in m/s²",
+}  # fmt: skip
 
 Figure = dict[str, object]
 
 
 def axis(title: str = "", **more: object) -> Figure:
     """An axis with its title, quantity and unit."""
-    return ({"title": {"text": title, "standoff": 6}} if title else {}) | more
+    return ({"title": {"text": title}} if title else {}) | more
 
 
 def short(values: np.ndarray, digits: int = 4) -> list[float | None]:
@@ -56,19 +61,19 @@ def note(text: str, x: float, y: float, **more: object) -> Figure:
     return {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False} | more
 
 
-def apart(sections: Sequence[Mapping[str, object]]) -> dict[str, object]:
-    """The figures of all sections with each packed array in once, for ``plots.js``."""
+def shared_arrays(sections: Sequence[Mapping[str, object]]) -> dict[str, object]:
+    """The figures of all sections, in which each packed array is stored once, for ``plots.js``."""
     arrays: dict[str, int] = {}
-    kept: list[object] = []
+    stored: list[object] = []
 
-    def without(value: object) -> object:
+    def referenced(value: object) -> object:
         if isinstance(value, Mapping) and "bdata" in value:
-            number = arrays.setdefault(value["bdata"], len(kept))
-            if number == len(kept):
-                kept.append(value)
+            number = arrays.setdefault(value["bdata"], len(stored))
+            if number == len(stored):
+                stored.append(value)
             return {"array": number}
         if isinstance(value, Mapping):
-            return {key: without(own) for key, own in value.items()}
-        return [without(own) for own in value] if isinstance(value, (list, tuple)) else value
+            return {key: referenced(inner) for key, inner in value.items()}
+        return [referenced(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
-    return {"sections": [without(section) for section in sections], "arrays": kept}
+    return {"sections": [referenced(section) for section in sections], "arrays": stored}

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import INK, LINE, Figure, apart, axis, line, short
+from damper_estimator.report.plots import INK, LINE, Figure, axis, line, shared_arrays, short
 from damper_estimator.vehicle import LIMITS
 from damper_estimator.vehicle.command_comparison import Trial, tracking_ratio
 
@@ -38,7 +38,7 @@ def ride_page(found: Mapping[str, Surfaces], law: str) -> str:
             "rows": [_row(surface, trials, ratios[surface]) for surface, trials in surfaces.items()],
         })  # fmt: skip
     return render(
-        "ride.html", f"feed-forward of the current, {law}", sections, ["page.css"], "plots.js", apart(figures)
+        "ride.html", f"feed-forward of the current, {law}", sections, ["page.css"], "plots.js", shared_arrays(figures)
     )
 
 

@@ -13,7 +13,7 @@ from damper_estimator.report.diagnosis_wording import finding_text, model_rows, 
 from damper_estimator.report.figures import error_map
 from damper_estimator.report.forces import forces_figure
 from damper_estimator.report.page import render
-from damper_estimator.report.plots import apart
+from damper_estimator.report.plots import shared_arrays
 from damper_estimator.report.verdict_figures import atlas_figure, error_bars, ranking_figure, waterfall_figure
 from damper_estimator.report.wording import (
     MEASURES,
@@ -52,7 +52,7 @@ class Story:
 
 def story_page(story: Story, title: str) -> str:
     """The whole page as HTML; it needs nothing else, no network either."""
-    return render("story.html", title, [_text(story)], STYLES, SCRIPT, apart([_figures(story)]))
+    return render("story.html", title, [_text(story)], STYLES, SCRIPT, shared_arrays([_figures(story)]))
 
 
 def _text(story: Story) -> dict[str, object]:

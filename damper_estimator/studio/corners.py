@@ -8,6 +8,7 @@ from pathlib import Path
 from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
+from damper_estimator.report.theme import COLOURS, LIGHT
 from damper_estimator.report.wording import in_signs, measure_text
 from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.folder import Folder
@@ -149,7 +150,7 @@ def _picture(view: Shown) -> str:
     own = view.traces[0]
     velocity = own.measurement.kinematics.velocity
     clouds = []
-    for force, colour in ((own.measured, "#777"), (own.modelled, "#0072b2")):
+    for force, colour in ((own.measured, COLOURS[LIGHT]["samples"]), (own.modelled, COLOURS[LIGHT]["model0"])):
         rows = cloud_rows(velocity, force)
         rows = rows[:: max(rows.size // _MOST_DOTS, 1)]
         clouds.append((velocity[rows], force[rows], colour))

@@ -6,16 +6,14 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.report.figures import packed
-from damper_estimator.report.plots import FOUND, SOFT, Figure, axis, line, note
+from damper_estimator.report.packing import packed
+from damper_estimator.report.plots import FOUND, MOTIONS, SOFT, Figure, axis, line, note
+from damper_estimator.report.theme import model_colour
 from damper_estimator.studio.rows import cloud_rows, density_rows, line_rows, span_of
 from damper_estimator.studio.shown import Curves, Shown
 from damper_estimator.studio.view import SCALES, TRACE_NAMES, TRACES, View, marked
 from damper_estimator.validation import Trace
 
-TITLES = {
-    "velocity": "velocity in m/s", "displacement": "displacement in mm", "acceleration": "acceleration in m/s²",
-}  # fmt: skip
 _MARKED_POINTS = 1200
 LOOP_SAMPLES = 2500  # on view up to which force is drawn as loops
 _DARKNESS = (0.25, 0.45, 0.8)
@@ -137,7 +135,7 @@ def time_figure(scene: Scene) -> Figure:
     data = [drawn(scene.measured, "measured", "@measured", width=2.2)]
     below = []
     for i, name in scene.backwards:
-        colour, named = f"@model{i % 5}", f"{name} - measured"
+        colour, named = model_colour(i), f"{name} - measured"
         data.append(drawn(scene.modelled(i), name, colour, width=1.3, legendrank=1001 + i))
         below.append(drawn(scene.residual(i), named, colour, width=1.3, yaxis="y2", showlegend=False))
     domains = stacked(len(scene.further))
@@ -212,13 +210,13 @@ def cloud_figure(scene: Scene, motion: str) -> Figure:
     data = loop(scene.measured, "measured", "@measured", 2.0) if short else []
     data = data or density(scene.measured, "measured", "@measured", 1.2)
     for i, name in scene.backwards:
-        force, colour = scene.modelled(i), f"@model{i % 5}"
+        force, colour = scene.modelled(i), model_colour(i)
         data += loop(force, name, colour, 1.3) if short else density(force, name, colour, 1.0)
     if scene.marked is not None:
         chosen = np.flatnonzero(scene.marked)
         chosen = chosen[:: max(chosen.size // _MARKED_POINTS, 1)]
         data.insert(0, cloud(scene.measured, chosen, "marked", FOUND, 3.5))
-    layout = {"xaxis": axis(TITLES[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
+    layout = {"xaxis": axis(MOTIONS[motion]), "yaxis": axis("force in N"), "margin": {"l": 50, "r": 8, "t": 6, "b": 34}}
     return {"data": data, "layout": layout}
 
 

@@ -4,24 +4,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from tsdownsample import MinMaxDownsampler
+
+from damper_estimator.report import min_max_rows
 
 LINE_POINTS = 2400  # about two per pixel
 CLOUD_SAMPLES = 20_000  # that are looked at
 CLOUD_CELLS = (36, 26)  # across and up, about five pixels wide
 _DENSE = (0.5, 0.85)  # shares of the cells, by how full they are, from which on the cloud is darker
-_THINNER = MinMaxDownsampler()
 
 
 def line_rows(values: np.ndarray, most: int = LINE_POINTS) -> np.ndarray:
-    """Rising indices of at most ``most`` samples (n,); smallest and largest value of each bucket are among them.
-
-    NaN counts as no value.
-    """
-    if values.size <= most:
-        return np.arange(values.size)
-    rows = _THINNER.downsample(np.ascontiguousarray(values), n_out=most - most % 2).astype(np.int64)
-    return np.unique(np.concatenate([[0], rows, [values.size - 1]]))
+    """Rising indices of about ``most`` samples (n,) and both ends; see ``min_max_rows``."""
+    return min_max_rows([values], most + 2)
 
 
 def cloud_rows(over: np.ndarray, force: np.ndarray) -> np.ndarray:

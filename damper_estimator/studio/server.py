@@ -12,7 +12,7 @@ from werkzeug.serving import BaseWSGIServer, make_server
 from damper_estimator import __version__
 from damper_estimator.errors import InputError
 from damper_estimator.report.page import figure_script
-from damper_estimator.report.paint import styles
+from damper_estimator.report.theme import styles
 from damper_estimator.studio import apart
 from damper_estimator.studio.callbacks import connect
 from damper_estimator.studio.folder import Folder, Taken

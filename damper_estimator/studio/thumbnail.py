@@ -6,6 +6,7 @@ from urllib.parse import quote
 import numpy as np
 
 from damper_estimator.numbers import number
+from damper_estimator.report.theme import COLOURS, LIGHT
 
 _POINTS, _WIDTH, _HEIGHT = 400, 108, 64
 
@@ -19,7 +20,8 @@ def picture(x: np.ndarray, y: np.ndarray) -> str:
     few = np.linspace(0, len(x) - 1, min(_POINTS, len(x))).astype(int)
     px, py = _places(x[few], y[few], _reach(x), _reach(y))
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(px, py, strict=True))
-    return _drawing(f'<polyline points="{points}" fill="none" stroke="#0072b2" stroke-width="1"/>')
+    colour = COLOURS[LIGHT]["model0"]
+    return _drawing(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1"/>')
 
 
 def dots_picture(clouds: Sequence[tuple[np.ndarray, np.ndarray, str]]) -> str:

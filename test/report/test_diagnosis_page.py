@@ -15,7 +15,7 @@ from damper_estimator.identification import FittedParameter
 from damper_estimator.report import diagnosis_page, diagnosis_section, improvement_page, improvement_section
 from damper_estimator.report.diagnosis_wording import parameter_rows, with_error
 from damper_estimator.report.page import _plotly
-from damper_estimator.report.plots import FOUND, apart
+from damper_estimator.report.plots import FOUND, shared_arrays
 from damper_estimator.report.verdict_figures import atlas_figure, ranked, ranking_figure, waterfall_figure
 from damper_estimator.validation import DataFinding
 
@@ -222,7 +222,7 @@ def test_values_are_rounded_to_what_their_error_leaves(value, error):
 @given(st.lists(st.sampled_from(["AAAA", "BBBB", "CCCC"]), max_size=6))
 def test_equal_arrays_are_stored_once_and_all_can_be_put_back(names):
     traces = [{"x": {"dtype": "f4", "bdata": name}, "name": name} for name in names]
-    stored = apart([{"figure": {"data": traces}}])
+    stored = shared_arrays([{"figure": {"data": traces}}])
     assert len(stored["arrays"]) == len(set(names))
     for trace, name in zip(stored["sections"][0]["figure"]["data"], names, strict=True):
         assert stored["arrays"][trace["x"]["array"]]["bdata"] == trace["name"] == name

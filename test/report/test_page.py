@@ -145,7 +145,7 @@ def test_min_max_rows_pass_over_holes():
 
 @pytest.mark.parametrize("kind", ["f4", "f8"])
 def test_packed_arrays_read_back(kind):
-    from damper_estimator.report.figures import packed
+    from damper_estimator.report.packing import packed
 
     values = np.array([1.0, np.nan, -2.5e7])
     assert np.array_equal(unpacked(packed(values, kind)), values.astype(f"<{kind}"), equal_nan=True)

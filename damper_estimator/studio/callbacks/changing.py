@@ -8,8 +8,8 @@ from dash.exceptions import PreventUpdate
 from damper_estimator.errors import InputError
 from damper_estimator.model import Slot
 from damper_estimator.report.diagnosis_wording import step_name
-from damper_estimator.report.paint import as_tall_as, painted
 from damper_estimator.report.plots import Figure
+from damper_estimator.report.theme import height_style, themed
 from damper_estimator.report.verdict_figures import error_bars, waterfall_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
@@ -180,7 +180,7 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         files = [session.saved_as(own) for own in history.versions]
         listed = panels.steps_list(errors, names, files, history.at)
         drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n)
-        return painted(drawn, theme), as_tall_as(drawn), listed
+        return themed(drawn, theme), height_style(drawn), listed
 
 
 def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:

@@ -6,7 +6,7 @@ from dash.exceptions import PreventUpdate
 from damper_estimator.errors import InputError
 from damper_estimator.model import library_models
 from damper_estimator.report import import_figures
-from damper_estimator.report.paint import painted
+from damper_estimator.report.theme import themed
 from damper_estimator.studio import bench_form
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.pieces import EMPTY
@@ -58,7 +58,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         drawn = import_figures(parts, next(iter(parts[0].dampers)))
         for own in drawn.values():
             own["layout"]["height"] = _HEIGHT  # the form may still be hidden, and have no size of its own
-        return painted(drawn["time"], theme), painted(drawn["velocity"], theme), ""
+        return themed(drawn["time"], theme), themed(drawn["velocity"], theme), ""
 
     _connect_import(app, folder)
     _connect_lists(app, folder)

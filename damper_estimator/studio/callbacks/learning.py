@@ -9,7 +9,7 @@ from damper_estimator.effects.discovery import all_effects
 from damper_estimator.errors import InputError
 from damper_estimator.report.diagnosis_page import tied_notes
 from damper_estimator.report.diagnosis_wording import plain_name
-from damper_estimator.report.paint import as_tall_as, painted
+from damper_estimator.report.theme import height_style, themed
 from damper_estimator.report.verdict_figures import atlas_figure, ranking_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
@@ -49,7 +49,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
         told = panels.findings(found, found.model != session.model, session.diagnosed)
         atlas = atlas_figure(found.atlas, found.findings, _NARROW)
-        figures = [part for own in (drawn, atlas) for part in (painted(own, theme), as_tall_as(own))]
+        figures = [part for own in (drawn, atlas) for part in (themed(own, theme), height_style(own))]
         return told, *figures, panels.candidates(found), False
 
     @app.callback(
@@ -68,7 +68,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         if session is None or session.diagnosis is None or effect not in all_effects():
             return True, "", EMPTY, ""
         drawn = explained_figure(session.diagnosis, effect)
-        return False, _title(session.diagnosis, effect), painted(drawn, theme), panels.equation(effect)
+        return False, _title(session.diagnosis, effect), themed(drawn, theme), panels.equation(effect)
 
 
 def _button(app: Dash, sessions: Sessions, name: str) -> None:

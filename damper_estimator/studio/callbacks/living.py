@@ -7,7 +7,7 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.diagnosis.diagnose import MODES
 from damper_estimator.errors import InputError
-from damper_estimator.report.paint import DARK, LIGHT, painted
+from damper_estimator.report.theme import DARK, LIGHT, themed
 from damper_estimator.studio.callbacks.common import CHANGES
 from damper_estimator.studio.live import Live
 from damper_estimator.studio.live_panel import live_card, state_words
@@ -55,7 +55,7 @@ def connect(app: Dash, sessions: Sessions, live: Live) -> None:
         if not names or not set(names) <= set(figures):
             raise PreventUpdate
         theme = DARK if theme == DARK else LIGHT
-        return [painted(figures[name], theme) for name in names], [state_words(states[name]) for name in names]
+        return [themed(figures[name], theme) for name in names], [state_words(states[name]) for name in names]
 
     _connect_saving(app, sessions, live)
 

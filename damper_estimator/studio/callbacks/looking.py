@@ -5,8 +5,8 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.report.figures import error_map
-from damper_estimator.report.paint import painted
 from damper_estimator.report.plots import Figure
+from damper_estimator.report.theme import themed
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import opened
 from damper_estimator.studio.callbacks.marking import viewed
@@ -141,7 +141,7 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
             found = session.comparison(session.shown(session.model))
         except InputError as error:
             return str(error), "", no_update, "", ""
-        warnings, over = session.stage.warnings, painted(error_map(found), theme)
+        warnings, over = session.stage.warnings, themed(error_map(found), theme)
         told = (
             panels.verdict(found, session.stage.note, warnings, _never_identified(session)),
             panels.regions(found),
@@ -196,7 +196,7 @@ def _styled(figure: Figure, session: Session, view: View, tool: str, theme: str)
         "dragmode": False if tool == "cursor" else tool,
         "uirevision": f"{session.opened} {view.start} {view.stop}",
     }
-    return painted(figure, theme)
+    return themed(figure, theme)
 
 
 def _is_tried(session: Session, tried: dict | None) -> bool:
