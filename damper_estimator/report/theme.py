@@ -1,7 +1,7 @@
 """Colours, fonts and axes of every figure: one Plotly template per theme, for reports, studio and notebooks.
 
-Figures name colours by role, ``@error``, so that one figure serves both themes. Colour-blind readers can distinguish the
-colours of lines and marks, which are those of Okabe and Ito.
+Figures name colours by role, ``@error``, so that one figure serves both themes. Lines and marks have the colours of
+Okabe and Ito, which colour-blind readers can distinguish.
 """
 
 from collections.abc import Mapping
