@@ -103,7 +103,7 @@ def speed() -> Figure:
     axes.set_yticks(
         range(len(rows)), [f"{row[0].split(', ')[0]} dampers, {row[0].split(', ')[1]}" for row in reversed(rows)]
     )
-    axes.set(xlim=(0.0, 1.05), xlabel="round trip over DDS, ms")
+    axes.set(xlim=(0.0, None), ylim=(-0.5, len(rows) - 0.5), xlabel="round trip over DDS, ms")
     figure.legend(loc="upper center", ncols=2, frameon=False, labelcolor=LIGHT["ink"])
     return figure
 
