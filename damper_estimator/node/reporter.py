@@ -6,6 +6,7 @@ from dataclasses import replace
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.node import health
+from damper_estimator.node.command_health import CommandNow, command_status
 from damper_estimator.node.displacement import JOINT_STATE, names_in
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.force_follower import CommandTally, ForceFollower
@@ -126,10 +127,8 @@ class Reporter:
         tally = self._commands[name] = replace(follower.tally)
         # A change of parameters resets the counts.
         before = before if before.desired <= tally.desired else CommandTally()
-        now = health.CommandNow(
-            name, follower.refusal, tally, follower.desired, follower.sent, follower.current.complaint()
-        )
-        return health.command_status(prefix, now, before)
+        now = CommandNow(name, follower.refusal, tally, follower.desired, follower.sent, follower.current.complaint())
+        return command_status(prefix, now, before)
 
     def _output(self) -> dict[str, object]:
         return {
