@@ -58,7 +58,7 @@ def _guarded(program: str, run: Callable[[Sequence[str], Stop], None]) -> int:
 
 
 def _refuse(program: str, reason: str) -> int:
-    print(f"{program}: {' '.join(reason.split())}", file=sys.stderr)
+    print(f"{program}: {reason}", file=sys.stderr)
     return REFUSED
 
 

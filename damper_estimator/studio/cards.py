@@ -72,7 +72,7 @@ class Cards:
                 try:
                     card = makers[kind](name)
                 except InputError as error:
-                    card = Card(kind, name, (), " ".join(str(error).split()))
+                    card = Card(kind, name, (), str(error))
                 with self._lock:
                     self._made[kind, name] = stamp, card
         finally:

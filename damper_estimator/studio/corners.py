@@ -89,7 +89,7 @@ def worked_on(task: Task, tell: Tell) -> tuple[Corner, ...]:
         try:
             corners.append(_corner(folder, task, name, part))
         except InputError as error:
-            corners.append(Corner(name, failed=" ".join(str(error).split())))
+            corners.append(Corner(name, failed=str(error)))
     return tuple(corners)
 
 

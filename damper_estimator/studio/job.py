@@ -60,7 +60,7 @@ class Job:
         except Cancelled:
             state = "cancelled"
         except InputError as error:
-            state, self.error = "failed", " ".join(str(error).split())
+            state, self.error = "failed", str(error)
         except Exception as error:  # a bug of ours must not leave a page that waits for ever
             state, self.error = "failed", f"this should not have happened: {type(error).__name__}: {error}"
             traceback.print_exc(file=sys.stderr)

@@ -42,7 +42,7 @@ class Keeper:
             self.name, self._stamp = self._files.write(self.name, self._stamp, record)
             self.failed = ""
         except (InputError, OSError) as error:
-            self.failed = f"The steps of this page are not kept: {' '.join(str(error).split())}"
+            self.failed = f"The steps of this page are not kept: {error}"
 
     def _record(self, stage: Stage, version: Version) -> dict[str, object]:
         return next((record for own, record in self._records if own is version), None) or step_record(stage, version)

@@ -81,7 +81,7 @@ def _received(sessions: Sessions) -> tuple[str, int]:
     except Taken as taken:
         return str(taken), 409
     except InputError as error:
-        return " ".join(str(error).split()), 400
+        return str(error), 400
 
 
 def _told(error: Exception) -> None:

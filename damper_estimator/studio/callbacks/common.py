@@ -31,7 +31,7 @@ def answered(sessions: Sessions, page: object, verb: Callable[[Session], None]) 
         verb(session)
         return session.generation, session.rebuilt, ""
     except InputError as error:
-        return no_update, no_update, " ".join(str(error).split())
+        return no_update, no_update, str(error)
 
 
 def opened(sessions: Sessions, page: object) -> Session | None:

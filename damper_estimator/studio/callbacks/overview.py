@@ -63,7 +63,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         try:
             return sessions.of(page).save_all()
         except (InputError, OSError) as error:
-            return " ".join(str(error).split())
+            return str(error)
 
     _connect_shown(app, sessions)
 
