@@ -1,4 +1,4 @@
-"""What the tests of all rooms share."""
+"""Fixtures shared by all tests."""
 
 import os
 from contextlib import suppress
