@@ -67,7 +67,7 @@ def test_the_files_of_the_tour_are_written(tour, place):
 
 
 @pytest.mark.parametrize("name", ["recording", "fitted", "result", "found", "better", "estimates"])
-def test_all_that_the_tour_makes_shows_itself_shortly(tour, name):
+def test_all_results_of_the_tour_have_a_short_display(tour, name):
     result = tour[name]
     assert "\n" not in repr(result) and len(repr(result)) < 300
     table = result._repr_html_()
@@ -81,7 +81,7 @@ def test_a_model_shows_its_effects_in_one_line(tour):
     assert repr(tour["model"]) == "DamperModel(linear_viscous: linear_viscous, static_force)"
 
 
-def test_a_result_that_holds_models_stands_for_them(tour):
+def test_a_result_with_models_can_replace_them(tour):
     expected = de.compare(tour["recording"], tour["fitted"].models)
     found = de.compare(tour["recording"], tour["fitted"])
     assert found.rmse_n == expected.rmse_n and found.request == expected.request
@@ -89,7 +89,7 @@ def test_a_result_that_holds_models_stands_for_them(tour):
     assert [p.name for p in one.parameters] == ["linear_viscous.rebound"]
 
 
-def test_tables_without_pandas_say_what_is_missing(tour, monkeypatch):
+def test_tables_report_missing_pandas(tour, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     for name in ("recording", "fitted", "result", "found", "better", "estimates"):
         with pytest.raises(de.InputError, match="needs pandas, which is not installed: pip install pandas"):
@@ -146,7 +146,7 @@ def test_importing_the_package_imports_no_library():
     subprocess.run([sys.executable, "-c", script], check=True, cwd=ROOT)
 
 
-def test_a_name_that_is_not_there_is_an_attribute_error():
+def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="module 'damper_estimator' has no attribute 'nonsense'"):
         de.nonsense  # noqa: B018
 

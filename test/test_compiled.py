@@ -15,14 +15,14 @@ USE = (
 )
 
 
-def test_a_read_only_installation_without_a_home_still_runs():
+def test_a_read_only_installation_without_a_home_runs():
     pytest.importorskip("numba")
     code = "from numba.core import caching\ncaching.CacheImpl._locator_classes = []\n" + USE
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "[1, 4]\n"), done.stderr
 
 
-def test_a_disk_without_room_for_the_machine_code_stops_nothing(tmp_path):
+def test_a_full_disk_does_not_stop_a_computation(tmp_path):
     """A limit on the size of files acts like a disk that is full."""
     pytest.importorskip("numba")
     done = subprocess.run(

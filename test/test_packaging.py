@@ -1,4 +1,4 @@
-"""What is installed: by pip without ROS, by colcon as ament_python package; and that the files about it agree."""
+"""Installation by pip without ROS and by colcon as ament_python package; consistency of the files that describe it."""
 
 import importlib
 import os
@@ -108,7 +108,7 @@ def test_colcon_finds_both_packages_without_options(colcon):
     ]
 
 
-def test_the_messages_beside_the_checkout_are_no_third_package(source, colcon):
+def test_the_link_to_the_messages_is_no_third_package(source, colcon):
     """The link that docs/packaging.md offers to tools which run rosdep by themselves."""
     packages = pytest.importorskip("catkin_pkg.packages")
     link = source.parent / "damper_msgs"
@@ -144,7 +144,7 @@ def test_colcon_builds_the_messages_before_the_estimator(by_colcon):
 
 
 @pytest.mark.parametrize("installed", ["by_pip", "by_colcon"])
-def test_installed_code_finds_its_installed_data(installed, request, tmp_path):
+def test_installed_code_finds_its_data(installed, request, tmp_path):
     prefix = request.getfixturevalue(installed)
     code = (
         "import damper_estimator\nfrom damper_estimator.share import share_path\nprint(damper_estimator.__file__)\n"
@@ -184,7 +184,7 @@ def test_pip_installs_the_commands(by_pip, tmp_path):
     assert os.access(by_pip / "bin" / "estimator_node", os.X_OK)
 
 
-def test_pip_installs_the_manual_pages_that_were_made(source, tmp_path):
+def test_pip_installs_the_manual_pages(source, tmp_path):
     (source / "man").mkdir()
     (source / "man" / "damper-estimator.1").write_text(".TH DAMPER-ESTIMATOR 1\n")
     words = "-m pip wheel -qq --no-deps --no-build-isolation --no-cache-dir --disable-pip-version-check -w"
@@ -194,7 +194,7 @@ def test_pip_installs_the_manual_pages_that_were_made(source, tmp_path):
     assert any(name.endswith("data/share/man/man1/damper-estimator.1") for name in ZipFile(wheel).namelist())
 
 
-def test_a_wheel_can_be_made_of_the_source_distribution(source, tmp_path):
+def test_a_wheel_can_be_built_from_the_source_distribution(source, tmp_path):
     run([sys.executable, "setup.py", "-q", "sdist", "--dist-dir", tmp_path], source)
     (archive,) = tmp_path.glob("*.tar.gz")
     with tarfile.open(archive) as opened:
@@ -270,7 +270,7 @@ def test_package_xml_names_every_ros_package_that_is_imported():
     assert ros_packages(ROOT / "test") <= run_time | in_tests
 
 
-def test_the_environment_has_what_the_project_requires():
+def test_the_environment_meets_the_requirements():
     declared = set(re.findall(r'"([\w-]+)>=\d', (ROOT / "setup.py").read_text()))
     lines = [line for line in (ROOT / "requirements.txt").read_text().splitlines() if line and not line.startswith("#")]
     assert declared and declared <= {re.split(r"[\[>=<]", line)[0] for line in lines}
@@ -307,7 +307,7 @@ def test_make_help_lists_every_target():
 @pytest.mark.parametrize(
     "path", sorted((*(ROOT / ".github").rglob("*.yml"), ROOT / ".pre-commit-config.yaml")), ids=lambda path: path.name
 )
-def test_the_files_for_code_hosts_are_valid_and_name_commands_that_are_there(path):
+def test_the_files_for_code_hosts_are_valid_and_name_existing_commands(path):
     content = yaml.safe_load(path.read_text())
     if path.parent.name == "ISSUE_TEMPLATE" and path.stem != "config":
         assert content["name"] and content["description"]

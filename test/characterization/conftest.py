@@ -1,4 +1,4 @@
-"""What the tests of the characterization share."""
+"""Fixtures of the characterization tests."""
 
 import pytest
 from shapes import SHAPES
@@ -6,5 +6,5 @@ from shapes import SHAPES
 
 @pytest.fixture(params=sorted(SHAPES), ids=lambda kind: f"type {kind}")
 def kind(request):
-    """Every pattern type."""
+    """Each pattern type."""
     return request.param

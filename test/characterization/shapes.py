@@ -1,4 +1,4 @@
-"""Loops and measurements by formula: what the characterization is held against."""
+"""Loops and measurements by formula, as reference for the characterization."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ def two_lines(knee, at_knee, top):
 
 
 def lines(*pairs):
-    """Straight between (u, force) pairs."""
+    """Linear between (u, force) pairs."""
     return lambda u: np.interp(u, *zip(*pairs, strict=True))
 
 

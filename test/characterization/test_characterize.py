@@ -42,7 +42,7 @@ def test_two_recordings_of_one_motion_are_one_diagram():
     assert found.diagrams[0].loop.recordings == ("a.mcap", "b.mcap")
 
 
-def test_commands_are_kept_apart():
+def test_commands_are_separate():
     found = characterize([sine_test(viscous, command=c) for c in (0.0, 0.5, 1.0)])
     assert [d.loop.command for d in found.diagrams] == [0.0, 0.5, 1.0]
 
@@ -53,7 +53,7 @@ def test_the_mean_loop_is_the_law():
     assert np.sqrt(np.mean((loop.force - law) ** 2)) < 0.01 * np.abs(law).max()
 
 
-def test_forces_are_told_where_the_speed_peaks_and_not_where_the_force_does():
+def test_forces_are_reported_at_peak_speed_and_not_at_peak_force():
     stiff = sine_test(lambda x, v, a: 1000.0 * v + 20000.0 * x, 2.0, 0.02)
     row = peaks(characterize([stiff]).diagrams[0].loop)
     assert row["force_rebound_n"] == pytest.approx(1000.0 * row["peak_velocity_rebound_m_s"], rel=0.05)
@@ -94,7 +94,7 @@ def test_a_slow_test_that_is_not_slow_is_refused():
         characterize([sine_test(viscous, 2.0, 0.02)], slow=slow)
 
 
-def test_a_slow_test_with_less_stroke_is_told():
+def test_a_slow_test_with_less_stroke_is_reported():
     slow = quasi_static(slow_test(lambda x, v, a: gas(x)))
     found = characterize([sine_test(viscous, 2.0, 0.03)], slow=slow)
     assert any("covers less stroke" in note for note in found.notes)
@@ -116,7 +116,7 @@ def test_subtraction_of_commands_recovers_the_planted_semi_active_part(noise):
     assert found.structure.semi_active == "simple"
 
 
-def test_a_second_recording_is_subtracted_at_the_same_motion_and_named_for_what_differs():
+def test_a_second_recording_is_subtracted_at_the_same_motion_and_named_after_the_difference():
     low = sine_test(viscous, pressure=1e5)
     high = sine_test(lambda x, v, a: 1.2 * viscous(x, v, a), pressure=20e5)
     difference = characterize([high], [low]).differences[0]
@@ -141,7 +141,7 @@ def random_motion(seconds, low, high, seed=3, rate=500.0):
     return tuple(np.fft.irfft(scale * w**k * spectrum) for k in range(3)), rate
 
 
-def test_a_random_recording_says_that_it_is_none_of_a_sine_test():
+def test_a_random_recording_is_reported_as_no_sine_test():
     motion, rate = random_motion(60.0, 1.0, 2.0)
     found = characterize([measurement_of(motion, viscous(*motion), rate)])
     assert not any(d.loop.steady for d in found.diagrams)
@@ -150,7 +150,7 @@ def test_a_random_recording_says_that_it_is_none_of_a_sine_test():
     assert "no steady sine cycles" in found.bands[2].why
 
 
-def test_a_recording_without_any_cycle_of_use_is_refused():
+def test_a_recording_without_a_suitable_cycle_is_refused():
     motion, rate = random_motion(4.0, 0.1, 3.0)
     with pytest.raises(InputError, match="has no motion that characterizes"):
         characterize([measurement_of(motion, viscous(*motion), rate)])

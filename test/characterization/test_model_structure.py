@@ -1,4 +1,4 @@
-"""The structure rules hold every row of Tables 9 and 10, and give models that can be fitted."""
+"""The structure rules reproduce every row of Tables 9 and 10, and lead to models that can be fitted."""
 
 import pytest
 import yaml
@@ -59,5 +59,5 @@ def test_every_structure_is_a_model_file_with_its_parameters_free(types, active,
 
 
 def parse_model_again(model):
-    """The model through its file's text."""
+    """The model after a round trip through the text of its file."""
     return parse_model(yaml.safe_load(model_yaml(model)), "again")

@@ -1,5 +1,4 @@
-"""Pattern types: each shape by formula is classified as what it was built to be, and stays so under what must not
-matter."""
+"""Pattern types: each shape by formula is classified correctly, also after irrelevant changes."""
 
 import numpy as np
 import pytest
@@ -8,7 +7,7 @@ from shapes import SHAPES, loop_of
 from damper_estimator.characterization.patterns import classify
 
 
-def test_a_shape_is_classified_as_the_type_it_was_built_as(kind):
+def test_a_shape_is_classified_as_its_type(kind):
     assert classify(loop_of(SHAPES[kind])).type == kind
 
 
@@ -18,7 +17,7 @@ def test_asymmetric_dampers_have_the_same_types(kind):
     assert not pattern.symmetric
 
 
-def test_symmetry_is_seen(kind):
+def test_symmetry_is_detected(kind):
     assert classify(loop_of(SHAPES[kind])).symmetric
 
 
@@ -54,7 +53,7 @@ def test_the_other_sign_convention_swaps_rebound_and_compression(kind):
 
 @pytest.mark.parametrize(("stiffness", "word"), [(15000.0, "spring of 1.5e+04 N/m"), (-12000.0, "a mass of")])
 @pytest.mark.parametrize("kind", [0, 1, 4])
-def test_a_spring_or_a_mass_beside_the_damper_is_told_and_left_out_of_the_type(kind, stiffness, word):
+def test_a_spring_or_a_mass_parallel_to_the_damper_is_reported_and_excluded_from_the_type(kind, stiffness, word):
     loop = loop_of(SHAPES[kind])
     with_spring = type(loop)(**{**vars_of(loop), "force": loop.force + stiffness * loop.displacement})
     pattern = classify(with_spring)
@@ -63,7 +62,7 @@ def test_a_spring_or_a_mass_beside_the_damper_is_told_and_left_out_of_the_type(k
     assert word in pattern.because
 
 
-def test_measures_are_those_that_were_built_in():
+def test_measures_are_those_of_the_shape():
     pattern = classify(loop_of(SHAPES[1], amplitude=0.02, frequency=2.0))
     peak = 0.02 * 2.0 * np.pi * 2.0
     assert pattern.rebound.knee_velocity == pytest.approx(0.4 * peak, rel=0.03)

@@ -1,4 +1,4 @@
-"""Characteristic points and lines are found where they were planted."""
+"""Characteristic points and lines are found at their known positions."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_type_3_has_its_restoring_point_nearer_to_rest_than_its_yield_point():
     assert abs(points["B"].displacement) > abs(points["H"].displacement)
 
 
-def test_return_and_reversal_points_stand_at_the_extremes_of_the_motion(kind):
+def test_return_and_reversal_points_are_at_the_extremes_of_the_motion(kind):
     points, _ = characteristic_points(loop_of(SHAPES[kind]))
     assert points["E"].velocity == pytest.approx(PEAK, rel=1e-6)
     assert points["A"].velocity == pytest.approx(-PEAK, rel=1e-6)
@@ -56,7 +56,7 @@ def test_lines_have_the_slopes_that_were_planted():
         assert lines[name].damping == pytest.approx(300.0 / (0.6 * PEAK), rel=0.05)
 
 
-def test_only_the_direction_that_has_a_knee_gets_one():
+def test_only_a_direction_with_a_knee_has_one():
     knee, straight = two_lines(0.4, 700, 1000), two_lines(0.4, 400, 1000)
     digressive, linear = branches(knee, knee), branches(straight, straight)
     points, _ = characteristic_points(loop_of(lambda u, a: np.where(u > 0, digressive(u, a), linear(u, a))))

@@ -1,4 +1,4 @@
-"""The real magneto-rheological dampers have the diagrams that such dampers have."""
+"""Real magneto-rheological dampers have the expected diagrams."""
 
 import pytest
 

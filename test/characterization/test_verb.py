@@ -1,4 +1,4 @@
-"""The verb `characterize` over real bags: what it prints and writes, and how it refuses."""
+"""The verb `characterize` over real bags: output and refused input."""
 
 import json
 
@@ -78,12 +78,12 @@ def test_results_go_to_standard_output_json_page_table_and_model(bags, tmp_path,
     assert "yield, rebound" in page and 'src="http' not in page
 
 
-def test_json_on_standard_output_stands_alone(bags, capsys):
+def test_standard_output_has_only_json(bags, capsys):
     assert main(["characterize", *bags, "--json", "-"]) == 0
     assert "d" in json.loads(capsys.readouterr().out)["dampers"]
 
 
-def test_settings_are_subtracted_and_a_slow_test_taken_off(bags, tmp_path, capsys):
+def test_settings_are_subtracted_and_a_slow_test_is_subtracted(bags, tmp_path, capsys):
     slow = write(tmp_path / "slow.mcap", lambda x, v, a: -200.0 - 3000.0 * x, frequency=0.05, seconds=45.0)
     assert (
         main(

@@ -13,7 +13,7 @@ def example_table() -> CurrentTable:
     return CurrentTable(V, C, 800.0 * V[:, None] + 500.0 * np.sign(V)[:, None] * np.array([0.0, 0.7, 1.0]))
 
 
-def test_the_current_gives_the_force_back():
+def test_the_current_reproduces_the_force():
     table = example_table()
     for velocity in (-0.9, -0.15, 0.05, 0.3, 2.0):
         for current in (0.0, 0.3, 1.0, 1.7, 2.0):
@@ -69,6 +69,6 @@ def test_a_table_is_read_from_the_file_that_export_writes(tmp_path):
 
 
 @pytest.mark.parametrize("velocity, wanted", [(0.2, float("nan")), (0.2, float("inf")), (float("nan"), 100.0)])
-def test_what_is_not_a_number_has_no_current(velocity, wanted):
+def test_values_that_are_not_finite_have_no_current(velocity, wanted):
     table = CurrentTable(np.array([-1.0, 1.0]), np.array([0.0, 1.0]), np.array([[-1.0, -2.0], [1.0, 2.0]]))
     assert np.isnan(table.current_for(velocity, wanted))

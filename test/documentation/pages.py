@@ -1,4 +1,4 @@
-"""What the tests of the documentation read: pages, their blocks of code, and the commands in these."""
+"""The pages of the documentation, their blocks of code, and the commands in them."""
 
 import re
 import shlex

@@ -1,4 +1,4 @@
-"""docs/json.md names keys that are there."""
+"""docs/json.md lists existing keys."""
 
 import json
 import re
@@ -28,7 +28,7 @@ def keys(value):
 
 @pytest.fixture(scope="module")
 def records(tmp_path_factory):
-    """What the verbs say of a damper with friction, by the sections of the page."""
+    """Results of the verbs for a damper with friction, by the sections of the page."""
     folder = tmp_path_factory.mktemp("json")
     drive, other = (de.read(write_drive(folder / f"{k}.mcap", seed=k, seconds=8.0)) for k in (0, 5))
     fitted = de.fit(drive, "linear_viscous")

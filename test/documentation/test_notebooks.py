@@ -1,4 +1,4 @@
-"""The notebooks run from the first cell to the last, and show what their words say."""
+"""The notebooks run from the first to the last cell, and their results agree with their text."""
 
 import importlib.util
 
@@ -10,7 +10,7 @@ NAMES = sorted(path.stem for path in FOLDER.glob("*.py"))
 
 
 def run(name):
-    """The names that a notebook leaves."""
+    """The names that a notebook defines."""
     path = FOLDER / f"{name}.py"
     names = {"__name__": "notebook"}
     exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), names)

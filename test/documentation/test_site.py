@@ -73,7 +73,7 @@ def test_pictures_are_in_two_themes_with_letters_that_can_be_read_by_machines():
         assert (signatures.COLOURS["dark"]["ink"] in text) == name.endswith("dark")
 
 
-def test_where_the_bench_has_no_table_a_page_says_so(monkeypatch):
+def test_a_page_reports_a_missing_table_of_the_benchmark(monkeypatch):
     effect = all_effects()["coulomb"]
     monkeypatch.setattr(effect_pages, "bench_rows", dict)
     assert "No measurement is stored for `friction`" in effect_pages.measured(effect)
@@ -97,8 +97,8 @@ def test_references_have_every_verb_and_every_model():
     assert all(f"## {name}\n" in text for name in library_models())
 
 
-def test_the_site_builds_without_a_warning_and_is_whole(tmp_path):
-    """As ``make docs`` builds it; nothing is compiled for that."""
+def test_the_site_builds_without_warnings_and_is_complete(tmp_path):
+    """Built as by ``make docs``, without compilation."""
     pytest.importorskip("mkdocs", reason="mkdocs is installed by make env")
     words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path)]
     quiet = os.environ | {"NO_MKDOCS_2_WARNING": "1", "NUMBA_DISABLE_JIT": "1"}
@@ -107,7 +107,7 @@ def test_the_site_builds_without_a_warning_and_is_whole(tmp_path):
     assert check.faults(tmp_path) == []
 
 
-def test_the_check_of_a_site_finds_what_is_wrong(tmp_path):
+def test_the_check_of_a_site_finds_faults(tmp_path):
     (tmp_path / "other.html").write_text('<h1 id="here">x</h1>')
     (tmp_path / "index.html").write_text(
         '<a href="other.html#here">a</a><a href="other.html#there">b</a><a href="no.html">c</a><img src="no.png">'
