@@ -97,6 +97,12 @@ def _in_machine_code(function: Callable, inline: str) -> Callable:
     return dispatcher
 
 
+def is_kept(function: Callable) -> bool:
+    """Whether machine code of a compiled function is kept from an earlier run."""
+    folder, code = Path(function.stats.cache_path or ""), function.py_func.__code__
+    return any(folder.glob(f"{Path(code.co_filename).stem}.{function.py_func.__qualname__}-*.nbi"))
+
+
 def machine_code_folders() -> list[Path]:
     """Folders with the machine code of the modules imported so far; empty if nothing is compiled or stored."""
     return sorted({Path(dispatcher.stats.cache_path) for dispatcher in _DISPATCHERS if dispatcher.stats.cache_path})

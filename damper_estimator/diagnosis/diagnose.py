@@ -10,7 +10,6 @@ from dataclasses import replace
 
 from damper_estimator.diagnosis.accepted import Accepted
 from damper_estimator.diagnosis.adopt import Standpoint, adopted, identified_first, standpoint
-from damper_estimator.diagnosis.ahead import compile_ahead
 from damper_estimator.diagnosis.misfit import without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.report import (
@@ -63,7 +62,6 @@ def diagnose(
         raise ValueError(f"mode {mode!r} is none of {', '.join(MODES)}")
     tell = progress or (lambda text, share: None)
     tell("reading the model's error", 0.0)
-    compile_ahead(workers)
     given = begun(model, fit, unseen)
     place = identified_first(given, mode)
     found, stage = _searched(place, mode, skip, workers, lambda text, share: tell(text, 0.05 + 0.75 * share))

@@ -4,7 +4,7 @@ import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
-from damper_estimator.diagnosis.ahead import wait_for_loop
+from damper_estimator.model.ahead import wait_for_loops
 from damper_estimator.diagnosis.attempt import Attempt, attempt
 from damper_estimator.diagnosis.candidates import Candidate
 from damper_estimator.diagnosis.null import Null
@@ -25,7 +25,7 @@ def attempts(
         progress: is told how many are done; what it raises ends the work.
     """
     global _work
-    wait_for_loop()
+    wait_for_loops(True)
     _ = null.frozen  # once, before the workers part
     # Compliances take longest, so they begin.
     order = sorted(range(len(candidates)), key=lambda i: candidates[i].effect.kind != "series")

@@ -6,6 +6,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import chain
+from damper_estimator.model.ahead import wait_for_loops
 from damper_estimator.model.element import Element, walk
 from damper_estimator.model.kernels import addresses
 
@@ -104,6 +105,7 @@ class _Layout:
 def function_list(kernels: list, series: bool) -> np.ndarray | list:
     """The functions that ``chain.run`` calls for a program with these kernels; ``series``: whether it has a series
     operation."""
+    wait_for_loops(series)
     return addresses([chain.block_loop, chain.sample_loop if series else None], kernels)
 
 

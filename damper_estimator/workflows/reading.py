@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 
 from damper_estimator.errors import InputError
+from damper_estimator.model.ahead import compile_loops_ahead
 from damper_estimator.recordings import Bag, Part, load_column_maps, open_bag, read_parts
 from damper_estimator.signals import (
     DamperSignals,
@@ -143,6 +144,7 @@ def read(
     Raises:
         InputError: one line: the file, what is wrong, what to do.
     """
+    compile_loops_ahead()
     given = [paths] if isinstance(paths, (str, PathLike)) else list(paths)
     if not given:
         raise InputError("no recordings to read; name a file or a rosbag2 folder")
