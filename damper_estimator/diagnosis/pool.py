@@ -4,10 +4,10 @@ import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
-from damper_estimator.model.ahead import wait_for_loops
 from damper_estimator.diagnosis.attempt import Attempt, attempt
 from damper_estimator.diagnosis.candidates import Candidate
 from damper_estimator.diagnosis.null import Null
+from damper_estimator.model import wait_for_loops
 
 _work: tuple[Null, Sequence[Candidate], float] | None = None  # what forked workers see without its being sent
 

@@ -1,7 +1,7 @@
-"""Compiles the loops over a model beside what a program does first, where no earlier run has kept them.
+"""Compiles the loops over a model in other processes while a recording is read, unless an earlier run kept them.
 
-Reading a recording compiles functions of its own; on two cores the loops, which take longest, cost no time then, and
-not every worker of a diagnosis compiles them.
+Reading compiles other functions. On two cores the loops, which take longest, are ready when they are needed, and
+the workers of a diagnosis do not compile them again.
 """
 
 import multiprocessing

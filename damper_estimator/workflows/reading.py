@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 
 from damper_estimator.errors import InputError
-from damper_estimator.model.ahead import compile_loops_ahead
+from damper_estimator.model import compile_loops_ahead
 from damper_estimator.recordings import Bag, Part, load_column_maps, open_bag, read_parts
 from damper_estimator.signals import (
     DamperSignals,
