@@ -19,8 +19,8 @@ from hand import Hand, hand, served
 from hour_bag import write_hour
 
 from damper_estimator.report.theme import themed
-from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.linked_figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.stage import Choice
 from damper_estimator.studio.view import MOTIONS, View

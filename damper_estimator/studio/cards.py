@@ -10,8 +10,8 @@ import numpy as np
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, library_models, load_model
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
+from damper_estimator.studio.captured_warnings import captured_warnings
 from damper_estimator.studio.folder import YAML, Folder
-from damper_estimator.studio.overheard import overheard
 from damper_estimator.studio.thumbnail import picture
 from damper_estimator.workflows import read
 
@@ -91,7 +91,7 @@ class Cards:
         size = sum(own.stat().st_size for own in ([path] if path.is_file() else path.iterdir()))
         if size > LARGEST:
             return Card("recordings", name, (f"{size / 1e6:.0f} MB: too large for a glance; open it",))
-        with overheard() as warned:
+        with captured_warnings() as warned:
             found = read(path, stop=_SECONDS)
         dampers = tuple(found.dampers)
         lines = [f"{len(dampers)} damper{'s' if len(dampers) != 1 else ''}: {', '.join(dampers)}"]

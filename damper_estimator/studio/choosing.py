@@ -3,8 +3,8 @@
 from dash import dcc, html
 
 from damper_estimator.model import library_models
+from damper_estimator.studio.components import labelled, number, plain, several
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.pieces import labelled, number, plain, several
 
 _WAY = {
     "Compare": "shows measured and modelled force, linked over time, velocity, displacement and acceleration.",
@@ -38,7 +38,7 @@ def chooser(folder: Folder) -> list:
             id="library",
         ),
         html.Div(id="earlier"),
-        html.P("", id="open-told", className="told-here"),
+        html.P("", id="open-message", className="message"),
     ]
 
 
@@ -56,12 +56,12 @@ def _taking(folder: Folder) -> list:
                 html.Button("Add files ...", id="add-files", title="recordings, bench files, models and maps"),
                 html.Button("Add a folder ...", id="add-folder", title="a rosbag2 folder"),
                 html.Span("or drop them on the page: mcap, rosbag2 (folder or zip), CSV, text, MAT", className="hint"),
-                html.Span("", id="upload-told", role="status"),
+                html.Span("", id="upload-message", role="status"),
             ],
             className="title",
         ),
         labelled("bench file to recording", files),
-        html.P("", id="bench-told", className="told-here"),
+        html.P("", id="bench-message", className="message"),
         html.Section(form, id="bench", hidden=True),
     ]
 

@@ -18,7 +18,7 @@ def corners_section() -> html.Section:
     ]
     title = html.Div([html.H2("All dampers"), *buttons], className="title")
     return html.Section(
-        [title, html.P("", id="corners-told", className="told-here"), html.Div(id="corner-cards")], id="corners"
+        [title, html.P("", id="corners-message", className="message"), html.Div(id="corner-cards")], id="corners"
     )
 
 

@@ -10,15 +10,15 @@ from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.report.theme import COLOURS, LIGHT
 from damper_estimator.report.wording import in_signs, measure_text
-from damper_estimator.studio.apart import Tell
+from damper_estimator.studio.drawn_rows import cloud_rows
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.history import History, Version
+from damper_estimator.studio.long_tasks import Deed, diagnose_case, improve_case, judged
+from damper_estimator.studio.model_run import ModelRun, run_model
 from damper_estimator.studio.opening import load_chosen
-from damper_estimator.studio.rows import cloud_rows
-from damper_estimator.studio.shown import Shown, shown
 from damper_estimator.studio.stage import Choice, Stage, opened
 from damper_estimator.studio.thumbnail import dots_picture
-from damper_estimator.studio.work import Deed, diagnose_case, improve_case, judged
+from damper_estimator.studio.worker_process import Progress
 
 DEEDS = {"compare": "comparing all", "diagnose": "diagnosing all", "improve": "improving all"}
 """What can be done with all dampers in one go, and the name of that work."""
@@ -76,7 +76,7 @@ class Task:
     histories: Mapping[str, History]
 
 
-def worked_on(task: Task, tell: Tell) -> tuple[Corner, ...]:
+def worked_on(task: Task, progress: Progress) -> tuple[Corner, ...]:
     """Does a task, damper by damper; one that cannot be read does not stop the others."""
     folder = Folder(task.root)
     names = list(task.choices)
@@ -84,7 +84,7 @@ def worked_on(task: Task, tell: Tell) -> tuple[Corner, ...]:
     for i, name in enumerate(names):
 
         def part(text: str, share: float, i: int = i, name: str = name) -> None:
-            tell(f"{name}: {text}", (i + share) / len(names))
+            progress(f"{name}: {text}", (i + share) / len(names))
 
         try:
             corners.append(_corner(folder, task, name, part))
@@ -99,13 +99,13 @@ def place(damper: str) -> tuple[bool, bool, str]:
     return bool(words & {"rear", "rl", "rr"}), bool(words & {"right", "fr", "rr"}), damper
 
 
-def _corner(folder: Folder, task: Task, damper: str, tell: Tell) -> Corner:
-    stage = opened(folder, task.choices[damper], lambda text, share: tell(text, 0.2 * share))
+def _corner(folder: Folder, task: Task, damper: str, progress: Progress) -> Corner:
+    stage = opened(folder, task.choices[damper], lambda text, share: progress(text, 0.2 * share))
     history = task.histories.get(damper) or _begun(stage, load_chosen(folder, task.model, damper))
     found = None
 
     def later(text: str, share: float) -> None:
-        tell(text, 0.3 + 0.7 * share)
+        progress(text, 0.3 + 0.7 * share)
 
     if task.deed == "diagnose":
         case = stage.corrected(history.now.signals).case(history.now.step.model)
@@ -119,9 +119,9 @@ def _begun(stage: Stage, model: DamperModel) -> History:
     return History((Version(judged(stage.case(model), Deed("start")), stage.signals),))
 
 
-def _improved(stage: Stage, history: History, task: Task, tell: Tell) -> tuple[History, Diagnosis]:
+def _improved(stage: Stage, history: History, task: Task, progress: Progress) -> tuple[History, Diagnosis]:
     case = stage.corrected(history.now.signals).case(history.now.step.model)
-    found = improve_case(case, task.mode, task.workers, tell)
+    found = improve_case(case, task.mode, task.workers, progress)
     for step in found.steps[1:]:
         signals = found.signals if step.action == "correct" else history.now.signals
         history = history.then(Version(step, signals))
@@ -129,7 +129,7 @@ def _improved(stage: Stage, history: History, task: Task, tell: Tell) -> tuple[H
 
 
 def _summary(stage: Stage, history: History, found: Diagnosis | None) -> Corner:
-    view = shown(history.now.step.model, stage.corrected(history.now.signals))
+    view = run_model(history.now.step.model, stage.corrected(history.now.signals))
     compared = view.comparison()
     record = view.measures.record()
     regions = [in_signs(f"{own.where}: {own.what}") for own in compared.regions[:1]]
@@ -146,7 +146,7 @@ def _summary(stage: Stage, history: History, found: Diagnosis | None) -> Corner:
     )
 
 
-def _picture(view: Shown) -> str:
+def _picture(view: ModelRun) -> str:
     own = view.traces[0]
     velocity = own.measurement.kinematics.velocity
     clouds = []

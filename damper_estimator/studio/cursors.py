@@ -4,7 +4,7 @@ import numpy as np
 from dash import html
 
 from damper_estimator.numbers import number
-from damper_estimator.studio.figures import Scene
+from damper_estimator.studio.linked_figures import Scene
 from damper_estimator.studio.view import TRACE_NAMES, TRACES
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.report.plots import AFTER, BEFORE, Figure, axis, line, note
-from damper_estimator.studio.rows import line_rows
+from damper_estimator.studio.drawn_rows import line_rows
 from damper_estimator.validation.trace import trace
 
 _SECONDS = 2.0  # that are shown, about the worst moment

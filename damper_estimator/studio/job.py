@@ -7,7 +7,7 @@ from collections.abc import Callable
 from time import monotonic
 
 from damper_estimator.errors import InputError
-from damper_estimator.studio.apart import Cancelled, Tell
+from damper_estimator.studio.worker_process import Cancelled, Progress
 
 
 class Job:
@@ -15,13 +15,13 @@ class Job:
 
     Attributes:
         name: what it does, for people.
-        number: tells it from others of its page; the page remembers whose end it has told.
+        number: identifies it on its page, which remembers the last job whose result was shown.
         state: ``running``, ``done``, ``failed`` or ``cancelled``.
         text, share: what goes on, and how much of it is done, 0 to 1.
         error: why it failed, in one line.
     """
 
-    def __init__(self, name: str, work: Callable[[Tell], None], number: int = 1) -> None:
+    def __init__(self, name: str, work: Callable[[Progress], None], number: int = 1) -> None:
         """Starts ``work``; it takes on its results itself, at its end."""
         self.name, self.number = name, number
         self.state, self.text, self.share, self.error = "running", "", 0.0, ""
@@ -53,7 +53,7 @@ class Job:
             raise Cancelled
         self.text, self.share = text, share
 
-    def _run(self, work: Callable[[Tell], None]) -> None:
+    def _run(self, work: Callable[[Progress], None]) -> None:
         try:
             work(self._tell)
             state = "done"

@@ -3,9 +3,9 @@
 from dash import dcc, html
 
 from damper_estimator.model import library_models
+from damper_estimator.studio.components import EMPTY, PLAIN
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.live import Live
-from damper_estimator.studio.pieces import EMPTY, PLAIN
 
 TICK = 500  # ms between two pictures
 _LEVELS = ("", "warned", "failed", "failed")
@@ -20,11 +20,11 @@ def live_section(folder: Folder, live: Live | None) -> html.Section:
         dcc.Dropdown(models, id="live-model", placeholder="model to diagnose"),
         html.Button("Save and diagnose", id="live-diagnose", className="primary"),
     ]
-    title = html.Div([html.H2("Live"), html.Span("", id="live-held", className="hint"), *buttons], className="title")
+    title = html.Div([html.H2("Live"), html.Span("", id="live-seconds", className="hint"), *buttons], className="title")
     return html.Section(
         [
             title,
-            html.P("", id="live-words", className="told-here"),
+            html.P("", id="live-words", className="message"),
             html.Div("waiting for a node ...", id="live-dampers"),
             dcc.Interval(id="live-tick", interval=TICK, disabled=live is None),
         ],

@@ -14,7 +14,7 @@ def marked_bar() -> list:
     ]
     left_out = [html.Span("", id="left-out-words"), html.Button("take it back in", id="take-back")]
     return [
-        html.Div([html.Span("", id="marked-told"), *buttons], id="marked-bar", className="acts", hidden=True),
+        html.Div([html.Span("", id="marked-summary"), *buttons], id="marked-bar", className="acts", hidden=True),
         html.Div(left_out, id="left-out", className="acts", hidden=True),
         dcc.Download(id="download"),
     ]

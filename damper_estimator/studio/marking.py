@@ -9,9 +9,9 @@ from damper_estimator.errors import InputError
 from damper_estimator.numbers import number
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
-from damper_estimator.studio.shown import Shown
+from damper_estimator.studio.model_run import ModelRun
+from damper_estimator.studio.slider_preview import RUN_IN
 from damper_estimator.studio.stage import MOST_JUDGED, Stretch
-from damper_estimator.studio.tried import RUN_IN
 from damper_estimator.studio.view import View, marked
 
 MOST_ROWS = 400_000  # of a table that a browser is given
@@ -19,7 +19,7 @@ _SHARE = 0.6  # of the marked samples that parameters are found on where a regio
 _SLOW = {"command_a": COMMAND, "temperature_degc": TEMPERATURE, "pressure_pa": PRESSURE}
 
 
-def inside_of(shown: Shown, view: View) -> np.ndarray:
+def inside_of(shown: ModelRun, view: View) -> np.ndarray:
     """(n,) bool: the marked samples of the recording on view.
 
     Raises:
@@ -31,7 +31,7 @@ def inside_of(shown: Shown, view: View) -> np.ndarray:
     return inside
 
 
-def stretches(shown: Shown, view: View) -> tuple[Stretch, ...]:
+def stretches(shown: ModelRun, view: View) -> tuple[Stretch, ...]:
     """The marked samples as stretches of time; single samples that were not marked between others count as marked."""
     inside = inside_of(shown, view)
     time = shown.traces[view.recording].time
@@ -42,14 +42,14 @@ def stretches(shown: Shown, view: View) -> tuple[Stretch, ...]:
     return tuple((view.recording, first - 0.4 * step, last + 0.4 * step) for first, last in seconds)
 
 
-def in_words(shown: Shown, view: View) -> str:
+def in_words(shown: ModelRun, view: View) -> str:
     """How much is marked of which recording, such as ``2.4 s of run.mcap``."""
     inside = inside_of(shown, view)
     dt = shown.traces[view.recording].measurement.kinematics.dt
     return f"{dt[inside].sum():.3g} s of {shown.stage.names[view.recording]}"
 
 
-def errors_in_words(shown: Shown, view: View, name: str) -> str:
+def errors_in_words(shown: ModelRun, view: View, name: str) -> str:
     """The rms error of a model on what is marked, and on the rest of the recording."""
     inside = inside_of(shown, view)
     own = shown.traces[view.recording]
@@ -60,7 +60,7 @@ def errors_in_words(shown: Shown, view: View, name: str) -> str:
     )
 
 
-def marked_alone(shown: Shown, view: View) -> Measurement:
+def marked_alone(shown: ModelRun, view: View) -> Measurement:
     """The recording on view with nothing but the marked samples judged, and what the model needs before them.
 
     Raises:
@@ -87,7 +87,7 @@ def parted(measurement: Measurement) -> tuple[Measurement, Measurement]:
     return tuple(replace(measurement, judged=measurement.judged & own) for own in (early, ~early))
 
 
-def table(models: Sequence[Shown], names: Sequence[str], view: View) -> str:
+def table(models: Sequence[ModelRun], names: Sequence[str], view: View) -> str:
     """Samples as CSV: the marked ones, without a mark those of the stretch on view; all of them, not thinned.
 
     Columns are in SI units; forces pass the comparison band.

@@ -7,13 +7,13 @@ from pathlib import Path
 from damper_estimator.errors import InputError
 from damper_estimator.identification import usable
 from damper_estimator.model import DamperModel, library_models, load_model
-from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.folder import YAML, Folder
 from damper_estimator.studio.history import History, Version
-from damper_estimator.studio.kept import Kept, history_of
-from damper_estimator.studio.shown import Shown, shown
+from damper_estimator.studio.long_tasks import Deed, judged
+from damper_estimator.studio.model_run import ModelRun, run_model
+from damper_estimator.studio.session_files import SavedSession, history_of
 from damper_estimator.studio.stage import Choice, Stage, opened
-from damper_estimator.studio.work import Deed, judged
+from damper_estimator.studio.worker_process import Progress
 
 
 @dataclass(frozen=True)
@@ -30,21 +30,21 @@ class Opened:
     history: History
     others: tuple[DamperModel, ...]
     names: tuple[str, ...]
-    views: tuple[Shown, ...]
+    views: tuple[ModelRun, ...]
     saved: tuple[tuple[Version, str], ...] = ()
 
 
 def read_choice(
-    folder: Folder, choice: Choice, models: Sequence[str], tell: Tell, history: History | None = None
+    folder: Folder, choice: Choice, models: Sequence[str], progress: Progress, history: History | None = None
 ) -> Opened:
     """Recordings and models as they were chosen; with the steps of a ``history`` where one is given.
 
     Raises:
         InputError: for what cannot be read or does not go together.
     """
-    stage = opened(folder, choice, tell)
+    stage = opened(folder, choice, progress)
     first, *others = (load_chosen(folder, name, stage.damper) for name in models)
-    tell(f"running {first.name}", 0.9)
+    progress(f"running {first.name}", 0.9)
     for measurement in (*stage.fit, *stage.unseen):
         usable(first, measurement)
     if history is None:
@@ -52,25 +52,25 @@ def read_choice(
     return Opened(stage, history, tuple(others), tuple(models), _views(stage, history, others))
 
 
-def read_kept(folder: Folder, name: str, kept: Kept, step: int | None, tell: Tell) -> Opened:
+def read_session_file(folder: Folder, name: str, kept: SavedSession, step: int | None, progress: Progress) -> Opened:
     """A session from its file, at a step of it; models beside whose files have gone are left out.
 
     Raises:
         InputError: for recordings that cannot be read, and a damaged file.
     """
-    stage = opened(folder, kept.choice, tell)
+    stage = opened(folder, kept.choice, progress)
     history, files = history_of(kept, stage, name)
     if step is not None and 0 <= step < len(history.versions):
         history = replace(history, at=step)
-    tell(f"running {history.now.step.model.name}", 0.9)
+    progress(f"running {history.now.step.model.name}", 0.9)
     others = tuple(load_chosen(folder, own, stage.damper) for own in kept.models[1:] if _is_there(folder, own))
     saved = tuple((version, own) for version, own in zip(history.versions, files, strict=True) if own)
     return Opened(stage, history, others, kept.models, _views(stage, history, others), saved)
 
 
-def _views(stage: Stage, history: History, others: Sequence[DamperModel]) -> tuple[Shown, ...]:
+def _views(stage: Stage, history: History, others: Sequence[DamperModel]) -> tuple[ModelRun, ...]:
     now = history.now
-    return (shown(now.step.model, stage.corrected(now.signals)), *(shown(own, stage) for own in others))
+    return (run_model(now.step.model, stage.corrected(now.signals)), *(run_model(own, stage) for own in others))
 
 
 def load_chosen(folder: Folder, name: str, damper: str) -> DamperModel:

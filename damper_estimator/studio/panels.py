@@ -10,13 +10,13 @@ from damper_estimator.effects.discovery import all_effects
 from damper_estimator.report.diagnosis_wording import finding_text, moved_rows, plain_name, rejected_rows
 from damper_estimator.report.verdict_figures import ranked
 from damper_estimator.report.wording import MEASURES, finding_rows, headline, in_signs, measure_text, quality_rows
-from damper_estimator.studio.shown import Shown
+from damper_estimator.studio.model_run import ModelRun
 from damper_estimator.validation import Comparison
 
 Piece = html.Div
 
 
-def measures_table(models: Sequence[Shown], names: Sequence[str]) -> Piece:
+def measures_table(models: Sequence[ModelRun], names: Sequence[str]) -> Piece:
     """Agreement of each model over all samples."""
     head = html.Thead(
         html.Tr(
@@ -51,7 +51,7 @@ def verdict(comparison: Comparison, note: str, warnings: Sequence[str], offer: s
         words = f"{offer} was never identified: its numbers are not those of this damper. "
         button = html.Button("Refit", id={"type": "refit", "from": "verdict"}, className="primary")
         offered = [html.P([words, button], className="warning")]
-    return html.Div([*offered, html.P(headline([comparison]), className="told"), *warned, *noted])
+    return html.Div([*offered, html.P(headline([comparison]), className="statement"), *warned, *noted])
 
 
 def regions(comparison: Comparison) -> Piece:
@@ -96,32 +96,32 @@ def quality(comparison: Comparison) -> Piece:
 def quality_line(comparison: Comparison, warnings: Sequence[str]) -> list:
     """The quality of the data in a line: how much there is, and all that is suspicious."""
     rows = quality_rows(comparison)
-    told = [f"{row['text']} {row['name']}" for row in rows[:1]] + [row["text"] for row in rows[1:2]]
+    doubtful = [f"{row['text']} {row['name']}" for row in rows[:1]] + [row["text"] for row in rows[1:2]]
     bad = [f"{row['name']} {row['text']}" for row in rows if row["bad"]]
     more = len(comparison.findings) + len(warnings)
     if more:
         bad.append(f"{more} more under Where it fails")
     doubts = html.Span(f"⚠ {', '.join(bad)}", className="bad") if bad else "nothing suspicious"
-    return [f"data: {', '.join(told)}, ", doubts]
+    return [f"data: {', '.join(doubtful)}, ", doubts]
 
 
 def findings(found: Diagnosis, stale: bool, region: str = "") -> Piece:
     """The verdict and the effects that are missing, each with a button that adds it; ``region`` was diagnosed alone."""
-    told: list[Piece] = [html.P(found.sentence, className="told")]
+    parts: list[Piece] = [html.P(found.sentence, className="statement")]
     if region:
-        told.append(html.P(f"Of the marked {region} alone: found on 60 % of its samples, judged on the others."))
+        parts.append(html.P(f"Of the marked {region} alone: found on 60 % of its samples, judged on the others."))
     if stale:
-        told.append(
+        parts.append(
             html.P("The model was changed since: run the diagnosis again to see what is left.", className="warning")
         )
-    told += [_finding(finding) for finding in found.findings]
+    parts += [_finding(finding) for finding in found.findings]
     moved = moved_rows(found)
     if moved:
         text = "; ".join(f"{row['name']} {row['before']} → {row['after']} {row['unit']}" for row in moved)
-        told.append(html.P(f"Parameters that moved: {text}. Refit under Model."))
+        parts.append(html.P(f"Parameters that moved: {text}. Refit under Model."))
     if found.structure is not None:
-        told.append(html.P(f"What nothing accounts for: {found.structure.words}"))
-    return html.Div(told)
+        parts.append(html.P(f"Unexplained: {found.structure.words}"))
+    return html.Div(parts)
 
 
 def _finding(finding) -> Piece:
@@ -132,7 +132,7 @@ def _finding(finding) -> Piece:
         ("unseen error", text["errors"]),
     ]
     where = "correct the signal map" if finding.is_channel else "add and refit"
-    tied = [html.P(f"These data cannot tell it from {text['tied']}.", className="tied")] if text["tied"] else []
+    tied = [html.P(f"These data cannot distinguish it from {text['tied']}.", className="tied")] if text["tied"] else []
     remark = [html.P(text["remark"])] if text["remark"] else []
     return html.Section(
         [
@@ -189,8 +189,8 @@ def steps_list(errors: Sequence[float], names: Sequence[str], files: Sequence[st
     """The steps in words, with the file that each was saved to; those that were undone are pale."""
     rows = []
     for i, (error, name, file) in enumerate(zip(errors, names, files, strict=True)):
-        told = f"{error:.4g} N" if np.isfinite(error) else "–"
+        unseen = f"{error:.4g} N" if np.isfinite(error) else "–"
         state = "undone" if i > at else ("now" if file or not i else "now unsaved") if i == at else ""
         saved = [html.Small(f", saved as {file}")] if file else []
-        rows.append(html.Li([html.B(name), f" {told} unseen", *saved], className=state))
+        rows.append(html.Li([html.B(name), f" {unseen} unseen", *saved], className=state))
     return html.Ol(rows, className="history")

@@ -9,7 +9,7 @@ from damper_estimator.model.element import labels
 from damper_estimator.numbers import number
 from damper_estimator.studio.scale import to_place
 
-_MOST = 60  # sliders; the numbers of a longer model (a force surface) are told, not moved by hand
+_MOST = 60  # sliders; the numbers of a longer model (a force surface) are counted, not moved by hand
 _UNITS = {"1": "", "m/s^2": "m/s²", "deg C": "°C"}
 
 
@@ -26,12 +26,12 @@ def parameter_list(model: DamperModel) -> list:
                 html.Button("take out", id={"type": "remove", "label": label}, title=f"take {label} out of the model")
             )
         rows = [_row(slot, float(errors.get(slot.address, "nan")), places.get(slot.address, "")) for slot in slots]
-        rows = rows if movable else [_told(slots)]
+        rows = rows if movable else [_too_many(slots)]
         groups.append(html.Section([html.Div(title, className="title"), *rows], className="entry"))
     return groups
 
 
-def _told(slots: list[Slot]) -> html.P:
+def _too_many(slots: list[Slot]) -> html.P:
     return html.P(f"{len(slots)} numbers: too many to move by hand; identify them anew instead.", className="hint")
 
 
@@ -39,12 +39,12 @@ def _row(slot: Slot, error: float, place: str) -> html.Div:
     low, high = slot.parameter.lower, slot.parameter.upper
     unit = _UNITS.get(slot.parameter.unit, slot.parameter.unit)
     name = slot.address.partition(".")[2]
-    told = f"{slot.parameter.meaning}; {low:g} to {high:g} {unit}"
+    hint = f"{slot.parameter.meaning}; {low:g} to {high:g} {unit}"
     at_bound = not slot.fixed and min(slot.value - low, high - slot.value) <= 1e-6 * (high - low)
     certain = f"± {number(error, 2)}" if np.isfinite(error) else "at its bound" if at_bound else ""
     return html.Div(
         [
-            html.Label([name, html.Small(f" {place}")], title=told),
+            html.Label([name, html.Small(f" {place}")], title=hint),
             html.Small(f"{low:g} … {high:g}  {certain}", className="bounds"),
             dcc.Checklist(
                 [{"label": "free", "value": slot.address}], [] if slot.fixed else [slot.address],

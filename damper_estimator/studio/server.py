@@ -13,12 +13,12 @@ from damper_estimator import __version__
 from damper_estimator.errors import InputError
 from damper_estimator.report.page import figure_script
 from damper_estimator.report.theme import styles
-from damper_estimator.studio import apart
+from damper_estimator.studio import worker_process
 from damper_estimator.studio.callbacks import connect
 from damper_estimator.studio.folder import Folder, Taken
 from damper_estimator.studio.guard import UPLOAD, Door, guard
 from damper_estimator.studio.live import Live
-from damper_estimator.studio.page import layout
+from damper_estimator.studio.page_layout import layout
 from damper_estimator.studio.sessions import Sessions
 from damper_estimator.studio.uploads import receive
 
@@ -49,7 +49,7 @@ def application(folder: Folder, door: Door, live: Live | None = None) -> tuple[D
         serve_locally=True,
         suppress_callback_exceptions=True,
         index_string=_INDEX.replace("__STYLES__", styles()),
-        on_error=_told,
+        on_error=_report_bug,
     )
     app.layout = lambda: layout(folder, live)  # a page gets a session when it asks for one, not with its layout
     connect(app, sessions, live)
@@ -84,10 +84,10 @@ def _received(sessions: Sessions) -> tuple[str, int]:
         return str(error), 400
 
 
-def _told(error: Exception) -> None:
-    """A bug of ours in a callback is told on the page, and its traceback on the terminal."""
+def _report_bug(error: Exception) -> None:
+    """Shows a bug in a callback on the page, and its traceback on the terminal."""
     traceback.print_exception(error)
-    set_props("job", {"children": f"this should not have happened: {type(error).__name__}: {error}"})
+    set_props("job", {"children": f"internal error: {type(error).__name__}: {error}"})
 
 
 def serve(
@@ -98,14 +98,14 @@ def serve(
 
     Args:
         door_at: the door for the port that was got (``port`` 0: any that is free).
-        ready: is told the door when the page can be opened.
+        ready: is called with the door when the page can be opened.
         minutes: of a running node's inputs that are held; 0 where it listens to none.
 
     Raises:
         OSError: where the port is taken, or the address is not this machine's.
     """
     bound = _bound(host, port)
-    apart.prepare()
+    worker_process.prepare()
     logging.getLogger("werkzeug").setLevel(logging.WARNING)  # no line per request
     listening: BaseWSGIServer = make_server(host, port, _nothing, threaded=True, fd=bound.fileno())
     door = door_at(bound.getsockname()[1])

@@ -7,32 +7,40 @@ from damper_estimator.diagnosis.correction import corrected_signals
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, Element, save_model
-from damper_estimator.studio.apart import Tell, run_apart
 from damper_estimator.studio.corners import DEEDS, Corner, Task, place, worked_on
-from damper_estimator.studio.desk import Beside, Desk
-from damper_estimator.studio.element import element_for
+from damper_estimator.studio.effect_entry import element_for
 from damper_estimator.studio.history import History, Version
-from damper_estimator.studio.keeper import Keeper
-from damper_estimator.studio.kept import Kept, SessionFiles, Stamp
+from damper_estimator.studio.long_tasks import (
+    Case,
+    Deed,
+    diagnose_case,
+    identified_alone,
+    improve_case,
+    judged,
+    refitted,
+)
 from damper_estimator.studio.marking import in_words, marked_alone, parted, stretches
-from damper_estimator.studio.opening import Opened, read_choice, read_kept
+from damper_estimator.studio.opening import Opened, read_choice, read_session_file
+from damper_estimator.studio.page_state import OtherDamper, PageState
+from damper_estimator.studio.session_files import SavedSession, SessionFiles, Stamp
+from damper_estimator.studio.session_writer import SessionWriter
 from damper_estimator.studio.stage import Choice
 from damper_estimator.studio.view import View
-from damper_estimator.studio.work import Case, Deed, diagnose_case, identified_alone, improve_case, judged, refitted
+from damper_estimator.studio.worker_process import Progress, run_in_process
 
 _MOST_LEFT_OUT = 2000  # stretches
 
 
-class Session(Desk):
+class Session(PageState):
     """One page; final. Its verbs raise InputError where something cannot be done."""
 
     def open(self, choice: Choice, models: list[str]) -> None:
         """Reads recordings and models; what was open before stays until all is well."""
         if not models:
             raise InputError("choose a model to compare")
-        self.start("opening", lambda tell: self._take(read_choice(self.folder, choice, models, tell)))
+        self.start("opening", lambda progress: self._take(read_choice(self.folder, choice, models, progress)))
 
-    def resume(self, name: str, step: int | None = None, alone: bool = True) -> Kept:
+    def resume(self, name: str, step: int | None = None, alone: bool = True) -> SavedSession:
         """Opens a session from its file, at a step of it; the tab that wrote it goes on in that file.
 
         Args:
@@ -43,7 +51,9 @@ class Session(Desk):
         """
         kept = SessionFiles(self.folder).read(name)
         file = (name, kept.stamp) if alone and kept.owner == self.owner else ("", None)
-        self.start("opening", lambda tell: self._take(read_kept(self.folder, name, kept, step, tell), *file))
+        self.start(
+            "opening", lambda progress: self._take(read_session_file(self.folder, name, kept, step, progress), *file)
+        )
         return kept
 
     def work_on_all(self, deed: str, mode: str) -> None:
@@ -52,25 +62,25 @@ class Session(Desk):
             raise InputError("choose what to do with all dampers")
         self._now()
 
-        def work(tell: Tell) -> None:
-            self._worked_on_all(deed, mode, tell)
+        def work(progress: Progress) -> None:
+            self._worked_on_all(deed, mode, progress)
 
         self.start(DEEDS[deed], work)
 
     def open_and_diagnose(self, recording: str, model: str, mode: str) -> None:
         """Opens a recording and diagnoses all its dampers in one go."""
 
-        def work(tell: Tell) -> None:
-            self._take(read_choice(self.folder, Choice((recording,)), [model], tell))
-            self._worked_on_all("diagnose", mode, tell)
+        def work(progress: Progress) -> None:
+            self._take(read_choice(self.folder, Choice((recording,)), [model], progress))
+            self._worked_on_all("diagnose", mode, progress)
 
         self.start(DEEDS["diagnose"], work)
 
-    def _worked_on_all(self, deed: str, mode: str, tell: Tell) -> None:
+    def _worked_on_all(self, deed: str, mode: str, progress: Progress) -> None:
         histories, workers = self.histories(), os.cpu_count() or 1
         choices = {name: self.choice_of(name) for name in sorted(self.stage.signal_map.dampers, key=place)}
         task = Task(self.folder.root, choices, self.names[0], deed, mode, workers, histories)
-        corners = run_apart(worked_on, (task,), tell)
+        corners = run_in_process(worked_on, (task,), progress)
         with self._lock:
             for corner in corners:
                 self._further(corner, histories.get(corner.damper))
@@ -89,11 +99,11 @@ class Session(Desk):
             raise InputError(corner.failed)
         left, came = self.stage.damper, self.beside.get(damper)
 
-        def work(tell: Tell) -> None:
-            given = read_choice(self.folder, choice, self.names, tell, came.history if came else None)
+        def work(progress: Progress) -> None:
+            given = read_choice(self.folder, choice, self.names, progress, came.history if came else None)
             with self._lock:
                 left_out = self.stage.choice.left_out
-                self.beside[left] = Beside(self.history, tuple(self._saved), self.keeper.file, left_out)
+                self.beside[left] = OtherDamper(self.history, tuple(self._saved), self.writer.file, left_out)
                 self._take(replace(given, saved=came.saved if came else ()), *(came.file if came else ()), same=True)
                 if corner.history is not None and len(corner.history.versions) == len(given.history.versions):
                     self.diagnosis = corner.diagnosis
@@ -121,12 +131,12 @@ class Session(Desk):
             self.history = history
             self.diagnosis = corner.diagnosis or self.diagnosis
             return
-        own = self.beside.get(corner.damper, Beside(history))
+        own = self.beside.get(corner.damper, OtherDamper(history))
         if history is not own.history or history.at:
-            keeper = Keeper(SessionFiles(self.folder), self.owner)
-            keeper.begin(*own.file)
-            keeper.write(corner.stage, self.names, history, own.saved)
-            own = replace(own, history=history, file=keeper.file)
+            writer = SessionWriter(SessionFiles(self.folder), self.owner)
+            writer.begin(*own.file)
+            writer.write(corner.stage, self.names, history, own.saved)
+            own = replace(own, history=history, file=writer.file)
         self.beside[corner.damper] = own
 
     def _take(self, given: Opened, file: str = "", stamp: Stamp = None, same: bool = False) -> None:
@@ -138,7 +148,7 @@ class Session(Desk):
             self.diagnosis, self.diagnosed = None, ""
             self._shown, self._compared, self._saved = list(given.views), [], list(given.saved)
             self.opened += 1
-            self.keeper.begin(file, stamp)
+            self.writer.begin(file, stamp)
             self._changed(kept=False)
 
     def diagnose(self, mode: str) -> None:
@@ -154,8 +164,8 @@ class Session(Desk):
 
     def _diagnose(self, case: Case, mode: str, of: str) -> None:
 
-        def work(tell: Tell) -> None:
-            found = run_apart(diagnose_case, (case, mode, os.cpu_count() or 1), tell)
+        def work(progress: Progress) -> None:
+            found = run_in_process(diagnose_case, (case, mode, os.cpu_count() or 1), progress)
             with self._lock:
                 self.diagnosis, self.diagnosed = found, of
                 self._changed(kept=False)
@@ -166,8 +176,8 @@ class Session(Desk):
         """Adds all that is justified, one step after the other."""
         case = self._case()
 
-        def work(tell: Tell) -> None:
-            found = run_apart(improve_case, (case, mode, os.cpu_count() or 1), tell)
+        def work(progress: Progress) -> None:
+            found = run_in_process(improve_case, (case, mode, os.cpu_count() or 1), progress)
             with self._lock:
                 for step in found.steps[1:]:
                     own = found.signals if step.action == "correct" else self._now().signals
@@ -205,13 +215,13 @@ class Session(Desk):
         if len(left_out) > _MOST_LEFT_OUT:
             raise InputError(f"more than {_MOST_LEFT_OUT} stretches would be left out; mark passages over time instead")
         stage = self.stage.without(left_out)
-        self.start("judging", lambda tell: self._restaged(stage))
+        self.start("judging", lambda progress: self._restaged(stage))
 
     def take_back(self) -> None:
         """Nothing is left out any longer."""
         self._now()
         stage = self.stage.without(())
-        self.start("judging", lambda tell: self._restaged(stage))
+        self.start("judging", lambda progress: self._restaged(stage))
 
     def remove(self, label: str) -> None:
         """Takes an entry out of the model."""
@@ -254,8 +264,8 @@ class Session(Desk):
     def _refit(self, model: DamperModel, deed: Deed, case: Case | None = None) -> None:
         now, case = self._now(), case or self.here.case(model)
 
-        def work(tell: Tell) -> None:
-            step = run_apart(refitted, (case, deed), tell)
+        def work(progress: Progress) -> None:
+            step = run_in_process(refitted, (case, deed), progress)
             self._then(Version(step, now.signals))
 
         self.start("identifying", work)
@@ -263,8 +273,8 @@ class Session(Desk):
     def _correct(self, element: Element, deed: Deed) -> None:
         now, case = self._now(), self._case()
 
-        def work(tell: Tell) -> None:
-            own = run_apart(identified_alone, (case, element), tell)
+        def work(progress: Progress) -> None:
+            own = run_in_process(identified_alone, (case, element), progress)
             signals = corrected_signals(now.signals, own)
             stage = self.stage.corrected(signals)
             self._then(Version(judged(stage.case(case.model), deed), signals))

@@ -62,7 +62,7 @@ class Sessions:
     def is_open(self, name: str) -> bool:
         """Whether some page has the session of that name open."""
         with self._lock:
-            return any(session.keeper.name == name for session, _ in self._open.values())
+            return any(session.writer.name == name for session, _ in self._open.values())
 
     def leave(self, page: str) -> None:
         """The page has gone: its work ends."""
@@ -95,5 +95,5 @@ class Sessions:
                 silent = [(page, *own) for page, own in self._open.items() if now - own[1] > self._silence]
             for page, session, seen in silent:
                 session.rest()
-                if now - seen > self._kept and not (session.unsaved and session.keeper.failed):
+                if now - seen > self._kept and not (session.unsaved and session.writer.failed):
                     self.leave(page)

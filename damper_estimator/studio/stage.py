@@ -11,9 +11,9 @@ from damper_estimator.diagnosis.scene import early, late
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map
-from damper_estimator.studio.apart import Tell
+from damper_estimator.studio.captured_warnings import captured_warnings
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.overheard import overheard
+from damper_estimator.studio.worker_process import Progress
 from damper_estimator.workflows import Case, open_reader, read
 
 MOST_JUDGED = 200_000  # samples that regions, noise and effects are looked for in
@@ -63,7 +63,7 @@ class Stage:
         signal_map: with every damper of the recordings.
         whole: one measurement per recording, those of ``fit`` first.
         fit, unseen: what parameters are found on, and what is judged on.
-        judged: what regions are told of: all of ``whole``, or passages of it where it is long.
+        judged: samples of which regions are shown: all of ``whole``, or passages of it where it is long.
         warnings: what the reading said, such as that a recording is cut off.
         as_read: the same with nothing left out; None where nothing is.
     """
@@ -156,7 +156,7 @@ def dampers_in(folder: Folder, recordings: Sequence[str], signals: str) -> list[
         return list(reader.dampers)
 
 
-def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
+def opened(folder: Folder, choice: Choice, progress: Progress) -> Stage:
     """Reads the recordings of a choice.
 
     Raises:
@@ -169,12 +169,12 @@ def opened(folder: Folder, choice: Choice, tell: Tell) -> Stage:
     recordings, warnings = [], []
     names = (*choice.fit, *choice.unseen)
     for number, name in enumerate(names):
-        tell(f"reading {name}", number / len(names))
-        with overheard() as told:
+        progress(f"reading {name}", number / len(names))
+        with captured_warnings() as read_warnings:
             path = folder.existing(name)
             own = read(path, signals=given, dampers=damper, start=choice.start, stop=choice.stop)
             recordings.append(own.with_force("the studio"))
-        warnings += told
+        warnings += read_warnings
     whole = [own.measurements[damper][0] for own in recordings]
     count = len(choice.fit)
     passages = [_passages(m, i, MOST_JUDGED // len(whole)) for i, m in enumerate(whole)]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.studio.rows import Mark
-from damper_estimator.studio.shown import Shown
+from damper_estimator.studio.drawn_rows import Mark
+from damper_estimator.studio.model_run import ModelRun
 
 MOTIONS = ("velocity", "displacement", "acceleration")
 SCALES = {"velocity": 1.0, "displacement": 1e3, "acceleration": 1.0}  # m/s, mm, m/s^2
@@ -73,13 +73,13 @@ def _mark(own: Mapping) -> Mark | None:
     return Mark(mark["figure"], x, y)
 
 
-def place(shown: Shown, recording: int, motion: str) -> np.ndarray:
+def place(shown: ModelRun, recording: int, motion: str) -> np.ndarray:
     """(n,) a motion in the figures' units."""
     kinematics = shown.traces[recording].measurement.kinematics
     return SCALES[motion] * getattr(kinematics, motion)
 
 
-def marked(shown: Shown, view: View) -> np.ndarray | None:
+def marked(shown: ModelRun, view: View) -> np.ndarray | None:
     """(n,) bool: the samples of the recording that are marked; None where nothing is."""
     if view.mark is None:
         return None

@@ -72,11 +72,11 @@ def test_shares_of_effects_inside_a_compliance_add_up_to_the_force(found):
     outer = make_element(find_effect("oil_spring"), {}, found.model.effects)
     model = replace(found.model, effects=(outer, make_element(find_effect("static_force"), {"force": 100.0})))
     shown = before_after(replace(found, improved=model))
-    told = shares(shown)
-    assert set(told) == {"oil_spring", "linear_viscous", "static_force"}
-    assert told["static_force"] == pytest.approx(100.0, rel=0.01)
+    seen = shares(shown)
+    assert set(seen) == {"oil_spring", "linear_viscous", "static_force"}
+    assert seen["static_force"] == pytest.approx(100.0, rel=0.01)
     force = np.sqrt(np.mean((1500.0 * found.unseen[0].kinematics.velocity) ** 2))
-    assert told["linear_viscous"] == pytest.approx(force, rel=0.1) and told["oil_spring"] < 0.3 * force
+    assert seen["linear_viscous"] == pytest.approx(force, rel=0.1) and seen["oil_spring"] < 0.3 * force
 
 
 def test_the_found_instance_is_told_from_another_of_the_same_effect(found):

@@ -31,7 +31,7 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   seen.push("unfolded " + (plots().length - before) + " [" + undrawn() + "]");
   document.querySelectorAll(".tab")[1].click(); await wait();
   seen.push("hidden " + document.getElementById("damper0").hidden + " [" + undrawn() + "]");
-  const told = document.createElement("pre"); told.id = "told"; told.textContent = seen.join(";");
+  const told = document.createElement("pre"); told.id = "seen"; told.textContent = seen.join(";");
   document.body.replaceChildren(told);
 })();
 </script></body>"""
@@ -41,7 +41,7 @@ def walked(page, folder):
     (folder / "page.html").write_text(page.replace("</body>", WALK))
     command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={folder / 'profile'}", f"file://{folder / 'page.html'}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
-    told = re.search(r'<pre id="told">(.*?)</pre>', dom)
+    told = re.search(r'<pre id="seen">(.*?)</pre>', dom)
     assert told, "the walk did not end"
     return told.group(1).split(";")
 

@@ -47,7 +47,7 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   const before = document.documentElement.className;
   document.getElementById("theme").click(); await wait();
   seen.push("theme " + (before !== document.documentElement.className));
-  const told = document.createElement("pre"); told.id = "told"; told.textContent = seen.join(";");
+  const told = document.createElement("pre"); told.id = "seen"; told.textContent = seen.join(";");
   document.body.replaceChildren(told);
 })();
 </script></body>"""
@@ -86,7 +86,7 @@ def test_the_page_can_be_walked_through(tmp_path):
     (tmp_path / "page.html").write_text(page.replace("</body>", WALK))
     command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"file://{tmp_path / 'page.html'}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
-    told = re.search(r'<pre id="told">(.*?)</pre>', dom)
+    told = re.search(r'<pre id="seen">(.*?)</pre>', dom)
     assert told, "the walk did not end"
     assert told.group(1).split(";") == [
         "figures 8",

@@ -22,9 +22,9 @@ def served(folder: Path, *options: str) -> Iterator[tuple[subprocess.Popen, str]
     words = [sys.executable, "-m", "damper_estimator", "studio", str(folder), "--port", "0", "--no-browser", *options]
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
         try:
-            told = process.stderr.readline()
-            found = re.search(r"http://\S+", told)
-            assert found, told + process.stderr.read()
+            reported = process.stderr.readline()
+            found = re.search(r"http://\S+", reported)
+            assert found, reported + process.stderr.read()
             yield process, found.group(0)
         finally:
             process.terminate()
@@ -69,13 +69,13 @@ class Hand:
 
     def done(self, work: str, how: str = "done") -> None:
         """Waits for the end of a work."""
-        self.until(lambda: self.told("job").startswith(f"{work}: {how}"))
+        self.until(lambda: self.text_of("job").startswith(f"{work}: {how}"))
 
     def until(self, reached: Callable[[], bool]) -> None:
         """Waits for something on the page."""
         end = monotonic() + PATIENCE
         while not reached():
-            assert monotonic() < end, f"waited in vain; the page says: {self.told('studio')[:600]}"
+            assert monotonic() < end, f"waited in vain; the page says: {self.text_of('studio')[:600]}"
             self.page.wait_for_timeout(100)
 
     def tab(self, name: str) -> None:
@@ -116,7 +116,7 @@ class Hand:
         below = {pid for pid, (parent, _) in parents.items() if parent == server.pid}
         return [pid for pid, (parent, sid) in parents.items() if parent in below and sid == pid]
 
-    def told(self, place: str) -> str:
+    def text_of(self, place: str) -> str:
         """The words at a place."""
         return self.page.locator(f"#{place}").inner_text()
 

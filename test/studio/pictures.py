@@ -47,7 +47,7 @@ def walk(url: str, camera: Camera) -> None:
         camera.shot(own, "import")
         own.page.locator("#bench-file .dash-dropdown-clear").click()
         own.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",))
-        own.until(lambda: own.told("regions"))
+        own.until(lambda: own.text_of("regions"))
         camera.shot(own, "opened")
         compare(own, camera)
         learn(own, camera)
@@ -62,7 +62,7 @@ def walk(url: str, camera: Camera) -> None:
         own.choose("recordings", "cut.mcap")
         own.choose("models", "linear_viscous")
         own.page.click("#open")
-        own.until(lambda: "cut off" in own.told("open-told"))
+        own.until(lambda: "cut off" in own.text_of("open-message"))
         camera.shot(own, "error")
 
 
@@ -74,7 +74,7 @@ def compare(own: Hand, camera: Camera) -> None:
     own.page.locator("#tool").get_by_text("mark").click()
     own.until(lambda: own.figure("velocity")["layout"]["dragmode"] == "select")
     own.drag(".figure.velocity .nsewdrag", (0.35, 0.05), (0.65, 0.95))
-    own.until(lambda: "rms error" in own.told("marked-told"))
+    own.until(lambda: "rms error" in own.text_of("marked-summary"))
     camera.shot(own, "marked")
     own.page.click("#unmark")
     own.page.locator("#quality").scroll_into_view_if_needed()
@@ -86,14 +86,14 @@ def learn(own: Hand, camera: Camera) -> None:
     own.tab("What is missing")
     own.page.locator("#mode").get_by_text("parameters kept").click()
     own.page.click("#diagnose")
-    own.until(lambda: re.match("diagnosing: [2-9][0-9] %", own.told("job")))
+    own.until(lambda: re.match("diagnosing: [2-9][0-9] %", own.text_of("job")))
     camera.shot(own, "diagnosing")
     own.done("diagnosing")
-    own.until(lambda: "oil compressibility" in own.told("findings"))
+    own.until(lambda: "oil compressibility" in own.text_of("findings"))
     own.page.mouse.move(5, 300)
     camera.shot(own, "diagnosis")
     own.page.locator("#candidates li").first.hover()
-    own.until(lambda: own.told("equation"))
+    own.until(lambda: own.text_of("equation"))
     camera.shot(own, "evidence")
 
 
@@ -109,13 +109,13 @@ def change(own: Hand, camera: Camera) -> None:
     value = own.page.locator("#parameters input.dash-input-element").first
     value.fill("1e12")
     value.press("Enter")
-    own.until(lambda: "is outside" in own.told("change-told"))
+    own.until(lambda: "is outside" in own.text_of("change-message"))
     camera.shot(own, "refused")
     own.tab("Save")
     own.page.fill("#name", "before.yaml")
     own.page.keyboard.press("Enter")
     own.page.click("#save")
-    own.until(lambda: "exists already" in own.told("save-told"))
+    own.until(lambda: "exists already" in own.text_of("save-message"))
     camera.shot(own, "save")
 
 

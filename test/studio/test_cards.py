@@ -68,5 +68,5 @@ def test_a_card_is_found_and_chosen(folder):
         own.page.fill("#search", "hidden_unseen")
         own.until(lambda: own.page.locator(".library-card").count() == 1)
         own.page.locator(".library-card").click()
-        own.until(lambda: "hidden_unseen.mcap" in own.told("recordings"))
+        own.until(lambda: "hidden_unseen.mcap" in own.text_of("recordings"))
         assert not own.faults

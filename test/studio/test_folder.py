@@ -87,6 +87,6 @@ def test_a_yaml_file_too_large_for_a_model_is_not_read(outside):
         Folder(outside).existing("huge.yaml")
 
 
-def test_a_missing_folder_is_told(tmp_path):
+def test_a_missing_folder_is_reported(tmp_path):
     with pytest.raises(InputError, match="is no folder"):
         Folder(tmp_path / "nowhere")

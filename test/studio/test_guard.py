@@ -58,7 +58,7 @@ def test_a_change_from_another_origin_is_refused(client, origin):
 
 
 ARRIVE = {
-    "output": "..page.data...open-told.children@x..",
+    "output": "..page.data...open-message.children@x..",
     "outputs": [],
     "inputs": [{"id": "address", "property": "data", "value": {"query": "", "tab": "t"}}],
     "changedPropIds": ["address.data"],
@@ -177,7 +177,7 @@ def test_no_file_of_the_machine_is_served(client, tmp_path, path):
     assert b"recording" not in client.get("/drive.mcap", headers={"Host": OWN["Host"]}).data
 
 
-def test_with_a_token_nothing_is_told_without_it(tmp_path):
+def test_with_a_token_nothing_is_reported_without_it(tmp_path):
     token = new_token()
     door = Door("0.0.0.0", 8050, token)
     client, sessions = client_of(tmp_path, door)
@@ -208,7 +208,7 @@ def test_others_are_let_in_only_with_a_token(tmp_path, words):
     assert "add --token" in done.stderr
 
 
-def test_a_missing_library_is_told_in_one_line(tmp_path):
+def test_a_missing_library_is_reported_in_one_line(tmp_path):
     code = (
         "import sys; sys.modules['dash'] = None\nfrom damper_estimator.cli.main import main\n"
         f"sys.exit(main(['studio', {str(tmp_path)!r}, '--no-browser']))"
@@ -218,7 +218,7 @@ def test_a_missing_library_is_told_in_one_line(tmp_path):
     assert "pip install 'damper_estimator[studio]'" in done.stderr
 
 
-def test_a_page_that_nobody_opened_is_told_to_load_again(client):
+def test_a_page_that_nobody_opened_is_reported_to_load_again(client):
     body = {
         "output": "..recording.options..", "outputs": [], "inputs": [], "changedPropIds": [], "state": [],
     }  # fmt: skip

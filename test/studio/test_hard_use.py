@@ -36,7 +36,7 @@ def test_by_keyboard_alone(folder):
             own.until(lambda: own.page.locator(".dash-dropdown-content [role=option]").count() == 1)
             reach(own, ".dash-options-list-option-checkbox")
             keys.press("Space")
-            own.until(lambda dropdown=dropdown, name=name: name in own.told(dropdown))
+            own.until(lambda dropdown=dropdown, name=name: name in own.text_of(dropdown))
             keys.press("Escape")
             own.until(lambda dropdown=dropdown: focused(own, f"#{dropdown}"))
         reach(own, "#stop")
@@ -44,7 +44,7 @@ def test_by_keyboard_alone(folder):
         reach(own, "#open")
         keys.press("Enter")
         own.done("opening")
-        own.until(lambda: own.told("regions"))
+        own.until(lambda: own.text_of("regions"))
         reach(own, "#tool")
         keys.press("ArrowRight")
         own.until(lambda: own.figure("time")["layout"]["dragmode"] == "pan")
@@ -54,19 +54,19 @@ def test_by_keyboard_alone(folder):
         assert not own.faults
 
 
-def test_what_is_told_twice_makes_nothing_anew(folder):
+def test_what_is_reported_twice_changes_nothing(folder):
     """Answers overlap on a slow machine; a list that is made anew takes the focus, and the next key, away."""
     with served(folder) as (_, url), hand(url) as own:
         own.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
-        own.until(lambda: own.told("regions"))
+        own.until(lambda: own.text_of("regions"))
         lists = [f"document.querySelector('{name} > *').kept" for name in ("#regions", "#parameters", "#steps")]
         own.page.evaluate(" = ".join([*lists, "true"]))
         with own.page.expect_request(lambda sent: '"id":"rebuilt"' in (sent.post_data or "")) as asked:
             own.page.wait_for_timeout(100)
-        told = re.findall(r'"id":"(generation|rebuilt)","property":"data","value":(\d+)', asked.value.post_data)
-        assert len(told) == 2
-        for name, count in told * 3:
-            own.page.evaluate(f"dash_clientside.set_props('told-{name}', {{ data: {count} }})")
+        reported = re.findall(r'"id":"(generation|rebuilt)","property":"data","value":(\d+)', asked.value.post_data)
+        assert len(reported) == 2
+        for name, count in reported * 3:
+            own.page.evaluate(f"dash_clientside.set_props('reported-{name}', {{ data: {count} }})")
         own.page.wait_for_load_state("networkidle")
         own.page.wait_for_timeout(1000)
         assert own.page.evaluate(" && ".join(lists))
@@ -91,14 +91,14 @@ def test_two_pages_do_not_disturb_each_other_and_a_cancelled_work_changes_nothin
         own.page.click("#cancel")
         own.done("diagnosing", "cancelled")
         own.until(lambda: not own.workers(process) and own.page.locator("#progress").is_hidden())
-        assert own.rms() == before and "Diagnose tries" in own.told("findings")
+        assert own.rms() == before and "Diagnose tries" in own.text_of("findings")
         assert not own.faults and not other.faults
 
 
 def test_far_zooms_and_a_server_that_is_gone(folder):
     with served(folder) as (process, url), hand(url) as own:
         own.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
-        own.until(lambda: own.told("regions"))
+        own.until(lambda: own.text_of("regions"))
         for stretch in ([1.0, 1.0001], [-1e6, 1e6], [1e5, 2e5], [1.0, 3.0]):
             own.page.evaluate(
                 "([start, stop]) => Plotly.relayout(document.querySelector('.figure.time .js-plotly-plot'),"

@@ -131,25 +131,25 @@ def test_a_running_node_is_watched_saved_and_diagnosed(running, tmp_path):
         page = own.page
         own.until(lambda: page.locator("#live-dampers .card").count() == 2)
         own.until(lambda: page.locator("#live .figure .scatterlayer .trace").count() >= 4)
-        own.until(lambda: "never identified" in own.told("live-dampers"))
+        own.until(lambda: "never identified" in own.text_of("live-dampers"))
         page.click("#freeze")
-        own.until(lambda: own.told("freeze") == "Go on")
+        own.until(lambda: own.text_of("freeze") == "Go on")
         page.click("#freeze")
-        own.until(lambda: float(own.told("live-held").split()[0]) >= 8.0)
+        own.until(lambda: float(own.text_of("live-seconds").split()[0]) >= 8.0)
         page.click("#live-save")
-        own.until(lambda: "saved live_" in own.told("live-words"))
+        own.until(lambda: "saved live_" in own.text_of("live-words"))
         [path] = tmp_path.glob("live_*.mcap")
         with open_bag(path) as bag:
             topics = {topic.name for topic in bag.topics}
         assert {"/suspension/displacement", "/suspension/force", "/damper_estimator/force"} <= topics
         own.choose("live-model", "linear_viscous")
         page.click("#live-diagnose")
-        own.until(lambda: own.told("live-words").endswith("diagnosing it"))
+        own.until(lambda: own.text_of("live-words").endswith("diagnosing it"))
         for process in running:  # the machine is the diagnosis's from here on
             process.terminate()
         own.done("diagnosing all")
         own.until(lambda: page.locator(".corner").count() == 2)
-        assert "not diagnosed yet" not in own.told("corners")
+        assert "not diagnosed yet" not in own.text_of("corners")
         assert not own.faults and not own.foreign
 
 

@@ -9,8 +9,8 @@ from browser import needs_browser, needs_playwright
 from hand import hand, served
 
 from damper_estimator.errors import InputError
+from damper_estimator.studio.drawn_rows import Mark
 from damper_estimator.studio.marking import errors_in_words, marked_alone, parted, stretches, table
-from damper_estimator.studio.rows import Mark
 from damper_estimator.studio.view import View
 
 PASSAGE = View(0, mark=Mark("time", (2.0, 4.0)))
@@ -42,7 +42,7 @@ def test_what_is_left_out_counts_no_longer_and_comes_back(session):
     time = trace.time - trace.time[0]
     assert not trace.judged[(time > 2.0) & (time < 4.0)].any() and trace.judged[time > 4.01].any()
     assert session.shown(session.model).measures.samples == before.samples - 1000
-    kept = session.resume(session.keeper.name)
+    kept = session.resume(session.writer.name)
     finished(session)
     assert kept.choice.left_out == session.stage.choice.left_out != ()
     assert session.shown(session.model).measures.samples == before.samples - 1000
@@ -93,7 +93,11 @@ def test_in_the_browser(folder):
         page.locator("#tool").get_by_text("mark").click()
         own.until(lambda: own.figure("time")["layout"]["dragmode"] == "select")
         own.drag(".figure.time .nsewdrag", (0.2, 0.3), (0.5, 0.3))
-        own.until(lambda: "s of hidden_fit.mcap" in own.told("marked-told") and "before" in own.told("marked-told"))
+        own.until(
+            lambda: (
+                "s of hidden_fit.mcap" in own.text_of("marked-summary") and "before" in own.text_of("marked-summary")
+            )
+        )
         with page.expect_download() as loaded:
             page.click("#export-marked")
         rows = list(csv.DictReader(open(loaded.value.path())))
@@ -101,12 +105,14 @@ def test_in_the_browser(folder):
         page.click("#fit-marked")
         own.done("identifying")
         own.tab("Steps")
-        own.until(lambda: "refit on the marked" in own.told("steps"))
+        own.until(lambda: "refit on the marked" in own.text_of("steps"))
         page.click("#leave-out")
         own.done("judging")
-        own.until(lambda: "there not judged" in own.told("marked-told") and "1 stretch" in own.told("left-out"))
+        own.until(
+            lambda: "there not judged" in own.text_of("marked-summary") and "1 stretch" in own.text_of("left-out")
+        )
         page.reload()
-        own.until(lambda: "1 stretch" in own.told("left-out"))
+        own.until(lambda: "1 stretch" in own.text_of("left-out"))
         page.click("#take-back")
         own.until(page.locator("#left-out").is_hidden)
         assert not own.faults and not own.foreign
@@ -126,5 +132,5 @@ def test_a_marked_region_is_diagnosed_alone(folder):
         page.locator("#mode").get_by_text("parameters kept").click()
         page.click("#diagnose-marked")
         own.done("diagnosing")
-        own.until(lambda: "of hidden_fit.mcap alone" in own.told("findings"))
+        own.until(lambda: "of hidden_fit.mcap alone" in own.text_of("findings"))
         assert not own.faults

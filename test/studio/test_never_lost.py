@@ -94,7 +94,7 @@ def test_other_recordings_leave_the_steps_a_click_away(folder):
         own.until(own.page.locator("#recordings").is_hidden)  # it folds itself once more
         own.page.click("#chooser summary >> nth=0")
         own.page.click("#earlier summary")
-        assert "1 step" in own.told("earlier")
+        assert "1 step" in own.text_of("earlier")
         own.page.locator("#earlier a").first.click()
         own.done("opening")
         own.until(lambda: own.rms() == before[0])
@@ -148,13 +148,13 @@ def test_enter_saves_and_says_what_and_the_model_can_be_chosen_at_once(folder):
         own.tab("Save")
         own.page.fill("#name", "mine.yaml")
         own.page.locator("#name").press("Enter")
-        own.until(lambda: "saved mine.yaml: step 1" in own.told("save-told"))
-        assert "N unseen" in own.told("save-told") and (folder / "mine.yaml").exists()
+        own.until(lambda: "saved mine.yaml: step 1" in own.text_of("save-message"))
+        assert "N unseen" in own.text_of("save-message") and (folder / "mine.yaml").exists()
         own.page.locator("#name").press("Enter")
-        own.until(lambda: "exists already" in own.told("save-told"))
+        own.until(lambda: "exists already" in own.text_of("save-message"))
         own.page.click("#chooser summary")
         own.choose("models", "mine.yaml")
-        own.until(lambda: "mine.yaml" in own.told("models"))
+        own.until(lambda: "mine.yaml" in own.text_of("models"))
         assert not own.faults
 
 

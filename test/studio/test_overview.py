@@ -59,14 +59,14 @@ def test_steps_on_one_damper_are_there_when_it_is_opened_again(session):
     finished(session)
     session.refit()
     finished(session)
-    first, history, file = session.stage.damper, session.history, session.keeper.name
+    first, history, file = session.stage.damper, session.history, session.writer.name
     other = next(name for name in CORNERS if name != first)
     session.open_damper(other)
     finished(session)
     assert session.stage.damper == other and session.history.at == 0
     session.open_damper(first)
     finished(session)
-    assert session.history is history and session.keeper.name == file
+    assert session.history is history and session.writer.name == file
     with pytest.raises(InputError, match="not a damper"):
         session.open_damper("../elsewhere")
 
@@ -102,7 +102,7 @@ def test_from_the_overview_into_one_damper_and_back(car):
         assert all("N" in text for text in page.locator(".corner .facts").all_inner_texts())
         page.locator(".corner").nth(3).get_by_role("button").click()
         own.done("opening")
-        own.until(lambda: "rear_right" in own.told("opened"))
+        own.until(lambda: "rear_right" in own.text_of("opened"))
         own.until(page.locator(".figure.time").is_visible)
         own.tab("Model")
         page.click("#refit")
@@ -111,5 +111,5 @@ def test_from_the_overview_into_one_damper_and_back(car):
         own.until(lambda: "Changed since" in page.locator(".corner").nth(3).inner_text())
         page.click("#compare-all")
         own.until(lambda: "refit" in page.locator(".corner").nth(3).inner_text())
-        own.until(lambda: "Changed since" not in own.told("corners"))
+        own.until(lambda: "Changed since" not in own.text_of("corners"))
         assert not own.faults and not own.foreign

@@ -8,7 +8,7 @@ from browser import BROWSER, needs_browser, needs_playwright
 from hand import FLAGS
 
 from damper_estimator.errors import InputError
-from damper_estimator.studio.rows import Mark
+from damper_estimator.studio.drawn_rows import Mark
 from damper_estimator.studio.saving import save
 from damper_estimator.studio.view import View
 

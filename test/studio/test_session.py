@@ -10,15 +10,15 @@ from dash import no_update
 
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
-from damper_estimator.studio import apart, panels
+from damper_estimator.studio import panels, worker_process
 from damper_estimator.studio.callbacks.page_itself import _work as progress_of
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.job import Job
-from damper_estimator.studio.page import names_of
+from damper_estimator.studio.model_run import ModelRun
+from damper_estimator.studio.page_layout import names_of
 from damper_estimator.studio.saving import save
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import MOST, Sessions
-from damper_estimator.studio.shown import Shown
 from damper_estimator.studio.stage import Choice
 
 
@@ -94,9 +94,9 @@ def test_the_saved_model_and_map_give_the_same_error_on_the_command_line(session
     save(session, "map", "saved_map.yaml", replace=False)
     bags = [str(folder / name) for name in session.stage.names]
     main(["compare", *bags, "-m", str(folder / "saved.yaml"), "-s", str(folder / "saved_map.yaml"), "--to", "6",
-          "--json", str(folder / "told.json")])  # fmt: skip
-    told = (folder / "told.json").read_text()
-    assert f'"rmse_n": {error(session):.6f}'[:16] in told
+          "--json", str(folder / "expected.json")])  # fmt: skip
+    reported = (folder / "expected.json").read_text()
+    assert f'"rmse_n": {error(session):.6f}'[:16] in reported
 
 
 def test_long_work_is_one_at_a_time_and_can_be_cancelled(session):
@@ -134,14 +134,14 @@ def test_what_goes_wrong_leaves_what_was_open(session, folder):
     assert not (folder / "hacked").exists()
 
 
-def test_a_recording_that_is_cut_off_is_read_as_far_as_it_is_whole_and_the_page_is_told(session, folder):
+def test_a_recording_that_is_cut_off_is_read_as_far_as_it_is_whole_and_the_page_is_reported(session, folder):
     (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:400_000])
     session.open(Choice(("cut.mcap",)), ["before.yaml"])
     session.job.wait()
     assert session.job.state == "done", session.job.error
     assert len(session.stage.warnings) == 1 and "cut.mcap: cut off" in session.stage.warnings[0]
-    told = panels.verdict(session.comparison(session.shown(session.model)), "", session.stage.warnings)
-    assert "messages are whole" in str(told)
+    reported = panels.verdict(session.comparison(session.shown(session.model)), "", session.stage.warnings)
+    assert "messages are whole" in str(reported)
     session.open(Choice(("hidden_fit.mcap",)), ["before.yaml"])
     session.job.wait()
     assert session.stage.warnings == ()
@@ -168,8 +168,8 @@ def test_nothing_can_be_done_before_something_is_open(folder):
         own.open(Choice(("hidden_fit.mcap",)), [])
 
 
-def test_a_bug_in_a_work_is_told_and_does_not_hang(capsys):
-    job = Job("testing", lambda tell: 1 / 0)
+def test_a_bug_in_a_work_is_reported_and_does_not_hang(capsys):
+    job = Job("testing", lambda progress: 1 / 0)
     job.wait()
     assert job.state == "failed" and "ZeroDivisionError" in job.error
     assert "Traceback" in capsys.readouterr().err
@@ -180,9 +180,9 @@ def test_a_silent_page_ends_its_work_and_is_let_go_later(folder):
     page = sessions.new()
     session = sessions.of(page)
 
-    def endless(tell):
+    def endless(progress):
         while True:
-            tell("on and on", 0.0)
+            progress("on and on", 0.0)
             time.sleep(0.01)
 
     session.job = Job("testing", endless)
@@ -209,32 +209,32 @@ def test_of_too_many_pages_the_most_silent_is_let_go(folder):
     sessions.close()
 
 
-def refusing(tell):
+def refusing(progress):
     raise InputError("not this way")
 
 
-def dying(tell):
+def dying(progress):
     import os
 
     os._exit(3)
 
 
-def adding(array, tell):
-    tell("adding", 0.5)
+def adding(array, progress):
+    progress("adding", 0.5)
     return array + 1.0
 
 
 def test_work_in_a_process_of_its_own_gives_its_result_and_its_refusal():
-    told = []
-    done = apart.run_apart(adding, (np.zeros(3),), lambda text, share: told.append(text))
-    assert done.tolist() == [1.0, 1.0, 1.0] and "adding" in told
+    reported = []
+    done = worker_process.run_in_process(adding, (np.zeros(3),), lambda text, share: reported.append(text))
+    assert done.tolist() == [1.0, 1.0, 1.0] and "adding" in reported
     with pytest.raises(InputError, match="not this way"):
-        apart.run_apart(refusing, (), lambda text, share: None)
+        worker_process.run_in_process(refusing, (), lambda text, share: None)
     with pytest.raises(RuntimeError, match="has died"):
-        apart.run_apart(dying, (), lambda text, share: None)
+        worker_process.run_in_process(dying, (), lambda text, share: None)
 
 
-def test_models_of_one_name_are_told_apart():
+def test_models_of_one_name_get_distinct_names():
     models = [SimpleNamespace(name=name) for name in ("soft", "soft", "hard", "soft")]
     assert names_of(models, False) == ["soft (1)", "soft (2)", "hard", "soft (3)"]
     assert names_of(models, True) == ["soft (1)", "soft as given", "hard", "soft (2)"]
@@ -248,7 +248,7 @@ def test_the_figures_do_not_wait_for_the_judgement(session, monkeypatch):
         began.set()
         assert go_on.wait(60.0)
 
-    monkeypatch.setattr(Shown, "comparison", slow)
+    monkeypatch.setattr(ModelRun, "comparison", slow)
     judging = threading.Thread(target=session.comparison, args=(shown,))
     drawing = threading.Thread(target=session.shown, args=(session.model,))
     judging.start()
@@ -260,13 +260,13 @@ def test_the_figures_do_not_wait_for_the_judgement(session, monkeypatch):
     judging.join()
 
 
-def test_the_end_of_a_work_is_told_once_also_when_the_page_looks_while_the_next_begins(session, monkeypatch):
-    told = []
+def test_the_end_of_a_work_is_reported_once_also_when_the_page_looks_while_the_next_begins(session, monkeypatch):
+    reported = []
 
     def tick():
-        seen = progress_of(session, told[-1][0] if told else 0)
+        seen = progress_of(session, reported[-1][0] if reported else 0)
         if seen[4] is not no_update:
-            told.append((seen[4], seen[0].split(":")[0]))
+            reported.append((seen[4], seen[0].split(":")[0]))
 
     class Slow(Job):
         def __init__(self, *given):
@@ -274,11 +274,11 @@ def test_the_end_of_a_work_is_told_once_also_when_the_page_looks_while_the_next_
             super().__init__(*given)
             tick()
 
-    monkeypatch.setattr("damper_estimator.studio.desk.Job", Slow)
+    monkeypatch.setattr("damper_estimator.studio.page_state.Job", Slow)
     for verb in (lambda: session.add("oil_spring"), session.refit):
         verb()
         session.job.wait()
         assert session.job.state == "done", session.job.error
         tick()
         tick()
-    assert [name for _, name in told] == ["opening", "identifying", "identifying"]
+    assert [name for _, name in reported] == ["opening", "identifying", "identifying"]

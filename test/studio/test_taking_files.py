@@ -24,15 +24,15 @@ def test_dropped_files_are_taken_and_a_bench_file_is_corrected_and_opened(folder
     other = (folder / "hidden_fit.mcap").read_bytes()
     with served(folder) as (_, url), hand(url) as own:
         own.page.evaluate(DROP, [["run.csv", "evil.exe"], [bench, "x"]])
-        own.until(lambda: "added run.csv" in own.told("upload-told"))
-        assert "evil.exe: is no recording" in own.told("upload-told") and not (folder / "evil.exe").exists()
+        own.until(lambda: "added run.csv" in own.text_of("upload-message"))
+        assert "evil.exe: is no recording" in own.text_of("upload-message") and not (folder / "evil.exe").exists()
         own.until(own.page.locator("#bench").is_visible)
-        assert "the unit of 'Weg' (displacement) is not named" in own.told("bench-form")
+        assert "the unit of 'Weg' (displacement) is not named" in own.text_of("bench-form")
         own.page.locator(".bench .dash-dropdown").nth(1).click()
         own.page.locator(".dash-dropdown-content").get_by_text("damper displacement in mm", exact=True).click()
         own.until(lambda: own.page.locator(".bench-velocity .scatterlayer .trace").count())
         own.page.click("#bench-import")
-        own.until(lambda: "imported as run.mcap" in own.told("bench-told"))
+        own.until(lambda: "imported as run.mcap" in own.text_of("bench-message"))
         (folder / "later.mcap").write_bytes(other)  # the lists notice it by themselves
         own.until(lambda: _offers(own, "later.mcap"))
         own.open(["run.mcap"], ["linear_viscous"])
@@ -41,7 +41,7 @@ def test_dropped_files_are_taken_and_a_bench_file_is_corrected_and_opened(folder
             own.page.click("#chooser summary")
             own.page.click("#add-files")
         chooser.value.set_files(str(folder / "before.yaml"))
-        own.until(lambda: "before.yaml: exists already" in own.told("upload-told"))
+        own.until(lambda: "before.yaml: exists already" in own.text_of("upload-message"))
         assert len([text for text in own.faults if "409" not in text and "400" not in text]) == 0
 
 

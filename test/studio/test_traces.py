@@ -9,8 +9,8 @@ from browser import needs_browser, needs_playwright
 from hand import BAGS, hand, served
 
 from damper_estimator.studio.cursors import cursor_table, further_choices
-from damper_estimator.studio.figures import LOOP_SAMPLES, Scene, cloud_figure, stacked, time_figure
-from damper_estimator.studio.rows import cloud_rows, density_rows
+from damper_estimator.studio.drawn_rows import cloud_rows, density_rows
+from damper_estimator.studio.linked_figures import LOOP_SAMPLES, Scene, cloud_figure, stacked, time_figure
 from damper_estimator.studio.view import View, parsed_view
 
 
@@ -76,7 +76,7 @@ def test_in_the_browser(tmp_path):
             page.mouse.move(box["x"] + place * box["width"], box["y"] + 0.3 * box["height"])
             page.mouse.click(box["x"] + place * box["width"], box["y"] + 0.3 * box["height"])
             own.until(lambda rows=rows: page.locator("#cursor-values tbody tr").count() == rows)
-        assert "current" in own.told("cursor-values")
+        assert "current" in own.text_of("cursor-values")
         for kind, head in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"trace,")):
             with page.expect_download() as loaded:
                 page.locator(".figure.velocity .files summary").click()

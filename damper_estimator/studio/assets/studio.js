@@ -1,5 +1,5 @@
 "use strict";
-// What the page does without its server: theme, tabs, what the mouse or the focus is on, keys, telling that it goes.
+// What the page does without its server: theme, tabs, what the mouse or the focus is on, keys, messages that the server is gone.
 (() => {
   const set = (id, props) => window.dash_clientside.set_props(id, props);
   let page = "", looked = "", drawn = 0;
@@ -47,7 +47,7 @@
       return cause.prop_id.startsWith("overview") && now !== "corners" ? "corners" : "depth";
     },
     // While a slider moves, what waits for its end is grey.
-    stale: (tried, generation) => (tried && tried.generation === generation ? "yes" : "no"),
+    stale: (preview, generation) => (preview && preview.generation === generation ? "yes" : "no"),
     freeze: (clicks) => [clicks % 2 === 1, clicks % 2 === 1 ? "Go on" : "Freeze"],
     introduce(own) { page = own; return own; },
     tab(chosen, ids) { return [ids.map((id) => id.name !== chosen), chosen]; },
@@ -58,7 +58,7 @@
       drawn = now;
       return { address: JSON.parse(cause.prop_id.slice(0, cause.prop_id.lastIndexOf("."))).address, place: cause.value };
     },
-    news: (told, before) => (JSON.stringify(told) === JSON.stringify(before) ? window.dash_clientside.no_update : told),
+    news: (after, before) => (JSON.stringify(after) === JSON.stringify(before) ? window.dash_clientside.no_update : after),
     // What is on view after something happened on the page.
     look(...given) {
       const [tool, view, drawn] = given.slice(-3), cause = window.dash_clientside.callback_context.triggered[0];
@@ -135,7 +135,7 @@
 
   // Files that are dropped or picked are sent one after the other; a folder's files with the folder's name before them.
   async function send(files) {
-    const told = (text, bad) => { const own = document.getElementById("upload-told"); own.textContent = text; own.classList.toggle("bad", !!bad); };
+    const report = (text, bad) => { const own = document.getElementById("upload-message"); own.textContent = text; own.classList.toggle("bad", !!bad); };
     const added = [], refused = [];
     for (const [name, file] of files) {
       const [text, good] = await new Promise((done) => {
@@ -143,14 +143,14 @@
         sent.open("POST", "/upload?name=" + encodeURIComponent(name));
         sent.setRequestHeader("X-Studio-Page", page);
         sent.setRequestHeader("Content-Type", "application/octet-stream");
-        sent.upload.onprogress = (event) => told(`${name}: ${Math.round(100 * event.loaded / Math.max(event.total, 1))} %`);
+        sent.upload.onprogress = (event) => report(`${name}: ${Math.round(100 * event.loaded / Math.max(event.total, 1))} %`);
         sent.onload = () => done([sent.responseText, sent.status === 200]);
         sent.onerror = () => done([`${name}: the studio did not take it`, false]);
         sent.send(file);
       });
       (good ? added : refused).push(text);
     }
-    told([added.length ? `added ${added.join(", ")}` : "", ...refused].filter(Boolean).join("; "), refused.length);
+    report([added.length ? `added ${added.join(", ")}` : "", ...refused].filter(Boolean).join("; "), refused.length);
     if (added.length) set("added", { data: added });
   }
 

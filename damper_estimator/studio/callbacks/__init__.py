@@ -8,27 +8,27 @@ from damper_estimator.studio.callbacks import (
     changing,
     importing,
     learning,
-    living,
-    looking,
+    live_inputs,
     marking,
     opening,
     overview,
     page_itself,
     saving,
+    viewing,
 )
-from damper_estimator.studio.callbacks.common import hand_on
+from damper_estimator.studio.callbacks.common import forward_changes
 from damper_estimator.studio.live import Live
 from damper_estimator.studio.sessions import Sessions
 
 _PARTS = (
-    arriving, browsing, page_itself, importing, opening, overview, looking, marking, learning, changing, saving,
+    arriving, browsing, page_itself, importing, opening, overview, viewing, marking, learning, changing, saving,
 )  # fmt: skip
 
 
 def connect(app: Dash, sessions: Sessions, live: Live | None = None) -> None:
     """Gives an application all callbacks; those of a running node where it listens to one."""
-    hand_on(app)
+    forward_changes(app)
     for part in _PARTS:
         part.connect(app, sessions)
     if live is not None:
-        living.connect(app, sessions, live)
+        live_inputs.connect(app, sessions, live)

@@ -7,9 +7,9 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.address import Address, fields_of, parsed_address
-from damper_estimator.studio.kept import SessionFiles
-from damper_estimator.studio.page import TABS
+from damper_estimator.studio.page_layout import TABS
 from damper_estimator.studio.session import Session
+from damper_estimator.studio.session_files import SessionFiles
 from damper_estimator.studio.sessions import Sessions
 from damper_estimator.studio.stage import Choice
 
@@ -24,7 +24,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         Output("page", "data"),
-        Output("open-told", "children", allow_duplicate=True),
+        Output("open-message", "children", allow_duplicate=True),
         Output("view", "data", allow_duplicate=True),
         Output("tab", "value", allow_duplicate=True),
         *(Output(name, "value", allow_duplicate=True) for name in _CHOSEN),
@@ -38,8 +38,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
             page = sessions.new(str(given.get("tab") or "")[:40])
         except InputError as error:
             return None, str(error), *_NOTHING
-        chosen, models, told = _begun(sessions, sessions.of(page), address)
-        return page, told, *(_shown(address, chosen, models) if models else _NOTHING)
+        chosen, models, message = _begun(sessions, sessions.of(page), address)
+        return page, message, *(_shown(address, chosen, models) if models else _NOTHING)
 
     _connect_kept(app, sessions)
 
@@ -68,27 +68,27 @@ def _connect_kept(app: Dash, sessions: Sessions) -> None:
             session = sessions.of(page)
         except InputError:
             raise PreventUpdate from None
-        listed = _earlier(SessionFiles(session.folder).listed(), session.keeper.name)
+        listed = _earlier(SessionFiles(session.folder).listed(), session.writer.name)
         if session.history is None:
             return no_update, "", listed
         choice, damper = session.stage.choice, session.stage.damper
-        fields = fields_of(choice, damper, session.names, session.keeper.name, session.history.at)
-        return fields, session.keeper.failed, listed
+        fields = fields_of(choice, damper, session.names, session.writer.name, session.history.at)
+        return fields, session.writer.failed, listed
 
 
 def _begun(sessions: Sessions, session: Session, address: Address) -> tuple[Choice, tuple[str, ...], str]:
     """Starts to open what an address names: what is opened, and what could not be."""
-    told = ""
+    message = ""
     if address.session:
         try:
             kept = session.resume(address.session, address.step, not sessions.is_open(address.session))
             return kept.choice, kept.models, ""
         except InputError as error:
-            told = f"{error}; its steps are not here, recordings and models are opened"
+            message = f"{error}; its steps are missing, only recordings and models are opened"
     if address.opens:
         session.open(address.choice, list(address.models))
-        return address.choice, address.models, told
-    return address.choice, (), told
+        return address.choice, address.models, message
+    return address.choice, (), message
 
 
 def _shown(address: Address, chosen: Choice, models: tuple[str, ...]) -> list:

@@ -34,8 +34,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
 def _connect_buttons(app: Dash, sessions: Sessions) -> None:
     @app.callback(
         *CHANGES,
-        Output("change-told", "children", allow_duplicate=True),
-        Output("learn-told", "children", allow_duplicate=True),
+        Output("change-message", "children", allow_duplicate=True),
+        Output("learn-message", "children", allow_duplicate=True),
         Input({"type": "add", "effect": ALL, "from": ALL}, "n_clicks"),
         Input({"type": "remove", "label": ALL}, "n_clicks"),
         Input("add-effect", "n_clicks"),
@@ -48,8 +48,8 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
     def change(_add, _remove, _other, _refit, _offered, effect, page):
         if not ctx.triggered[0]["value"]:
             raise PreventUpdate
-        *changes, told = answered(sessions, page, lambda session: _change(session, ctx.triggered_id, effect))
-        return *changes, told, told
+        *changes, message = answered(sessions, page, lambda session: _change(session, ctx.triggered_id, effect))
+        return *changes, message, message
 
 
 def _change(session: Session, cause: object, effect: str | None) -> None:
@@ -69,7 +69,7 @@ def _connect_parameters(app: Dash, sessions: Sessions) -> None:
     app.clientside_callback(
         ClientsideFunction("studio", "stale"),
         Output("studio", "data-stale"),
-        Input("tried", "data"),
+        Input("preview", "data"),
         Input("generation", "data"),
     )
     app.clientside_callback(
@@ -78,8 +78,8 @@ def _connect_parameters(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         *CHANGES,
-        Output("change-told", "children", allow_duplicate=True),
-        Output("tried", "data"),
+        Output("change-message", "children", allow_duplicate=True),
+        Output("preview", "data"),
         Output(_SLIDER, "value"),
         Output(_NUMBER, "value"),
         Input("dragged", "data"),
@@ -96,7 +96,7 @@ def _connect_parameters(app: Dash, sessions: Sessions) -> None:
             raise PreventUpdate
         return _moved(sessions, session, page, _wanted(session, addresses, dragged, places, numbers), addresses)
 
-    @app.callback(*CHANGES, Output("change-told", "children", allow_duplicate=True), Input(_FREE, "value"),
+    @app.callback(*CHANGES, Output("change-message", "children", allow_duplicate=True), Input(_FREE, "value"),
                   State(_FREE, "id"), State("page", "data"), prevent_initial_call=True)  # fmt: skip
     def free(chosen, ids, page):
         session = opened(sessions, page)
@@ -141,16 +141,16 @@ def _moved(sessions: Sessions, session: Session, page: str, wanted: tuple, addre
     if moving:
         numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
         moved = abs(_place(session, slots[address], value) - _place(session, slots[address], now)) > _AT_REST
-        told = {"generation": session.generation, "values": {address: value}} if moved else None
-        return no_update, no_update, no_update, told, untouched, numbers
+        preview = {"generation": session.generation, "values": {address: value}} if moved else None
+        return no_update, no_update, no_update, preview, untouched, numbers
     if abs(value - now) <= 1e-5 * abs(now):  # what was shown with six digits and came back
         raise PreventUpdate
-    *changes, told = answered(sessions, page, lambda own: own.set(address, value))
-    value = now if told else value
+    *changes, message = answered(sessions, page, lambda own: own.set(address, value))
+    value = now if message else value
     place = _place(session, slots[address], value)
     sliders = [place if own == address else no_update for own in addresses]
     numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
-    return *changes, told, None, sliders, numbers
+    return *changes, message, None, sliders, numbers
 
 
 def _connect_shown(app: Dash, sessions: Sessions) -> None:

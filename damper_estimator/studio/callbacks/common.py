@@ -1,4 +1,4 @@
-"""What the callbacks share: verbs whose refusal is told where it belongs."""
+"""Helpers of the callbacks: actions whose error message appears next to their control."""
 
 from collections.abc import Callable
 
@@ -8,17 +8,17 @@ from damper_estimator.errors import InputError
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
-CHANGES = tuple(Output(f"told-{name}", "data", allow_duplicate=True) for name in ("generation", "rebuilt"))
-"""What every callback that changes the session writes; whatever shows the session listens to what becomes of it."""
+CHANGES = tuple(Output(f"reported-{name}", "data", allow_duplicate=True) for name in ("generation", "rebuilt"))
+"""Outputs of every callback that changes the session; what shows the session listens to the forwarded values."""
 
 
-def hand_on(app: Dash) -> None:
-    """Hands on once what several answers may tell: nothing is made anew under the user's hands that did not change."""
+def forward_changes(app: Dash) -> None:
+    """Forwards values that several answers report, only when they change: unchanged parts are not redrawn."""
     for name in ("generation", "rebuilt", "drawn"):
         app.clientside_callback(
             ClientsideFunction("studio", "news"),
             Output(name, "data"),
-            Input(f"told-{name}", "data"),
+            Input(f"reported-{name}", "data"),
             State(name, "data"),
             prevent_initial_call=True,
         )

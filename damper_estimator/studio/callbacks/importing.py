@@ -8,8 +8,8 @@ from damper_estimator.model import library_models
 from damper_estimator.report import import_figures
 from damper_estimator.report.theme import themed
 from damper_estimator.studio import bench_form
+from damper_estimator.studio.components import EMPTY
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.pieces import EMPTY
 from damper_estimator.studio.sessions import Sessions
 
 _COLUMN, _TURN = ({"type": kind, "index": ALL} for kind in ("bench-column", "bench-turn"))
@@ -24,7 +24,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
     @app.callback(
         Output("bench-form", "children"),
         Output("bench-guess", "data"),
-        Output("bench-told", "children"),
+        Output("bench-message", "children"),
         Output("bench", "hidden"),
         Input("bench-file", "value"),
         prevent_initial_call=True,
@@ -41,7 +41,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
     @app.callback(
         Output("bench-time", "figure"),
         Output("bench-velocity", "figure"),
-        Output("bench-told", "children", allow_duplicate=True),
+        Output("bench-message", "children", allow_duplicate=True),
         Input(_COLUMN, "value"),
         Input(_TURN, "value"),
         Input("theme", "data"),
@@ -66,7 +66,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
 def _connect_import(app: Dash, folder: Folder) -> None:
     @app.callback(
-        Output("bench-told", "children", allow_duplicate=True),
+        Output("bench-message", "children", allow_duplicate=True),
         Output("added", "data", allow_duplicate=True),
         Input("bench-import", "n_clicks"),
         State(_COLUMN, "value"),

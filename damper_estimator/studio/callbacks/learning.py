@@ -13,8 +13,8 @@ from damper_estimator.report.theme import height_style, themed
 from damper_estimator.report.verdict_figures import atlas_figure, ranking_figure
 from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.components import EMPTY
 from damper_estimator.studio.explained import explained_figure
-from damper_estimator.studio.pieces import EMPTY
 from damper_estimator.studio.sessions import Sessions
 
 _NARROW = 22  # characters of a name in the panel
@@ -37,7 +37,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Input("theme", "data"),
         State("page", "data"),
     )
-    def told(_, theme, page):
+    def show_findings(_, theme, page):
         session = opened(sessions, page)
         if session is None or theme is None:
             raise PreventUpdate
@@ -47,10 +47,10 @@ def connect(app: Dash, sessions: Sessions) -> None:
             return hint, *[no_update] * 4, "", True
         drawn = ranking_figure(found.ranking, found.findings, tied_notes(found))
         drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
-        told = panels.findings(found, found.model != session.model, session.diagnosed)
+        listed = panels.findings(found, found.model != session.model, session.diagnosed)
         atlas = atlas_figure(found.atlas, found.findings, _NARROW)
         figures = [part for own in (drawn, atlas) for part in (themed(own, theme), height_style(own))]
-        return told, *figures, panels.candidates(found), False
+        return listed, *figures, panels.candidates(found), False
 
     @app.callback(
         Output("looked", "hidden"),
@@ -74,7 +74,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 def _button(app: Dash, sessions: Sessions, name: str) -> None:
     @app.callback(
         *CHANGES,
-        Output("learn-told", "children", allow_duplicate=True),
+        Output("learn-message", "children", allow_duplicate=True),
         Input(name, "n_clicks"),
         State("mode", "value"),
         State("page", "data"),

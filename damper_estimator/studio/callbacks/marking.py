@@ -10,7 +10,7 @@ from damper_estimator.diagnosis.diagnose import MODES
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.marking import table
-from damper_estimator.studio.page import names_of
+from damper_estimator.studio.page_layout import names_of
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 from damper_estimator.studio.view import View, parsed_view
@@ -29,7 +29,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         Output("download", "data"),
-        Output("draw-told", "children", allow_duplicate=True),
+        Output("draw-message", "children", allow_duplicate=True),
         Input("export-marked", "n_clicks"),
         Input("export-view", "n_clicks"),
         State("view", "data"),
@@ -66,7 +66,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 def _button(app: Dash, sessions: Sessions, name: str, verb: Callable[[Session, View, str], None]) -> None:
     @app.callback(
         *CHANGES,
-        Output("draw-told", "children", allow_duplicate=True),
+        Output("draw-message", "children", allow_duplicate=True),
         Input(name, "n_clicks"),
         State("view", "data"),
         State("mode", "value"),

@@ -13,7 +13,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         Output("damper", "options"),
-        Output("open-told", "children", allow_duplicate=True),
+        Output("open-message", "children", allow_duplicate=True),
         Input("recordings", "value"),
         Input("map", "value"),
         State("page", "data"),
@@ -27,7 +27,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         *CHANGES,
-        Output("open-told", "children", allow_duplicate=True),
+        Output("open-message", "children", allow_duplicate=True),
         Input("open", "n_clicks"),
         State("recordings", "value"),
         State("unseen", "value"),
@@ -69,12 +69,12 @@ def _connect_opened(app: Dash, sessions: Sessions) -> None:
             return True, "Data and models", [], None, True, "empty", no_update
         stage = session.stage
         names = " and ".join(model.name for model in (session.history.versions[0].step.model, *session.others))
-        told = f"{', '.join(stage.names)} · {stage.damper} · {names}"
+        summary = f"{', '.join(stage.names)} · {stage.damper} · {names}"
         options = [{"label": name, "value": i} for i, name in enumerate(stage.names)]
-        if told == before:
+        if summary == before:
             return (no_update,) * 7
         shown = view.get("recording", 0) if view.get("opened") == session.opened else 0
         view = no_update
         if shown >= len(options):  # an address may name a recording that is not there any more
             shown, view = 0, {"opened": session.opened}
-        return False, told, options, shown, len(options) < 2, "", view
+        return False, summary, options, shown, len(options) < 2, "", view

@@ -26,7 +26,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         *CHANGES,
-        Output("corners-told", "children", allow_duplicate=True),
+        Output("corners-message", "children", allow_duplicate=True),
         Input("overview", "n_clicks"),
         *(Input(f"{deed}-all", "n_clicks") for deed in DEEDS),
         State("mode", "value"),
@@ -42,7 +42,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         *CHANGES,
-        Output("corners-told", "children", allow_duplicate=True),
+        Output("corners-message", "children", allow_duplicate=True),
         Input(_OPEN, "n_clicks"),
         State("page", "data"),
         prevent_initial_call=True,
@@ -54,7 +54,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         return answered(sessions, page, lambda session: session.open_damper(damper))
 
     @app.callback(
-        Output("corners-told", "children", allow_duplicate=True),
+        Output("corners-message", "children", allow_duplicate=True),
         Input("save-all", "n_clicks"),
         State("page", "data"),
         prevent_initial_call=True,

@@ -35,11 +35,11 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("cancel", "hidden"),
         Output("ended", "data"),
         Output("tab", "value"),
-        Output("open-told", "children", allow_duplicate=True),
-        Output("learn-told", "children", allow_duplicate=True),
-        Output("change-told", "children", allow_duplicate=True),
-        Output("corners-told", "children", allow_duplicate=True),
-        Output("draw-told", "children", allow_duplicate=True),
+        Output("open-message", "children", allow_duplicate=True),
+        Output("learn-message", "children", allow_duplicate=True),
+        Output("change-message", "children", allow_duplicate=True),
+        Output("corners-message", "children", allow_duplicate=True),
+        Output("draw-message", "children", allow_duplicate=True),
         Output("lost", "data"),
         Input("tick", "n_intervals"),
         State("page", "data"),
@@ -92,17 +92,17 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
 
 
 def _work(session: Session, ended: object) -> list[object]:
-    """How far the work is, and, once, how it ended; ``ended`` is the number of the last work whose end was told."""
-    job, told = session.job, [no_update] * 5
+    """Progress of the work and, once, its result; ``ended`` is the number of the last work whose result was shown."""
+    job, messages = session.job, [no_update] * 5
     if job is None or job.number == ended:
-        return [no_update] * 6 + told
+        return [no_update] * 6 + messages
     if job.running:
         text = f"{job.name}: {100.0 * job.share:.0f} %, {job.text} ({job.seconds:.0f} s)"
-        return [text, f"{job.share:.3f}", False, False, no_update, no_update, *told]
-    told[_PLACES[job.name]] = job.error
+        return [text, f"{job.share:.3f}", False, False, no_update, no_update, *messages]
+    messages[_PLACES[job.name]] = job.error
     # An error that fell is to be seen falling.
     turned = "steps" if job.state == "done" and job.name in _STEPPING else no_update
-    return [_ended(job), no_update, True, True, job.number, turned, *told]
+    return [_ended(job), no_update, True, True, job.number, turned, *messages]
 
 
 def _ended(job: Job) -> str:

@@ -25,7 +25,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         return f"{own.stem}{own.suffix}"
 
     @app.callback(
-        Output("save-told", "children"),
+        Output("save-message", "children"),
         Output("replace", "hidden"),
         Output("models", "options"),
         Output("map", "options"),

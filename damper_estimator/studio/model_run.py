@@ -26,7 +26,7 @@ class Curves:
 
 
 @dataclass(frozen=True)
-class Shown:
+class ModelRun:
     """A model over what is open.
 
     Attributes:
@@ -50,7 +50,7 @@ class Shown:
         return compare(self.model, *(p.measurement for p in self.stage.judged))
 
 
-def shown(model: DamperModel, stage: Stage) -> Shown:
+def run_model(model: DamperModel, stage: Stage) -> ModelRun:
     """Runs a model.
 
     Raises:
@@ -67,7 +67,7 @@ def shown(model: DamperModel, stage: Stage) -> Shown:
         gathered(lambda t: t.measurement.kinematics.velocity),
         gathered(lambda t: t.measurement.kinematics.dt),
     )
-    return Shown(model, stage, traces, agreement)
+    return ModelRun(model, stage, traces, agreement)
 
 
 def _curves(own: Trace) -> Curves:

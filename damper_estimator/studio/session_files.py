@@ -34,7 +34,7 @@ Stamp = tuple[int, int, int] | None
 
 
 @dataclass(frozen=True)
-class Kept:
+class SavedSession:
     """What a session's file says.
 
     Attributes:
@@ -69,7 +69,7 @@ class SessionFiles:
     def __init__(self, folder: Folder) -> None:
         self._folder = folder
 
-    def read(self, name: str) -> Kept:
+    def read(self, name: str) -> SavedSession:
         """A session's file.
 
         Raises:
@@ -155,7 +155,7 @@ def step_record(stage: Stage, version: Version) -> dict[str, object]:
     }
 
 
-def _kept(content: Mapping, stamp: Stamp) -> Kept:
+def _kept(content: Mapping, stamp: Stamp) -> SavedSession:
     given = content["choice"]
     window = [None if given[name] is None else float(given[name]) for name in ("start", "stop")]
     choice = Choice(
@@ -165,10 +165,10 @@ def _kept(content: Mapping, stamp: Stamp) -> Kept:
     models, steps = tuple(map(str, content["models"])), tuple(dict(own) for own in content["steps"])
     if not (choice.fit and models and steps):
         raise ValueError(content)
-    return Kept(choice, models, int(content["at"]), steps, str(content["owner"]), stamp)
+    return SavedSession(choice, models, int(content["at"]), steps, str(content["owner"]), stamp)
 
 
-def history_of(kept: Kept, stage: Stage, name: str) -> tuple[History, list[str]]:
+def history_of(kept: SavedSession, stage: Stage, name: str) -> tuple[History, list[str]]:
     """The steps of a session's file, and which file each was saved to.
 
     Raises:

@@ -6,12 +6,12 @@ from dash import dcc, html
 
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.studio.choosing import chooser, guide
+from damper_estimator.studio.components import EMPTY, PLAIN, files, labelled, plain
 from damper_estimator.studio.corner_cards import corners_section
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.live import Live
 from damper_estimator.studio.live_panel import live_section
 from damper_estimator.studio.marked_bar import marked_bar
-from damper_estimator.studio.pieces import EMPTY, PLAIN, files, labelled, plain
 from damper_estimator.studio.saving import KINDS
 from damper_estimator.studio.view import MOTIONS
 
@@ -36,16 +36,16 @@ def layout(folder: Folder, live: Live | None = None) -> html.Div:
         "lost": 0,  # how often the server did not know the page
         "generation": 0,
         "drawn": None,  # generation, theme and opening that the figures show
-        "scene": None,  # what the figure over time shows: generation, view, tried parameters, theme, tool
+        "scene": None,  # what the figure over time shows: generation, view, preview parameters, theme, tool
         "rebuilt": 0,
         "view": {},
         "hovered": "",
-        "tried": None,
+        "preview": None,
         "theme": None,
         "ended": 0,
         "dragged": None,
     }
-    stores |= {f"told-{name}": stores[name] for name in ("generation", "rebuilt", "drawn")}
+    stores |= {f"reported-{name}": stores[name] for name in ("generation", "rebuilt", "drawn")}
     return html.Div(
         [
             *(dcc.Store(id=name, data=value) for name, value in stores.items()),
@@ -54,7 +54,7 @@ def layout(folder: Folder, live: Live | None = None) -> html.Div:
             _header(folder),
             html.Details(
                 [
-                    html.Summary([html.Span("Data and models", id="opened"), html.Span(id="data-told")]),
+                    html.Summary([html.Span("Data and models", id="opened"), html.Span(id="data-summary")]),
                     html.Div(chooser(folder), className="choices"),
                 ],
                 id="chooser",
@@ -105,8 +105,8 @@ def _left() -> html.Section:
         ],
         className="title",
     )
-    told = [*marked_bar(), html.P("", id="draw-told", className="told-here")]
-    time = html.Section([bar, *told, html.Div(id="cursor-values"), _graph("time")], className="card")
+    notices = [*marked_bar(), html.P("", id="draw-message", className="message")]
+    time = html.Section([bar, *notices, html.Div(id="cursor-values"), _graph("time")], className="card")
     clouds = [html.Section([html.H2(f"Force over {m}"), _graph(m)], className="card") for m in MOTIONS]
     below = html.Div([html.Div(clouds, className="three"), _looked()], className="below")
     return html.Section([html.Div(id="measures"), time, below], id="left")
@@ -174,7 +174,7 @@ def _learn() -> list:
             ],
             className="title",
         ),
-        html.P("", id="learn-told", className="told-here"),
+        html.P("", id="learn-message", className="message"),
         html.Div(id="findings"),
         html.Div(
             [
@@ -201,13 +201,13 @@ def _change() -> list:
             ],
             className="title",
         ),
-        html.P("", id="change-told", className="told-here"),
+        html.P("", id="change-message", className="message"),
         html.Div(id="parameters"),
     ]
 
 
 def _steps() -> list:
-    return [plain("waterfall"), html.Div(id="steps"), html.P("", id="steps-told", className="told-here")]
+    return [plain("waterfall"), html.Div(id="steps"), html.P("", id="steps-message", className="message")]
 
 
 def _save() -> list:
@@ -218,12 +218,12 @@ def _save() -> list:
         labelled("name in the folder", dcc.Input(id="name", type="text", value="", className="wide")),
         html.Button("Save", id="save", className="primary"),
         html.Button("Replace it", id="replace", hidden=True),
-        html.P("", id="save-told", className="told-here"),
+        html.P("", id="save-message", className="message"),
     ]
 
 
 def names_of(models: Sequence, changed: bool) -> list[str]:
-    """Names of the models on view; what has the same name is told apart, as is the model that is worked on."""
+    """Names of the models on view; models of the same name get a suffix, as does the model that is edited."""
     names = [own.name for own in models]
     if changed:
         names[1] = f"{names[1]} as given"

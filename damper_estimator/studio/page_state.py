@@ -7,23 +7,23 @@ from dataclasses import dataclass, replace
 from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.studio.apart import Tell
 from damper_estimator.studio.corners import Corner
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.history import History, Version
 from damper_estimator.studio.job import Job
-from damper_estimator.studio.keeper import Keeper
-from damper_estimator.studio.kept import SessionFiles, Stamp
-from damper_estimator.studio.shown import Shown, shown
+from damper_estimator.studio.long_tasks import Case, Deed, judged
+from damper_estimator.studio.model_run import ModelRun, run_model
+from damper_estimator.studio.session_files import SessionFiles, Stamp
+from damper_estimator.studio.session_writer import SessionWriter
 from damper_estimator.studio.stage import Choice, Stage, Stretch
-from damper_estimator.studio.work import Case, Deed, judged
+from damper_estimator.studio.worker_process import Progress
 from damper_estimator.validation import Comparison
 
 _KEPT = 6  # models whose forces are kept
 
 
 @dataclass(frozen=True)
-class Beside:
+class OtherDamper:
     """A damper that was left for another one of the same recordings.
 
     Attributes:
@@ -38,12 +38,12 @@ class Beside:
     left_out: tuple[Stretch, ...] = ()
 
 
-class Desk:
+class PageState:
     """The state of one page; ``Session`` adds the verbs.
 
     Attributes:
         names: of the models that were opened, as they were chosen.
-        keeper: writes the steps to the session's file.
+        writer: writes the steps to the session's file.
         stage, history, others: None, None and () until something is open; ``others`` are models to look at beside.
         diagnosis: of which version of the model, and what was found; None until one was made.
         diagnosed: the marked region that it is of; "" for all that is open.
@@ -60,7 +60,7 @@ class Desk:
         """``owner`` is the browser tab, which goes on in the file that it wrote itself."""
         self.folder, self.owner = folder, owner
         self.names: tuple[str, ...] = ()
-        self.keeper = Keeper(SessionFiles(folder), owner)
+        self.writer = SessionWriter(SessionFiles(folder), owner)
         self.stage: Stage | None = None
         self.history: History | None = None
         self.others: tuple[DamperModel, ...] = ()
@@ -68,12 +68,12 @@ class Desk:
         self.diagnosed = ""
         self.job: Job | None = None
         self.corners: dict[str, Corner] = {}
-        self.beside: dict[str, Beside] = {}
+        self.beside: dict[str, OtherDamper] = {}
         self.centres: dict[str, float] = {}
         self.opened = self.generation = self.rebuilt = 0
         self._lock, self._judging = threading.RLock(), threading.Lock()
-        self._shown: list[Shown] = []
-        self._compared: list[tuple[Shown, Comparison]] = []
+        self._shown: list[ModelRun] = []
+        self._compared: list[tuple[ModelRun, Comparison]] = []
         self._saved: list[tuple[Version, str]] = []
 
     @property
@@ -100,18 +100,18 @@ class Desk:
         given = [self.history.versions[0].step.model] if self.history and self.history.at else []
         return [self.model, *given, *self.others]
 
-    def shown(self, model: DamperModel) -> Shown:
+    def shown(self, model: DamperModel) -> ModelRun:
         """A model's forces over what is open; kept for the last few."""
         with self._lock:
             stage = self.here if model is self.model else self.stage
             for own in self._shown:
                 if own.model is model and own.stage.signals == stage.signals:
                     return own
-            own = shown(model, stage)
+            own = run_model(model, stage)
             self._shown = [*self._shown[1 - _KEPT :], own]
             return own
 
-    def comparison(self, shown: Shown) -> Comparison:
+    def comparison(self, shown: ModelRun) -> Comparison:
         """Where a model fails; kept for the last few. Long recordings take seconds, in which the page is looked at."""
         with self._judging:
             for own, comparison in self._compared:
@@ -164,7 +164,7 @@ class Desk:
         self._shown, self._compared, self._saved = [], [], []
         self.corners, self.beside = {}, {}
 
-    def start(self, name: str, work: Callable[[Tell], None]) -> None:
+    def start(self, name: str, work: Callable[[Progress], None]) -> None:
         """Begins a long work.
 
         Raises:
@@ -206,7 +206,7 @@ class Desk:
     def _changed(self, rebuilt: bool = True, kept: bool = True) -> None:
         self.generation += 1
         if kept:
-            self.keeper.write(self.stage, self.names, self.history, self._saved)
+            self.writer.write(self.stage, self.names, self.history, self._saved)
         if rebuilt:
             self.rebuilt += 1
             self.centres = {slot.address: slot.value for slot in self.model.slots}

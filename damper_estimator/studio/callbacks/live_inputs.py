@@ -29,7 +29,7 @@ def connect(app: Dash, sessions: Sessions, live: Live) -> None:
 
     @app.callback(
         Output("live-dampers", "children"),
-        Output("live-held", "children"),
+        Output("live-seconds", "children"),
         Input("live-tick", "n_intervals"),
         State(_FIGURE, "id"),
     )

@@ -7,7 +7,7 @@ from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification import pooled_error
 from damper_estimator.model import Element
 from damper_estimator.model.element import labels
-from damper_estimator.studio.apart import Tell
+from damper_estimator.studio.worker_process import Progress
 from damper_estimator.workflows import Case, diagnose_case, improve_case
 
 __all__ = ["Case", "Deed", "diagnose_case", "identified_alone", "improve_case", "judged", "refitted"]
@@ -22,17 +22,17 @@ class Deed:
     phenomenon: str | None = None
 
 
-def refitted(case: Case, deed: Deed, tell: Tell) -> Step:
+def refitted(case: Case, deed: Deed, progress: Progress) -> Step:
     """The model with its free parameters identified from their values."""
-    tell(f"identifying {case.model.name}", 0.1)
+    progress(f"identifying {case.model.name}", 0.1)
     found = settled(case.model, case.fit)
-    tell("judging", 0.9)
+    progress("judging", 0.9)
     return judged(replace(case, model=found), deed)
 
 
-def identified_alone(case: Case, element: Element, tell: Tell) -> Element:
+def identified_alone(case: Case, element: Element, progress: Progress) -> Element:
     """An entry with its parameters identified beside a model that keeps its own."""
-    tell(f"identifying {element.effect.name}", 0.1)
+    progress(f"identifying {element.effect.name}", 0.1)
     model = case.model.with_effect(element)
     label = [own for own, entry in labels(model.effects) if entry.effect is element.effect][-1]
     found = settled(model, case.fit, free=[label], fix=["*"])

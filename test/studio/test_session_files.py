@@ -9,8 +9,8 @@ import pytest
 from damper_estimator.errors import InputError
 from damper_estimator.studio.address import LONGEST, fields_of, parsed_address
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.kept import PLACE, SessionFiles
 from damper_estimator.studio.session import Session
+from damper_estimator.studio.session_files import PLACE, SessionFiles
 from damper_estimator.studio.sessions import MOST, Sessions
 from damper_estimator.studio.stage import Choice
 
@@ -34,9 +34,9 @@ def changed(session, *values):
 
 
 def test_a_session_is_written_at_its_first_step_and_not_before(session, folder):
-    assert not (folder / PLACE).exists() and session.keeper.name == ""
+    assert not (folder / PLACE).exists() and session.writer.name == ""
     changed(session, -950.0)
-    assert [path.stem for path in (folder / PLACE).iterdir()] == [session.keeper.name]
+    assert [path.stem for path in (folder / PLACE).iterdir()] == [session.writer.name]
 
 
 def test_everything_comes_back(session, folder):
@@ -46,7 +46,7 @@ def test_everything_comes_back(session, folder):
     session.fix([session.model.slots[3].address])
     session.saved("mine.yaml")
     session.undo()
-    own = resumed(folder, session.keeper.name)
+    own = resumed(folder, session.writer.name)
     assert own.stage.choice == Choice(("hidden_fit.mcap",), ("hidden_unseen.mcap",), "passenger_front", stop=6.0)
     assert own.names == ("before.yaml", "linear_viscous") and len(own.others) == 1
     assert own.history.at == session.history.at == 2 and len(own.history.versions) == 4
@@ -59,47 +59,47 @@ def test_everything_comes_back(session, folder):
     session.redo()
     assert own.model == session.model and error(own) == pytest.approx(error(session), rel=1e-9)
     assert own.here.signals == session.here.signals != own.stage.signals
-    assert resumed(folder, session.keeper.name, step=1).history.at == 1
+    assert resumed(folder, session.writer.name, step=1).history.at == 1
 
 
 def test_another_recording_leaves_the_steps_before_in_their_file(session, folder):
     changed(session, -950.0)
-    first = session.keeper.name
+    first = session.writer.name
     session.open(Choice(("hidden_unseen.mcap",), stop=6.0), ["before.yaml"])
     session.job.wait()
-    assert session.keeper.name == ""
+    assert session.writer.name == ""
     changed(session, -800.0)
-    assert session.keeper.name not in ("", first)
+    assert session.writer.name not in ("", first)
     assert resumed(folder, first).model.slots[0].value == -950.0
-    assert {name for name, *_ in SessionFiles(Folder(folder)).listed()} == {first, session.keeper.name}
+    assert {name for name, *_ in SessionFiles(Folder(folder)).listed()} == {first, session.writer.name}
 
 
 def test_the_tab_that_wrote_a_file_goes_on_in_it_and_others_get_their_own(session, folder):
-    session.keeper._owner = "tab"
+    session.writer._owner = "tab"
     changed(session, -950.0)
-    name = session.keeper.name
+    name = session.writer.name
     mine, colleague = resumed(folder, name, "tab"), resumed(folder, name, "other")
     crowded = resumed(folder, name, "tab", alone=False)
     for own in (colleague, crowded):
         own.undo()
         changed(own, -800.0)
-        assert own.keeper.name not in ("", name)
+        assert own.writer.name not in ("", name)
     assert resumed(folder, name).model.slots[0].value == -950.0
     changed(mine, -900.0)
-    assert mine.keeper.name == name
+    assert mine.writer.name == name
 
 
 def test_a_file_that_was_written_by_somebody_else_is_never_overwritten(session, folder):
-    session.keeper._owner = "tab"
+    session.writer._owner = "tab"
     changed(session, -950.0)
-    name = session.keeper.name
+    name = session.writer.name
     other = resumed(folder, name, "tab")  # a tab that was duplicated, or another studio on the same folder
     changed(other, -900.0)
-    assert other.keeper.name == name
+    assert other.writer.name == name
     changed(session, -850.0)
-    assert session.keeper.name != name
+    assert session.writer.name != name
     assert resumed(folder, name).model.slots[0].value == -900.0
-    assert resumed(folder, session.keeper.name).model.slots[0].value == -850.0
+    assert resumed(folder, session.writer.name).model.slots[0].value == -850.0
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
@@ -107,28 +107,28 @@ def test_a_folder_that_cannot_be_written_is_said_by_rights(session, folder):
     folder.chmod(0o555)
     changed(session, -950.0)
     folder.chmod(0o755)
-    assert "not kept" in session.keeper.failed
+    assert "not kept" in session.writer.failed
 
 
 def test_what_cannot_be_kept_is_said_and_the_steps_go_on(session, folder):
     (folder / PLACE).write_text("a file where the folder should be")
     changed(session, -950.0)
-    assert "The steps of this page are not kept" in session.keeper.failed and "\n" not in session.keeper.failed
+    assert "The steps of this page are not saved" in session.writer.failed and "\n" not in session.writer.failed
     assert session.model.slots[0].value == -950.0
     (folder / PLACE).unlink()
     changed(session, -900.0)
-    assert session.keeper.failed == "" and session.keeper.name
+    assert session.writer.failed == "" and session.writer.name
 
 
 @pytest.mark.parametrize("place", [".damper_studio", ".damper_studio/{name}.json"])
 def test_sessions_are_not_written_through_a_link_out_of_the_folder(session, folder, tmp_path_factory, place):
     outside = tmp_path_factory.mktemp("outside")
     changed(session, -950.0)
-    path = folder / place.format(name=session.keeper.name)
+    path = folder / place.format(name=session.writer.name)
     path.rename(folder / "away")
     path.symlink_to(outside if place == PLACE else outside / "secret.json")
     changed(session, -900.0)
-    assert "leads out" in session.keeper.failed and not list(outside.iterdir())
+    assert "leads out" in session.writer.failed and not list(outside.iterdir())
 
 
 @pytest.mark.parametrize("name", ["../../etc/passwd", "/etc/passwd", "", "a" * 41, "short", "a/b/c/d/e/f/g", None, 3])
@@ -139,7 +139,7 @@ def test_a_session_of_a_hostile_name_is_refused(folder, name):
 
 def test_a_damaged_or_hostile_file_is_refused_in_one_line(session, folder):
     changed(session, -950.0)
-    path = folder / PLACE / f"{session.keeper.name}.json"
+    path = folder / PLACE / f"{session.writer.name}.json"
     whole = json.loads(path.read_text())
     spoiled = [
         "", "[]", "null", "{", "{}", "[" * 100_000, json.dumps(whole)[:-40],
@@ -172,14 +172,14 @@ def test_a_damaged_or_hostile_file_is_refused_in_one_line(session, folder):
 def test_a_step_that_the_file_does_not_have_is_the_last_one(session, folder):
     changed(session, -950.0)
     for step in (7, -1, None):
-        assert resumed(folder, session.keeper.name, step=step).history.at == 1
+        assert resumed(folder, session.writer.name, step=step).history.at == 1
 
 
 def test_a_page_with_unsaved_steps_is_never_let_go_for_another(session, folder):
     sessions = Sessions(Folder(folder))
     page = sessions.new()
     changed(session, -950.0)
-    sessions.of(page).resume(session.keeper.name)
+    sessions.of(page).resume(session.writer.name)
     sessions.of(page).job.wait()
     assert sessions.of(page).unsaved
     for _ in range(3 * MOST):

@@ -11,12 +11,12 @@ from damper_estimator.studio import panels
 from damper_estimator.studio.callbacks.common import opened
 from damper_estimator.studio.callbacks.marking import viewed
 from damper_estimator.studio.cursors import cursor_table, further_choices
-from damper_estimator.studio.figures import Scene, cloud_figure, time_figure
+from damper_estimator.studio.linked_figures import Scene, cloud_figure, time_figure
 from damper_estimator.studio.marking import errors_in_words
-from damper_estimator.studio.page import names_of
+from damper_estimator.studio.page_layout import names_of
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
-from damper_estimator.studio.tried import tried_force
+from damper_estimator.studio.slider_preview import preview_force
 from damper_estimator.studio.view import MOTIONS, View
 
 _LINKED = {"type": "linked", "name": ALL}
@@ -62,33 +62,33 @@ def _connect_figures(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(
         Output(_linked("time"), "figure"),
-        Output("draw-told", "children"),
-        Output("marked-told", "children"),
+        Output("draw-message", "children"),
+        Output("marked-summary", "children"),
         Output("marked-bar", "hidden"),
         Output("cursor-values", "children"),
         Output("left", "data-further"),
         Output("scene", "data"),
-        Output("told-drawn", "data"),
+        Output("reported-drawn", "data"),
         Input("generation", "data"),
         Input("view", "data"),
-        Input("tried", "data"),
+        Input("preview", "data"),
         Input("theme", "data"),
         Input("tool", "value"),
         Input("traces", "value"),
         State("page", "data"),
     )
-    def draw(generation, view, tried, theme, tool, traces, page):
+    def draw(generation, view, preview, theme, tool, traces, page):
         session = opened(sessions, page)
         if session is None or theme is None:
             raise PreventUpdate
         drawn = {"generation": generation, "theme": theme, "opened": session.opened}
         try:
-            scene = _scene(session, view, tried, traces)
+            scene = _scene(session, view, preview, traces)
             way = "select" if tool == "lasso" else tool  # of a passage only its ends count
             figure = _styled(time_figure(scene), session, scene.view, way, theme)
         except InputError as error:
             return no_update, str(error), "", True, no_update, no_update, no_update, drawn
-        shown = [generation, view, tried, theme, tool]
+        shown = [generation, view, preview, theme, tool]
         return figure, "", *_marked_words(scene), cursor_table(scene), str(len(scene.further)), shown, drawn
 
     @app.callback(Output("traces", "options"), Input("generation", "data"), State("page", "data"))
@@ -103,9 +103,9 @@ def _connect_figures(app: Dash, sessions: Sessions) -> None:
         session = opened(sessions, page)
         if session is None or shown is None:
             raise PreventUpdate
-        _, view, tried, theme, tool = shown
+        _, view, preview, theme, tool = shown
         try:
-            scene = _scene(session, view, tried)
+            scene = _scene(session, view, preview)
             clouds = [cloud_figure(scene, motion) for motion in MOTIONS]
         except InputError as error:  # what was shown is gone: another draw is on its way
             raise PreventUpdate from error
@@ -128,7 +128,7 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         Output("regions", "children"),
         Output("error-map", "figure"),
         Output("quality", "children"),
-        Output("data-told", "children"),
+        Output("data-summary", "children"),
         Input("drawn", "data"),  # people look before they read: the first picture does not wait for this
         State("page", "data"),
     )
@@ -142,12 +142,12 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         except InputError as error:
             return str(error), "", no_update, "", ""
         warnings, over = session.stage.warnings, themed(error_map(found), theme)
-        told = (
+        shown_parts = (
             panels.verdict(found, session.stage.note, warnings, _never_identified(session)),
             panels.regions(found),
             over,
         )
-        return *told, panels.quality(found), panels.quality_line(found, warnings)
+        return *shown_parts, panels.quality(found), panels.quality_line(found, warnings)
 
 
 def _never_identified(session: Session) -> str:
@@ -175,7 +175,7 @@ def _at_region(session: Session, index: int) -> dict | None:
     return {"opened": session.opened, "recording": passage.recording, "mark": None} | ends
 
 
-def _scene(session: Session, data: object, tried: dict | None, traces: object = ()) -> Scene:
+def _scene(session: Session, data: object, preview: dict | None, traces: object = ()) -> Scene:
     """What is to be drawn.
 
     Raises:
@@ -183,7 +183,7 @@ def _scene(session: Session, data: object, tried: dict | None, traces: object = 
     """
     view = viewed(session, data)
     models = [session.shown(own) for own in session.models()]
-    force = tried_force(models[0], tried["values"], view) if _is_tried(session, tried) else None
+    force = preview_force(models[0], preview["values"], view) if _is_current(session, preview) else None
     kinematics = session.stage.whole[view.recording].kinematics
     chosen = [str(own) for own in traces] if isinstance(traces, list | tuple) else []
     further = tuple(own["value"] for own in further_choices(kinematics) if own["value"] in chosen)
@@ -199,9 +199,9 @@ def _styled(figure: Figure, session: Session, view: View, tool: str, theme: str)
     return themed(figure, theme)
 
 
-def _is_tried(session: Session, tried: dict | None) -> bool:
+def _is_current(session: Session, preview: dict | None) -> bool:
     """Whether a slider is being moved on the model that is on view."""
-    return bool(tried) and tried.get("generation") == session.generation
+    return bool(preview) and preview.get("generation") == session.generation
 
 
 def _marked_words(scene: Scene) -> tuple[str, bool]:

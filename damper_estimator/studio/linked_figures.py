@@ -9,8 +9,8 @@ import numpy as np
 from damper_estimator.report.packing import packed
 from damper_estimator.report.plots import FOUND, MOTIONS, SOFT, Figure, axis, line, note
 from damper_estimator.report.theme import model_colour
-from damper_estimator.studio.rows import cloud_rows, density_rows, line_rows, span_of
-from damper_estimator.studio.shown import Curves, Shown
+from damper_estimator.studio.drawn_rows import cloud_rows, density_rows, line_rows, span_of
+from damper_estimator.studio.model_run import Curves, ModelRun
 from damper_estimator.studio.view import SCALES, TRACE_NAMES, TRACES, View, marked
 from damper_estimator.validation import Trace
 
@@ -30,14 +30,14 @@ class Scene:
         names: as they are shown.
         view: what of them is on view.
         further: names of the quantities below the force, keys of ``TRACES``.
-        tried: (n,) N in band, the force with parameters that are being moved, NaN outside of the stretch that was run;
-            None where none are.
+        preview: (n,) N in band, the force with the parameters being moved, NaN outside the stretch that was run;
+            None if none are moved.
     """
 
-    models: Sequence[Shown]
+    models: Sequence[ModelRun]
     names: Sequence[str]
     view: View
-    tried: np.ndarray | None = None
+    preview: np.ndarray | None = None
     further: tuple[str, ...] = ()
 
     @cached_property
@@ -107,13 +107,13 @@ class Scene:
 
     def modelled(self, index: int) -> np.ndarray:
         """(n,) N, NaN where it is not judged."""
-        if index == 0 and self.tried is not None:
-            return np.where(self._trace(0).judged[self.span], self.tried[self.span], np.nan)
+        if index == 0 and self.preview is not None:
+            return np.where(self._trace(0).judged[self.span], self.preview[self.span], np.nan)
         return self._curves(index).modelled[self.span]
 
     def residual(self, index: int) -> np.ndarray:
         """(n,) N, modelled - measured, NaN where it is not judged."""
-        if index == 0 and self.tried is not None:
+        if index == 0 and self.preview is not None:
             return self.modelled(0) - self.measured
         return self._curves(index).residual[self.span]
 

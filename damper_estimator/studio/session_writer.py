@@ -1,19 +1,19 @@
-"""Keeps one session in its file as it goes on."""
+"""Writes a session to its file after every change."""
 
 from collections.abc import Sequence
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.history import History, Version
-from damper_estimator.studio.kept import SessionFiles, Stamp, session_record, step_record
+from damper_estimator.studio.session_files import SessionFiles, Stamp, session_record, step_record
 from damper_estimator.studio.stage import Stage
 
 
-class Keeper:
-    """Writes a session whenever it has changed; final.
+class SessionWriter:
+    """Writes a session after every change; final.
 
     Attributes:
         name: of the file; "" before the first step.
-        failed: why it could not be written; "" where it was.
+        failed: why it could not be written, else "".
     """
 
     def __init__(self, files: SessionFiles, owner: str) -> None:
@@ -23,11 +23,11 @@ class Keeper:
 
     @property
     def file(self) -> tuple[str, Stamp]:
-        """Name and stamp of the file, with which ``begin`` goes on in it later."""
+        """Name and stamp of the file, with which ``begin`` continues it later."""
         return self.name, self._stamp
 
     def begin(self, name: str = "", stamp: Stamp = None) -> None:
-        """Another session: its first change makes a new file, or goes on in the one that it was read from."""
+        """Another session: its first change creates a file, or continues the one it was read from."""
         self.name, self._stamp, self.failed, self._records = name, stamp, "", []
 
     def write(
@@ -42,7 +42,7 @@ class Keeper:
             self.name, self._stamp = self._files.write(self.name, self._stamp, record)
             self.failed = ""
         except (InputError, OSError) as error:
-            self.failed = f"The steps of this page are not kept: {error}"
+            self.failed = f"The steps of this page are not saved: {error}"
 
     def _record(self, stage: Stage, version: Version) -> dict[str, object]:
         return next((record for own, record in self._records if own is version), None) or step_record(stage, version)

@@ -1,18 +1,18 @@
-"""The curve that follows a slider: the model with moved parameters over the stretch on view, with a run-in."""
+"""The curve that follows a slider: the force of the model with the moved parameters over the visible stretch."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from damper_estimator.studio.rows import span_of
-from damper_estimator.studio.shown import Shown
+from damper_estimator.studio.drawn_rows import span_of
+from damper_estimator.studio.model_run import ModelRun
 from damper_estimator.studio.view import View
 
 RUN_IN = 2.0  # s before the stretch, until states have settled
 MOST = 150_000  # samples that can be run while a slider moves; more wait for its end
 
 
-def tried_force(shown: Shown, values: Mapping[str, float], view: View) -> np.ndarray | None:
+def preview_force(shown: ModelRun, values: Mapping[str, float], view: View) -> np.ndarray | None:
     """(n,) N in band, NaN where it was not run; None where the stretch on view is too long for that."""
     own = shown.traces[view.recording]
     time = own.time - own.time[0]

@@ -1,4 +1,4 @@
-"""Runs a function in a process of its own: the page stays quick, and a cancelled work is gone at once."""
+"""Runs a function in another process: the page stays responsive, and a cancelled job ends at once."""
 
 import multiprocessing
 import os
@@ -11,13 +11,13 @@ from typing import Any
 
 from damper_estimator.errors import InputError
 
-Tell = Callable[[str, float], None]
-_EVERY = 0.2  # s between two looks for a cancellation
-_READY = "damper_estimator.studio.work"  # what the process that others are forked from has imported
+Progress = Callable[[str, float], None]
+_EVERY = 0.2  # s between checks for a cancellation
+_READY = "damper_estimator.studio.long_tasks"  # imported by the process that workers are forked from
 
 
 class Cancelled(Exception):
-    """The work was not wanted any longer."""
+    """The job was cancelled."""
 
 
 def prepare() -> None:
@@ -25,12 +25,12 @@ def prepare() -> None:
     _context().Process(target=_nothing).start()
 
 
-def run_apart(function: Callable[..., Any], arguments: tuple, tell: Tell) -> Any:
-    """``function(*arguments, tell)`` in another process, and what it returns.
+def run_in_process(function: Callable[..., Any], arguments: tuple, progress: Progress) -> Any:
+    """``function(*arguments, progress)`` in another process, and what it returns.
 
     Args:
         function: of a module's top level; arguments and result can be pickled.
-        tell: is given what goes on and its share; what it raises ends the process and all that it started.
+        progress: called with the current activity and the share done; its exceptions end the process and its children.
 
     Raises:
         InputError: as the function does.
@@ -43,18 +43,18 @@ def run_apart(function: Callable[..., Any], arguments: tuple, tell: Tell) -> Any
     text, share = "starting", 0.0
     try:
         while True:
-            tell(text, share)
+            progress(text, share)
             if not here.poll(_EVERY):
                 continue
             kind, value = here.recv()
-            if kind == "told":
+            if kind == "progress":
                 text, share = value
             elif kind == "done":
                 return value
             else:
                 raise InputError(value) if kind == "refused" else RuntimeError(value)
     except EOFError:
-        raise RuntimeError("the process that worked has died; it may have run out of memory") from None
+        raise RuntimeError("the worker process has died; it may have run out of memory") from None
     finally:
         _end(process)
         here.close()
@@ -67,17 +67,17 @@ def _context():
 
 
 def _nothing() -> None:
-    """What the first process does."""
+    """Task of the first process."""
 
 
 def _worked(pipe: Connection, function: Callable[..., Any], arguments: tuple) -> None:
     os.setsid()  # so that its own workers end with it
     threading.Thread(target=_end_with, args=(pipe,), daemon=True).start()
     try:
-        pipe.send(("done", function(*arguments, lambda text, share: pipe.send(("told", (text, share))))))
+        pipe.send(("done", function(*arguments, lambda text, share: pipe.send(("progress", (text, share))))))
     except InputError as error:
         pipe.send(("refused", str(error)))
-    except Exception as error:  # told on the page; the traceback goes to the terminal
+    except Exception as error:  # shown on the page; the traceback goes to the terminal
         pipe.send(("failed", f"{type(error).__name__}: {error}"))
         raise
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper_estimator.studio.rows import CLOUD_CELLS, LINE_POINTS, Mark, cloud_rows, line_rows, span_of
+from damper_estimator.studio.drawn_rows import CLOUD_CELLS, LINE_POINTS, Mark, cloud_rows, line_rows, span_of
 from damper_estimator.studio.scale import from_place, to_place
 
 
