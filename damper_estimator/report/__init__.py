@@ -1,4 +1,4 @@
-"""What people look at: figures, tables, and one self-contained page that opens without a network."""
+"""Figures, tables and self-contained pages that open without a network."""
 
 from damper_estimator.report.characteristic_page import characteristic_page, loops_over_velocity
 from damper_estimator.report.comparison_page import Section, comparison_page, damper_section

@@ -11,7 +11,7 @@ _MOST_AROUND = 1200  # rows of the recording besides the worst passage
 _CLOUD = 1000
 _COLUMNS, _ROWS = 32, 20
 _LEAST_IN_CELL = 5
-_BRIGHTEST = 0.995  # share of the map's cells that the colours tell apart
+_BRIGHTEST = 0.995  # share of the map's cells that the colours distinguish
 _LEFT, _RIGHT = [0.0, 0.485], [0.515, 1.0]
 _TITLE = {"yref": "paper", "yanchor": "bottom", "font": {"size": 13}}
 

@@ -20,7 +20,7 @@ _ROLES = {
 
 
 def characteristic_page(found: Sequence[Characterization]) -> str:
-    """The whole page as HTML; it needs nothing else, no network either."""
+    """The whole page as HTML; it is self-contained and needs no network."""
     return render(
         "characteristics.html",
         f"characteristic diagrams of {', '.join(c.damper for c in found)}",

@@ -13,7 +13,7 @@ COLOURS = ("@model0", "@model1")
 
 
 def comfort_page(car: str, names: Sequence[str], runs: Sequence[ComfortRun], others: Sequence[ComfortRun]) -> str:
-    """The whole page as HTML; it needs nothing else, no network either.
+    """The whole page as HTML; it is self-contained and needs no network.
 
     Args:
         car: its name.

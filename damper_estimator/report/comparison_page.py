@@ -153,7 +153,7 @@ def _chain(comparison: Comparison) -> str:
 
 
 def comparison_page(sections: Sequence[Section], title: str) -> str:
-    """The whole page as HTML; it needs nothing else, no network either."""
+    """The whole page as HTML; it is self-contained and needs no network."""
     return render(
         "page.html",
         title,

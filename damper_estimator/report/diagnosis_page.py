@@ -72,7 +72,7 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
 
 
 def diagnosis_page(sections: Sequence[DiagnosisSection], title: str) -> str:
-    """The whole page as HTML; it needs nothing else, no network either."""
+    """The whole page as HTML; it is self-contained and needs no network."""
     return render(
         "diagnosis.html",
         title,

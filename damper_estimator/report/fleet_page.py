@@ -37,7 +37,7 @@ def fleet_page(
     judged: int,
     rule: str,
 ) -> str:
-    """The whole page as HTML; it needs nothing else, no network either.
+    """The whole page as HTML; it is self-contained and needs no network.
 
     Args:
         rows: by verb, sorted by recording and damper.
@@ -165,7 +165,7 @@ def _headline(rows: Mapping[str, Sequence[Mapping]], trends: Sequence[Mapping], 
         words.append(
             f"{len(trends)} of {judged} dampers drift away from it."
             if judged
-            else "No damper has recordings enough to tell a drift."
+            else "No damper has enough recordings to detect a drift."
         )
     found = Counter(name for row in rows.get("diagnose", ()) for name in row["missing"] or ())
     if found:

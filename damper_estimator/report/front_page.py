@@ -20,7 +20,7 @@ def front_page(
     picked: int,
     regimes: Mapping[str, Mapping[str, Mapping[str, float]]],
 ) -> str:
-    """The whole page as HTML; it needs nothing else, no network either.
+    """The whole page as HTML; it is self-contained and needs no network.
 
     Args:
         model: its name.

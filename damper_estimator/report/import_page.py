@@ -11,7 +11,7 @@ _MOST = 6000  # points of a line
 
 
 def import_page(guess: Guess, parts: Sequence[Part]) -> str:
-    """The whole page as HTML; it needs nothing else, no network either.
+    """The whole page as HTML; it is self-contained and needs no network.
 
     Args:
         parts: as read by the guessed map; none where it cannot be read.

@@ -46,7 +46,7 @@ def improvement_section(damper: str, found: Improvement) -> DiagnosisSection:
 
 
 def improvement_page(sections: Sequence[DiagnosisSection], title: str) -> str:
-    """The whole page as HTML; it needs nothing else, no network either."""
+    """The whole page as HTML; it is self-contained and needs no network."""
     return render(
         "improvement.html",
         title,

@@ -14,7 +14,7 @@ _MOST = 4000  # points of the drive
 
 
 def plan_page(plans: Mapping[str, Plan], title: str) -> str:
-    """The whole page as HTML; it needs nothing else, no network either.
+    """The whole page as HTML; it is self-contained and needs no network.
 
     Args:
         plans: by damper.

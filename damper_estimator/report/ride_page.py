@@ -18,7 +18,7 @@ Surfaces = Mapping[str, Mapping[str, Trial]]
 
 
 def ride_page(found: Mapping[str, Surfaces], law: str) -> str:
-    """The whole page as HTML; it needs nothing else, no network either.
+    """The whole page as HTML; it is self-contained and needs no network.
 
     Args:
         found: trials by damper, surface and way (passive, table, model).

@@ -51,7 +51,7 @@ class Story:
 
 
 def story_page(story: Story, title: str) -> str:
-    """The whole page as HTML; it needs nothing else, no network either."""
+    """The whole page as HTML; it is self-contained and needs no network."""
     return render("story.html", title, [_text(story)], STYLES, SCRIPT, shared_arrays([_figures(story)]))
 
 

@@ -20,7 +20,7 @@ def error_bars(levels: Sequence[tuple[str, float]], floor_n: float, force_n: flo
 
     Args:
         levels: (name, N) from top to bottom.
-        floor_n, force_n: N; the error is also told as a share of the force.
+        floor_n, force_n: N; the error is also shown as a share of the force.
     """
     names, values = [name for name, _ in levels], np.array([value for _, value in levels])
     most = float(np.nanmax([*values, floor_n]))
@@ -61,7 +61,7 @@ def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: 
     """Share of the squared error on unseen data that depends on each kind of variable, with 5 and 95 % whiskers.
 
     Args:
-        width: characters of a name after which it goes on in the next line.
+        width: characters of a name after which it wraps.
     """
     rows = [row for row in atlas if row.explains > _NOTABLE][:_MOST_ROWS] or list(atlas[:1])
     found = {name for finding in findings for name in (finding.phenomenon, *finding.tied_with)}
@@ -182,7 +182,7 @@ def _hover(judged: Judged, way: Judgement, more: str) -> str:
 
 
 def _brackets(rows: Sequence[Judged], findings: Sequence[Finding]) -> Figure:
-    """A bracket at the right of each group that these data cannot tell apart."""
+    """A bracket at the right of each group that these data cannot distinguish."""
     place = {judged.phenomenon: i for i, judged in enumerate(rows)}
     shapes, words = [], []
     for finding in findings:

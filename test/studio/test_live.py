@@ -133,7 +133,7 @@ def test_a_running_node_is_watched_saved_and_diagnosed(running, tmp_path):
         own.until(lambda: page.locator("#live .figure .scatterlayer .trace").count() >= 4)
         own.until(lambda: "never identified" in own.text_of("live-dampers"))
         page.click("#freeze")
-        own.until(lambda: own.text_of("freeze") == "Go on")
+        own.until(lambda: own.text_of("freeze") == "Resume")
         page.click("#freeze")
         own.until(lambda: float(own.text_of("live-seconds").split()[0]) >= 8.0)
         page.click("#live-save")

@@ -48,7 +48,7 @@
     },
     // While a slider moves, what waits for its end is grey.
     stale: (preview, generation) => (preview && preview.generation === generation ? "yes" : "no"),
-    freeze: (clicks) => [clicks % 2 === 1, clicks % 2 === 1 ? "Go on" : "Freeze"],
+    freeze: (clicks) => [clicks % 2 === 1, clicks % 2 === 1 ? "Resume" : "Freeze"],
     introduce(own) { page = own; return own; },
     tab(chosen, ids) { return [ids.map((id) => id.name !== chosen), chosen]; },
     // While a slider moves, the curves follow ten times a second.
