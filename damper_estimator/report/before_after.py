@@ -76,7 +76,7 @@ class Recording:
         """Rows of the worst passage."""
         inside = np.flatnonzero((self.time >= self.worst[0]) & (self.time <= self.worst[1]))
         forces = [self.raw, self.before - self.raw, self.after - self.raw]
-        return inside[min_max_rows([own[inside] for own in forces], _MOST_IN_PASSAGE)]
+        return inside[min_max_rows([force[inside] for force in forces], _MOST_IN_PASSAGE)]
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def before_after(found: Diagnosis | Improvement) -> BeforeAfter:
     both = zip(first.unseen, put_right, strict=True)
     is_corrected = any(not np.array_equal(old.force, new.force, equal_nan=True) for old, new in both)
     recordings = tuple(_recording(*pair) for pair in zip(before.traces, after.traces, strict=True))
-    changed = is_corrected or any(not np.array_equal(own.before, own.after) for own in recordings)
+    changed = is_corrected or any(not np.array_equal(recording.before, recording.after) for recording in recordings)
     return BeforeAfter(recordings, before, after, changed, is_corrected)
 
 
@@ -174,7 +174,7 @@ def shares(shown: BeforeAfter) -> dict[str, float]:
 
 def _parts(model, block: np.ndarray) -> dict[str, np.ndarray]:
     """(n,) N by label; they add up to the model's force."""
-    wraps = next((own.effect.name for own in model.effects if own.effect.kind == "series"), None)
+    wraps = next((entry.effect.name for entry in model.effects if entry.effect.kind == "series"), None)
     if wraps is None:
         return model.contributions(block)
     inside = model.without(wraps)

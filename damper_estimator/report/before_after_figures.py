@@ -95,7 +95,7 @@ def cloud_figure(shown: BeforeAfter, over: str) -> Figure:
         over: ``velocity`` or ``displacement``.
     """
     scale, title = (1.0, "velocity in m/s") if over == "velocity" else (1e3, "displacement in mm")
-    pieces = [_cloud_rows(own, _CLOUD // len(shown.recordings)) for own in shown.recordings]
+    pieces = [_cloud_rows(recording, _CLOUD // len(shown.recordings)) for recording in shown.recordings]
 
     def gathered(name: str) -> np.ndarray:
         return np.concatenate([getattr(own, name)[rows] for own, rows in zip(shown.recordings, pieces, strict=True)])
@@ -144,7 +144,7 @@ def error_maps(shown: BeforeAfter) -> Figure:
     maps = [_rms_map(place, joined[name], edges) for name in ("error_before", "error_after")][: 1 + shown.changed]
     seen = maps[0][np.isfinite(maps[0])]
     top = float(np.quantile(seen, _BRIGHTEST)) if seen.size else 1.0
-    middles = [short((own[1:] + own[:-1]) / 2.0) for own in edges]
+    middles = [short((edge[1:] + edge[:-1]) / 2.0) for edge in edges]
     data = [
         {
             "type": "heatmap",

@@ -122,7 +122,7 @@ def force_text(shown: BeforeAfter, findings: Sequence[Finding], figures: dict[st
 
 
 def _chain(shown: BeforeAfter) -> str:
-    zeros = [f"{np.mean(own.zero):+.3g} N" for own in shown.recordings]
+    zeros = [f"{np.mean(recording.zero):+.3g} N" for recording in shown.recordings]
     return (
         "forces in the comparison band, judged from 0.2 s after a reset on; the gauge's zero and straight drift of "
         f"each recording are left out (here {', '.join(zeros)} on average)"

@@ -68,13 +68,13 @@ def parameter_rows(parameters: Sequence[Parameter]) -> list[dict[str, object]]:
     """Value, standard error and unit of each parameter, with what stopped at a bound marked."""
     return [
         {
-            "name": own.name,
-            "value": with_error(own.value, own.standard_error)[0],
-            "error": "" if own.at_bound else with_error(own.value, own.standard_error)[1],
-            "unit": _UNITS.get(own.unit, own.unit),
-            "at_bound": own.at_bound,
+            "name": parameter.name,
+            "value": with_error(parameter.value, parameter.standard_error)[0],
+            "error": "" if parameter.at_bound else with_error(parameter.value, parameter.standard_error)[1],
+            "unit": _UNITS.get(parameter.unit, parameter.unit),
+            "at_bound": parameter.at_bound,
         }
-        for own in parameters
+        for parameter in parameters
     ]
 
 

@@ -117,7 +117,7 @@ def cycle_map(comparison: Comparison) -> dict[str, object] | None:
     if np.count_nonzero(known) < 100:
         return None
     places = [np.log10(own[known]) for own in (pool.frequency, 1e3 * pool.amplitude)]
-    ends = [np.quantile(own, [0.005, 0.995]) for own in places]
+    ends = [np.quantile(place, [0.005, 0.995]) for place in places]
     if min(high - low for low, high in ends) < _LEAST_DECADES:
         return None
     edges = [np.linspace(*end, count + 1) for end, count in zip(ends, (MAP_COLUMNS, MAP_ROWS), strict=True)]

@@ -36,7 +36,10 @@ def front_page(
         [name, *(f"{regimes[group][name]['mean']:.4g} ± {regimes[group][name]['stddev']:.2g}" for group in groups)]
         for name in names
     ]
-    shares = [", ".join(f"{group} {value:.3g}" for group, value in zip(groups, own, strict=True)) for own in objectives]
+    shares = [
+        ", ".join(f"{group} {value:.3g}" for group, value in zip(groups, objective, strict=True))
+        for objective in objectives
+    ]
     section = {
         "damper": model,
         "headline": f"{len(objectives)} solutions, none better than another for every group. Point {picked} became the "
@@ -92,5 +95,5 @@ def _log_axis(title: str, values: np.ndarray) -> Figure:
         ticks = np.linspace(low, high, _FEWEST_TICKS + 2)[1:-1]
     ticks = ticks[:: -(-ticks.size // _MOST_TICKS)]
     ends = np.log10([low, high]).tolist()
-    shown = [f"{own:.3g}" for own in ticks]
+    shown = [f"{tick:.3g}" for tick in ticks]
     return axis(title, type="log", range=ends, tickvals=[float(own) for own in ticks], ticktext=shown)

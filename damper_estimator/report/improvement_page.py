@@ -64,7 +64,7 @@ def _kept(found: Improvement) -> tuple[Finding, ...]:
         if step.action == "prune":
             kept.pop(step.effect or "", None)
         elif step.diagnosis is not None:
-            kept |= {own.effect: own for own in step.diagnosis.findings if own.effect == step.effect}
+            kept |= {finding.effect: finding for finding in step.diagnosis.findings if finding.effect == step.effect}
     return tuple(kept.values())
 
 
@@ -72,7 +72,7 @@ def _searches(found: Improvement) -> list[Diagnosis | None]:
     """The diagnosis before each step, where it is the first that follows from it."""
     searches: list[Diagnosis | None] = []
     for step in found.steps:
-        searches.append(None if any(step.diagnosis is own for own in searches) else step.diagnosis)
+        searches.append(None if any(step.diagnosis is known for known in searches) else step.diagnosis)
     return searches
 
 

@@ -66,7 +66,7 @@ def _text(story: Story) -> dict[str, object]:
         "quality": quality_rows(story.before),
         "models": [_model(own, name) for name, own in both.items()],
         "measures": [{"name": name, "unit": unit, "meaning": meaning} for _, name, unit, meaning in MEASURES],
-        "steps": [_step(own) for own in story.steps],
+        "steps": [_step(step) for step in story.steps],
         "parameters": model_rows(story.after.model),
         "before_parameters": model_rows(story.before.model) if len(both) > 1 else [],
         "findings": [],
@@ -75,7 +75,7 @@ def _text(story: Story) -> dict[str, object]:
     if found is not None:
         text |= {
             "sentence": found.sentence,
-            "findings": [finding_text(own) for own in found.findings],
+            "findings": [finding_text(finding) for finding in found.findings],
             "moved": moved_rows(found),
             "rejected": rejected_rows(found.ranking, found.untestable),
         }

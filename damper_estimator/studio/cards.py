@@ -112,7 +112,7 @@ class Cards:
         path: Path = library[name] if name in library else self._folder.existing(name, YAML)
         model = load_model(path)
         free = sum(not slot.fixed for slot in model.slots)
-        effects = ", ".join(dict.fromkeys(own.effect.name for own in model.effects))
+        effects = ", ".join(dict.fromkeys(entry.effect.name for entry in model.effects))
         velocity, force, needs = characteristic(model)
         fitted = "identified" if model.fit else "never identified"
         lines = (

@@ -132,7 +132,7 @@ def _summary(stage: Stage, history: History, found: Diagnosis | None) -> Corner:
     view = run_model(history.now.step.model, stage.corrected(history.now.signals))
     compared = view.comparison()
     record = view.measures.record()
-    regions = [in_signs(f"{own.where}: {own.what}") for own in compared.regions[:1]]
+    regions = [in_signs(f"{region.where}: {region.what}") for region in compared.regions[:1]]
     return Corner(
         stage.damper,
         stage.emptied(),

@@ -14,7 +14,7 @@ def cursor_table(scene: Scene) -> html.Table | str:
     if not cursors:
         return ""
     time = scene.whole_time
-    at = [min(int(np.searchsorted(time, own)), time.size - 1) for own in cursors]
+    at = [min(int(np.searchsorted(time, cursor)), time.size - 1) for cursor in cursors]
     quantities = [("time", "s", time), *scene.at_cursors()]
     values = np.array([[float(own[row]) for _, _, own in quantities] for row in at])
     lines = [(name, row) for name, row in zip("AB", values, strict=False)]

@@ -115,7 +115,7 @@ class Folder:
                 below.clear()
                 continue
             below[:] = sorted(own for own in below if not own.startswith(".")) if depth < DEEPEST else []
-            there = (str((here / own).relative_to(self.root)) for own in files if not own.startswith("."))
+            there = (str((here / file).relative_to(self.root)) for file in files if not file.startswith("."))
             names += [name for name in there if self._is_file(name) and wanted(self.root / name)]
         return sorted(name for name in names if not Path(name).name.startswith("."))[:MOST]
 

@@ -63,14 +63,14 @@ def read_session_file(folder: Folder, name: str, kept: SavedSession, step: int |
     if step is not None and 0 <= step < len(history.versions):
         history = replace(history, at=step)
     progress(f"running {history.now.step.model.name}", 0.9)
-    others = tuple(load_chosen(folder, own, stage.damper) for own in kept.models[1:] if _is_there(folder, own))
+    others = tuple(load_chosen(folder, model, stage.damper) for model in kept.models[1:] if _is_there(folder, model))
     saved = tuple((version, own) for version, own in zip(history.versions, files, strict=True) if own)
     return Opened(stage, history, others, kept.models, _views(stage, history, others), saved)
 
 
 def _views(stage: Stage, history: History, others: Sequence[DamperModel]) -> tuple[ModelRun, ...]:
     now = history.now
-    return (run_model(now.step.model, stage.corrected(now.signals)), *(run_model(own, stage) for own in others))
+    return (run_model(now.step.model, stage.corrected(now.signals)), *(run_model(other, stage) for other in others))
 
 
 def load_chosen(folder: Folder, name: str, damper: str) -> DamperModel:

@@ -224,7 +224,7 @@ def _save() -> list:
 
 def names_of(models: Sequence, changed: bool) -> list[str]:
     """Names of the models on view; models of the same name get a suffix, as does the model that is edited."""
-    names = [own.name for own in models]
+    names = [model.name for model in models]
     if changed:
         names[1] = f"{names[1]} as given"
     return [f"{name} ({names[:i].count(name) + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]

@@ -26,7 +26,7 @@ def picture(x: np.ndarray, y: np.ndarray) -> str:
 
 def dots_picture(clouds: Sequence[tuple[np.ndarray, np.ndarray, str]]) -> str:
     """Clouds of dots at velocities (n,) in m/s and forces (n,) in N, in a colour each, on axes that they share."""
-    wide, high = (max(_reach(own[axis]) for own in clouds) for axis in (0, 1))
+    wide, high = (max(_reach(cloud[axis]) for cloud in clouds) for axis in (0, 1))
     parts = []
     for x, y, colour in clouds:
         px, py = _places(x, y, wide, high)

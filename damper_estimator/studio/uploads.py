@@ -105,7 +105,7 @@ def _unpacked(folder: Folder, packed: Path) -> str:
 def _bag_members(name: str, archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
     """The archive's metadata.yaml and the storage files beside it."""
     members = [own for own in archive.infolist() if not own.is_dir()][: _MOST_MEMBERS + 1]
-    places = [PurePosixPath(own.filename) for own in members]
+    places = [PurePosixPath(member.filename) for member in members]
     bags = [place.parent for place in places if place.name == "metadata.yaml"]
     if len(bags) != 1 or len(members) > _MOST_MEMBERS:
         raise InputError(f"{name}: holds {len(bags)} rosbag2 folders (metadata.yaml); pack one into each archive")

@@ -97,7 +97,7 @@ def _shown(address: Address, chosen: Choice, models: tuple[str, ...]) -> list:
     view = {"opened": _FIRST, "recording": recording, "start": start, "stop": stop, "mark": None}
     tab = address.tab if address.tab in TABS else no_update
     values = (chosen.fit, chosen.unseen, chosen.damper or None, chosen.signals or None, models)
-    lists = [list(own) if isinstance(own, tuple) else own for own in values]
+    lists = [list(value) if isinstance(value, tuple) else value for value in values]
     return [view, tab, *lists, chosen.start, chosen.stop]
 
 

@@ -148,7 +148,7 @@ def _moved(sessions: Sessions, session: Session, page: str, wanted: tuple, addre
     *changes, message = answered(sessions, page, lambda own: own.set(address, value))
     value = now if message else value
     place = _place(session, slots[address], value)
-    sliders = [place if own == address else no_update for own in addresses]
+    sliders = [place if slider_address == address else no_update for slider_address in addresses]
     numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
     return *changes, message, None, sliders, numbers
 
@@ -175,7 +175,7 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         theme = drawn["theme"]
         history = session.history
         floor = session.comparison(session.shown(session.model)).noise_floor_n
-        errors = [own.step.rmse_unseen_n for own in history.versions]
+        errors = [version.step.rmse_unseen_n for version in history.versions]
         names = [step_name(own.step) for own in history.versions]
         files = [session.saved_as(own) for own in history.versions]
         listed = panels.steps_list(errors, names, files, history.at)

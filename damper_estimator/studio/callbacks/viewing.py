@@ -109,7 +109,7 @@ def _connect_figures(app: Dash, sessions: Sessions) -> None:
             clouds = [cloud_figure(scene, motion) for motion in MOTIONS]
         except InputError as error:  # what was shown is gone: another draw is on its way
             raise PreventUpdate from error
-        return tuple(_styled(own, session, scene.view, tool, theme) for own in clouds)
+        return tuple(_styled(cloud, session, scene.view, tool, theme) for cloud in clouds)
 
 
 def _connect_judgement(app: Dash, sessions: Sessions) -> None:
@@ -121,7 +121,7 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
         if session is None:
             raise PreventUpdate
         models = session.models()
-        return panels.measures_table([session.shown(own) for own in models], _names(session))
+        return panels.measures_table([session.shown(model) for model in models], _names(session))
 
     @app.callback(
         Output("verdict", "children"),
@@ -185,7 +185,7 @@ def _scene(session: Session, data: object, preview: dict | None, traces: object 
     models = [session.shown(own) for own in session.models()]
     force = preview_force(models[0], preview["values"], view) if _is_current(session, preview) else None
     kinematics = session.stage.whole[view.recording].kinematics
-    chosen = [str(own) for own in traces] if isinstance(traces, list | tuple) else []
+    chosen = [str(trace) for trace in traces] if isinstance(traces, list | tuple) else []
     further = tuple(own["value"] for own in further_choices(kinematics) if own["value"] in chosen)
     return Scene(models, _names(session), view, force, further)
 
