@@ -31,7 +31,7 @@ OFFLINE = [
 ]
 EXTRAS = {
     "evolutionary": ["pymoo>=0.6.1,<0.7"],
-    "studio": ["dash>=4.1,<5", "tsdownsample>=0.1.4,<0.2"],
+    "studio": ["dash>=4.1,<5"],
     "fleet": ["distributed>=2024.8,<2027", "pyarrow>=15.0,<27"],
     "test": [
         "pytest>=8.0,<10",

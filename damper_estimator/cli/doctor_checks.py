@@ -55,7 +55,6 @@ PACKAGES = (
     ("numba", "numba", "speed (a hundred times)", ""),
     ("pymoo", "pymoo", "fit --method genetic, nsga2", "damper_estimator[evolutionary]"),
     ("dash", "dash", "studio", "damper_estimator[studio]"),
-    ("tsdownsample", "tsdownsample", "studio", "damper_estimator[studio]"),
     ("distributed", "distributed", "fleet", "damper_estimator[fleet]"),
     ("pyarrow", "pyarrow", "fleet", "damper_estimator[fleet]"),
     ("pandas", "pandas", "to_dataframe() in Python", "pandas"),

@@ -58,7 +58,7 @@ def _port(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serves the page until it is interrupted."""
-    with optional_packages("the studio", "studio", ("dash", "flask", "werkzeug", "tsdownsample")):
+    with optional_packages("the studio", "studio", ("dash", "flask", "werkzeug")):
         from damper_estimator.studio.folder import Folder
         from damper_estimator.studio.guard import Door, is_loopback, new_token
         from damper_estimator.studio.server import serve

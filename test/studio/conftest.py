@@ -7,7 +7,7 @@ import pytest
 from hand import BAGS
 
 pytest.importorskip("dash", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
-pytest.importorskip("tsdownsample", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
+pytest.importorskip("dash", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
 
 from damper_estimator.model import parse_model, save_model
 from damper_estimator.studio.folder import Folder
