@@ -39,29 +39,29 @@ class Accepted:
     partner: str = ""
 
 
-def accepted_in(own: Round, best: Tally) -> Accepted:
+def accepted_in(current: Round, best: Tally) -> Accepted:
     """The effect, with what else it could be in this round."""
-    return as_found(own, best, *rivalled(own, best))
+    return as_found(current, best, *rivalled(current, best))
 
 
-def as_found(own: Round, best: Tally, tied: tuple[str, ...], confidence: float) -> Accepted:
+def as_found(current: Round, best: Tally, tied: tuple[str, ...], confidence: float) -> Accepted:
     """The effect, with ties that were found elsewhere."""
     return Accepted(
-        round=own,
+        round=current,
         tally=best,
-        element=best.attempt.element(own.candidates[best.attempt.effect]),
+        element=best.attempt.element(current.candidates[best.attempt.effect]),
         tied=tied,
         confidence=confidence,
-        gain=own.gain(best),
-        before_n=rmse(own.null, own.without),
-        after_n=rmse(own.null, own.left(best)),
+        gain=current.gain(best),
+        before_n=rmse(current.null, current.without),
+        after_n=rmse(current.null, current.left(best)),
     )
 
 
-def rivalled(own: Round, best: Tally) -> tuple[tuple[str, ...], float]:
+def rivalled(current: Round, best: Tally) -> tuple[tuple[str, ...], float]:
     """What else it could be, and how sure the group is."""
-    tied = own.tied(best)
-    return tied, own.confidence((best.attempt.phenomenon, *tied))
+    tied = current.tied(best)
+    return tied, current.confidence((best.attempt.phenomenon, *tied))
 
 
 def names_of(accepted: Sequence[Accepted]) -> list[str]:
@@ -77,23 +77,23 @@ def entry_of(model: DamperModel, effect: str) -> Element:
 def positions(model: DamperModel, added: Collection[str]) -> tuple[int, ...]:
     """Where the parameters of added effects are in the model's slots."""
     entries = list(walk(model.effects))
-    own = {max(i for i, element in enumerate(entries) if element.effect.name == name) for name in added}
-    return tuple(i for i, slot in enumerate(model.slots) if slot.entry in own)
+    places = {max(i for i, element in enumerate(entries) if element.effect.name == name) for name in added}
+    return tuple(i for i, slot in enumerate(model.slots) if slot.entry in places)
 
 
-def with_found(model: DamperModel, own: Round, best: Tally) -> DamperModel:
+def with_found(model: DamperModel, current: Round, best: Tally) -> DamperModel:
     """The model with an effect more."""
-    candidate = own.candidates[best.attempt.effect]
+    candidate = current.candidates[best.attempt.effect]
     return replace(candidate, element=best.attempt.element(candidate)).added_to(model)[0]
 
 
 def resumed(candidate: Candidate, done: Sequence[Attempt]) -> Candidate:
     """The candidate with where it ended in this round, where it had a part, as a further start."""
-    own = next(a for a in done if a.effect == candidate.effect.name)
-    if own.hidden or not np.any(own.change_fit):
+    attempted = next(a for a in done if a.effect == candidate.effect.name)
+    if attempted.hidden or not np.any(attempted.change_fit):
         return candidate
     given = {name: value for name, value in candidate.element.parameters.items() if np.ndim(value) == 0}
-    return replace(candidate, element=own.element(candidate), starts=(*candidate.starts, given))
+    return replace(candidate, element=attempted.element(candidate), starts=(*candidate.starts, given))
 
 
 def settled_together(model: DamperModel, added: Collection[str], scene: Scene, refits: bool) -> DamperModel:

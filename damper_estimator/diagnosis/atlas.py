@@ -48,5 +48,5 @@ def terms(model: DamperModel, scene: Scene, tests: Sequence[Test] = TESTS) -> li
 
 def _rows(rows: Sequence[Rows], columns: Sequence[Columns]) -> np.ndarray:
     return np.concatenate(
-        [np.stack([one.of(column) for column in own], axis=1) for one, own in zip(rows, columns, strict=True)]
+        [np.stack([one.of(column) for column in group], axis=1) for one, group in zip(rows, columns, strict=True)]
     )

@@ -175,7 +175,7 @@ def _spring(view: View) -> Columns:
 def _stops(view: View) -> Columns:
     half = 0.5 * view.ranges.stroke
     past = [np.maximum(sign * view.x - _STOPS * half, 0.0) * sign for sign in (1.0, -1.0)]
-    return [*past, *(own * np.abs(own) for own in past)]
+    return [*past, *(column * np.abs(column) for column in past)]
 
 
 def _position(view: View) -> Columns:

@@ -178,10 +178,10 @@ def _sizes(problem: Problem) -> np.ndarray:
 
 def sketch(rows: Sequence[Rows]) -> list[Rows]:
     """Excerpts of the recordings, on which starts are compared."""
-    total = sum(len(own.measurement.kinematics) for own in rows)
+    total = sum(len(part.measurement.kinematics) for part in rows)
     if total <= _SKETCH:
         return list(rows)
-    return [own for own in LocalRows(rows).excerpts(_SKETCH, total).rows if own.picks.size > 2]
+    return [part for part in LocalRows(rows).excerpts(_SKETCH, total).rows if part.picks.size > 2]
 
 
 def _at_bound(problem: Problem, vector: np.ndarray) -> tuple[str, ...]:

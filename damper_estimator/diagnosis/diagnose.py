@@ -105,7 +105,8 @@ def _searched(
         news = scene(place.model, *parts)
         force = unweighted(stage.unseen, targets(stage.unseen))
         whole, left = (
-            unweighted(own.unseen, force_rows(place.model, own.unseen) - targets(own.unseen)) for own in (stage, news)
+            unweighted(source.unseen, force_rows(place.model, source.unseen) - targets(source.unseen))
+            for source in (stage, news)
         )
         if left**2 < limits().accounted * whole**2 and left > limits().least_force * force:
             found = search(
@@ -123,9 +124,9 @@ def _steps(
     unseen error without and with it, N.
     """
     steps: list[tuple[Accepted, Standpoint, float, float]] = []
-    own, order = place, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
+    current, order = place, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
     for group in order:
-        before, after, promised, taken = own, own, 0.0, []
+        before, after, promised, taken = current, current, 0.0, []
         for one in group:
             promised += max(one.before_n**2 - one.after_n**2, 0.0)
             after = adopted(after, one.element, mode, promised)
@@ -133,7 +134,7 @@ def _steps(
         if after.delivers(promised, before) or again is not None:
             # Of a pair neither explains anything without the other: both have the error before and after the two.
             steps += [(one, at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
-            own = after
+            current = after
     return steps
 
 
@@ -165,7 +166,7 @@ def _diagnosis(
         (order.index(one.element.effect.name), finding_of(one, floor, again, old, new), one.element, at)
         for one, at, old, new in steps
     ]
-    ordered = sorted(taken, key=lambda own: own[0])
+    ordered = sorted(taken, key=lambda group: group[0])
     findings = tuple(finding for _, finding, _, _ in ordered)
     last = steps[-1][1] if steps else place
     errors, atlas = (place.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])

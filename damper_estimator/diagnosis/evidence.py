@@ -24,7 +24,7 @@ def _sentence(text: str) -> str:
 
 
 def _rows(null: Null, row: int) -> np.ndarray:
-    return np.concatenate([own.measurement.kinematics.block[row][own.picks] for own in null.scene.unseen])
+    return np.concatenate([part.measurement.kinematics.block[row][part.picks] for part in null.scene.unseen])
 
 
 def _where(null: Null, without: Errors, with_it: Errors) -> str:
@@ -52,16 +52,16 @@ def _where(null: Null, without: Errors, with_it: Errors) -> str:
 def _depends(tests: Sequence[Shown], effect: Effect) -> str:
     """What the form-free tests say: on which variables the error depends."""
     rows = sorted(tests, key=lambda test: test.error)
-    own = next((test for test in rows if test.test.name in effect.tests), None)
-    if own is None:
+    test = next((test for test in rows if test.test.name in effect.tests), None)
+    if test is None:
         return ""
     # A test that can imitate this one says nothing against it.
-    others = (t for t in rows if t.test.name not in effect.tests and own.test.name not in t.test.contains)
+    others = (t for t in rows if t.test.name not in effect.tests and test.test.name not in t.test.contains)
     other = next(others, None)
     if other is None:
         return ""
     return (
-        f"Without assuming a form, a dependence on {own.test.shows} explains {_percent(own)} of the squared error "
+        f"Without assuming a form, a dependence on {test.test.shows} explains {_percent(test)} of the squared error "
         f"on unseen data; the best other one, on {other.test.shows}, {_percent(other)}."
     )
 

@@ -33,9 +33,9 @@ def frozen_model(model: DamperModel) -> DamperModel:
 def frozen_rows(model: DamperModel, rows: Sequence[Rows]) -> tuple[Rows, ...]:
     """The rows with the model's force below the block."""
     frozen = []
-    for own in rows:
-        kinematics = own.measurement.kinematics
+    for part in rows:
+        kinematics = part.measurement.kinematics
         force = np.nan_to_num(model.force(kinematics.block))
         block = np.ascontiguousarray(np.vstack([kinematics.block, force]))
-        frozen.append(replace(own, measurement=replace(own.measurement, kinematics=replace(kinematics, block=block))))
+        frozen.append(replace(part, measurement=replace(part.measurement, kinematics=replace(kinematics, block=block))))
     return tuple(frozen)

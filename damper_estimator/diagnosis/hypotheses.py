@@ -79,17 +79,17 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
     stage = replace(stage, unseen=stage.unseen[:1])
     tried, untestable = candidates(model, stage.ranges)
     if not phenomena:
-        own = (_hypothesis("", "", model, stage.fit),)
-        return Explanations(model, own, stage.fit, stage.ranges, untestable)
+        hypotheses = (_hypothesis("", "", model, stage.fit),)
+        return Explanations(model, hypotheses, stage.fit, stage.ranges, untestable)
     bare = null(model, stage, base=())
     found = []
     for phenomenon in phenomena:
-        own = [candidate for candidate in tried if candidate.effect.phenomenon == phenomenon]
-        if not own:
+        hypotheses = [candidate for candidate in tried if candidate.effect.phenomenon == phenomenon]
+        if not hypotheses:
             effects = (name for name, effect in all_effects().items() if effect.phenomenon == phenomenon)
             why = next((untestable[name] for name in effects if name in untestable), "no effect stands for it")
             raise InputError(f"{measurements[0].recording}: cannot show {phenomenon} ({why}); plan without it")
-        ends = [(attempt(bare, candidate), candidate) for candidate in own]
+        ends = [(attempt(bare, candidate), candidate) for candidate in hypotheses]
         left = np.array([float(np.sum((bare.residual_fit + one.change_fit) ** 2)) for one, _ in ends])
         for i in np.argsort(left, kind="stable")[:_FORMS]:
             one, candidate = ends[i]

@@ -77,28 +77,28 @@ def improve(
         state.keep("refit", place, None, None)
     first: Diagnosis | None = None
     for number in range(_ROUNDS):
-        own = _diagnosed(state, workers, lambda text, part, done=number / _ROUNDS: tell(text, done + part / _ROUNDS))
-        first = first or own
+        found = _diagnosed(state, workers, lambda text, part, done=number / _ROUNDS: tell(text, done + part / _ROUNDS))
+        first = first or found
         before = len(state.steps)
-        _follow(state, own, most)
+        _follow(state, found, most)
         if len(state.steps) == before:
             break
     _prune(state, tell)
     if len(state.steps) != before:
-        own = _diagnosed(state, workers, lambda text, part: tell(text, 1.0))
+        found = _diagnosed(state, workers, lambda text, part: tell(text, 1.0))
     tell("done", 1.0)
     return Improvement(
         steps=tuple(state.steps),
-        verdict=own.verdict,
-        sentence=_sentence(state, own),
-        noise_floor_n=own.noise_floor_n,
+        verdict=found.verdict,
+        sentence=_sentence(state, found),
+        noise_floor_n=found.noise_floor_n,
         model=with_misfit(state.place.model, state.place.fit) if len(state.steps) > 1 else state.place.model,
         signals=state.place.fit[0].signals,
-        rejected=own.ranking,
+        rejected=found.ranking,
         fit=state.place.fit,
         unseen=state.place.unseen,
         first=first,
-        final=own,
+        final=found,
     )
 
 
@@ -109,19 +109,19 @@ def _diagnosed(state: _State, workers: int, progress: Progress) -> Diagnosis:
     )
 
 
-def _follow(state: _State, own: Diagnosis, most: int) -> None:
+def _follow(state: _State, found: Diagnosis, most: int) -> None:
     """Takes the steps that a diagnosis proposes."""
-    if own.verdict == "parameters_changed":
+    if found.verdict == "parameters_changed":
         place = state.place
         step = place.with_model(identified(place, place.model), "parameters changed")
         if step.better_than(place):
-            state.keep("refit", step, None, own)
+            state.keep("refit", step, None, found)
         return
     added = state.place.added
-    for finding, step in own.steps:
+    for finding, step in found.steps:
         place = replace(step, added=(*added, *step.added))
         if len(place.added) <= most:
-            state.keep("correct" if finding.is_channel else "add", place, finding, own)
+            state.keep("correct" if finding.is_channel else "add", place, finding, found)
 
 
 def _prune(state: _State, tell: Progress) -> None:
@@ -129,21 +129,21 @@ def _prune(state: _State, tell: Progress) -> None:
     for name in list(state.place.added[:-1]):
         tell(f"is {name} still needed", 0.95)
         place = state.place
-        own = [label for label, element in labels(place.model.effects) if element.effect.name == name]
+        present = [label for label, element in labels(place.model.effects) if element.effect.name == name]
         less = replace(place, added=tuple(other for other in place.added if other != name))
-        without = less.with_model(identified(less, place.model.without(own[-1]), state.mode == "kept"))
+        without = less.with_model(identified(less, place.model.without(present[-1]), state.mode == "kept"))
         if without.rmse_unseen_n < (1.0 + limits().needless) * place.rmse_unseen_n:
             state.keep("prune", without, None, None, f"{name} is needless since a later effect was added")
             state.steps[-1] = replace(state.steps[-1], effect=name)
 
 
-def _sentence(state: _State, own: Diagnosis) -> str:
+def _sentence(state: _State, found: Diagnosis) -> str:
     first, last = state.steps[0].rmse_unseen_n, state.place.rmse_unseen_n
     done = [step for step in state.steps[1:] if step.effect or step.action == "refit"]
     if not done:
-        return f"Nothing was added: {own.sentence}"
+        return f"Nothing was added: {found.sentence}"
     words = {"add": "added {}", "correct": "{} corrected in the signal map", "prune": "{} removed again"}
     said = [words.get(s.action, "parameters identified again").format(s.effect) for s in done]
-    floor = own.noise_floor_n
+    floor = found.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""
     return f"{', '.join(said)}: the unseen error falls from {first:.3g} to {last:.3g} N{above}."

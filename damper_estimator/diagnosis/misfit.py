@@ -63,7 +63,7 @@ def misfit_of(record: Mapping[str, Any]) -> Misfit | None:
     """What a model's record of its fit holds; None where it holds nothing of the kind, or something else."""
     kept = record.get(KEY)
     try:
-        coefficients = {str(name): tuple(float(c) for c in own) for name, own in kept["newtons"].items()}
+        coefficients = {str(name): tuple(float(c) for c in values) for name, values in kept["newtons"].items()}
         ranges = _ranges(*(float(kept[name]) for name in ("compression", "extension", "speed")))
     except (TypeError, KeyError, ValueError, AttributeError):
         return None
@@ -87,12 +87,12 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
         for p in excerpts(m, max(round(_SAMPLES * len(m.kinematics) / total), 1), _EXCERPT)
     ]
     rows = [rows_of(m, weights(model, m), zero_free=True) for m in parts]
-    rows = [own for own in rows if own.picks.size > 100]
+    rows = [part for part in rows if part.picks.size > 100]
     if not rows:
         return None
-    ranges = ranges_of([own.measurement for own in rows])
-    first = [own.part(slice(0, round(_FIRST * len(own.measurement.kinematics)))) for own in rows]
-    last = [own.part(slice(round(_FIRST * len(own.measurement.kinematics)), None)) for own in rows]
+    ranges = ranges_of([part.measurement for part in rows])
+    first = [part.part(slice(0, round(_FIRST * len(part.measurement.kinematics)))) for part in rows]
+    last = [part.part(slice(round(_FIRST * len(part.measurement.kinematics)), None)) for part in rows]
     columns, missing = _system(model, first, ranges)
     solution = _solved(columns, missing, first)
     columns, missing = _system(model, last, ranges)
@@ -103,7 +103,9 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
     view = view_of(model, rows[0].measurement, ranges)
     sizes = [len(test.columns(view)) for test in _tests()]
     each = np.split(solution, np.cumsum(sizes)[:-1])
-    return Misfit(ranges, {test.name: tuple(own.tolist()) for test, own in zip(_tests(), each, strict=True)})
+    return Misfit(
+        ranges, {test.name: tuple(explained.tolist()) for test, explained in zip(_tests(), each, strict=True)}
+    )
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
@@ -121,11 +123,11 @@ def _tests():
 def _system(model: DamperModel, rows: Sequence[Rows], ranges: Ranges) -> tuple[np.ndarray, np.ndarray]:
     """(r, k) columns of all tests and (r,) the force that the model lacks."""
     columns, missing = [], []
-    for own in rows:
-        view: View = view_of(model, own.measurement, ranges)
+    for part in rows:
+        view: View = view_of(model, part.measurement, ranges)
         terms: Columns = [column for test in _tests() for column in test.columns(view)]
-        columns.append(np.stack([own.of(column) for column in terms], axis=1))
-        missing.append(own.target - own.of(np.nan_to_num(model.force(own.measurement.kinematics.block))))
+        columns.append(np.stack([part.of(column) for column in terms], axis=1))
+        missing.append(part.target - part.of(np.nan_to_num(model.force(part.measurement.kinematics.block))))
     return np.concatenate(columns), np.concatenate(missing)
 
 

@@ -74,8 +74,8 @@ class Null:
 
     def speaks_for(self, candidate: Candidate) -> bool:
         """Whether one of the candidate's form-free tests explains enough for it to be tried; true without any."""
-        told = [self.hints[name] for name in candidate.effect.tests if name in self.hints]
-        return not told or max(told) >= limits().hint
+        hints = [self.hints[name] for name in candidate.effect.tests if name in self.hints]
+        return not hints or max(hints) >= limits().hint
 
     def stage(self, kind: str) -> tuple[DamperModel, Scene]:
         """The model and scene on which an effect of a kind is tried: what acts behind the model need not run it."""
@@ -121,8 +121,8 @@ def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[i
     """(r, k) derivatives by parameters times their sizes; those of a compliance's path as if it were rigid."""
     rigid, origin = model, list(range(len(model.slots)))
     while compliances := [label for label, e in labels(rigid.effects) if e.effect.kind == "series"]:
-        own = [slot.address.rpartition(".")[0] == compliances[0] for slot in rigid.slots]
-        origin = [i for i, inside in zip(origin, own, strict=True) if not inside]
+        in_compliance = [slot.address.rpartition(".")[0] == compliances[0] for slot in rigid.slots]
+        origin = [i for i, inside in zip(origin, in_compliance, strict=True) if not inside]
         rigid = rigid.without(compliances[0])
     if rigid is model or not slots:
         return derivatives(model, rows, slots, force)

@@ -34,7 +34,7 @@ Couple = tuple[tuple[Candidate, Candidate], tuple[np.ndarray, np.ndarray]]  # wi
 
 
 def paired(
-    own: Round,
+    current: Round,
     single: Tally | None,
     tried: Sequence[Candidate],
     names: Collection[str],
@@ -48,37 +48,41 @@ def paired(
         names: of effects that were found before.
     """
     most = limits().pair * single.score if single is not None else 1.0 - limits().gain
-    if min((test.error for test in own.tests), default=1.0) > most:
+    if min((test.error for test in current.tests), default=1.0) > most:
         return None
-    scene = own.null.scene
-    best = min((_fitted(own, couple, names) for couple in _promising(own, tried)), key=lambda one: one[0], default=None)
+    scene = current.null.scene
+    best = min(
+        (_fitted(current, couple, names) for couple in _promising(current, tried)), key=lambda one: one[0], default=None
+    )
     if best is None or best[0] > most:
         return None
     _, model, (first, second) = best
     other, alone = first, second
     found: list[Accepted] = []
     for _ in range(2):
-        judged = _judged(own, tried, model, [*names, other], alone, workers, progress)
+        judged = _judged(current, tried, model, [*names, other], alone, workers, progress)
         best = judged.best
         if best is None or judged.reason_against(best, scene.force_rms):
             return None
         found.append(accepted_in(judged, best))
         alone, other = other, best.attempt.effect
-        model = settled_together(with_found(judged.null.model, judged, best), [*names, alone, other], scene, own.refits)
+        model = settled_together(
+            with_found(judged.null.model, judged, best), [*names, alone, other], scene, current.refits
+        )
     later, earlier = found
     phenomena = [one.element.effect.phenomenon for one in (earlier, later)]
     return [replace(earlier, partner=phenomena[1]), replace(later, partner=phenomena[0])], model
 
 
-def _promising(own: Round, tried: Sequence[Candidate]) -> list[Couple]:
+def _promising(current: Round, tried: Sequence[Candidate]) -> list[Couple]:
     """Pairs of different phenomena that leave least to first order, the best one of each two phenomena."""
-    terms = [(candidate, unfitted(own.null, candidate)) for candidate in tried if candidate.effect.kind != "series"]
+    terms = [(candidate, unfitted(current.null, candidate)) for candidate in tried if candidate.effect.kind != "series"]
     terms = [(candidate, one) for candidate, one in terms if one.sizes.any()]
-    alone = {candidate.effect.name: _first_order(own, one)[0] for candidate, one in terms}
+    alone = {candidate.effect.name: _first_order(current, one)[0] for candidate, one in terms}
     found: dict[tuple[str, str], tuple[float, Couple]] = {}
     for (a, one), (b, other) in combinations(terms, 2):
         key = a.effect.phenomenon, b.effect.phenomenon
-        left, steps = _first_order(own, one, other)
+        left, steps = _first_order(current, one, other)
         needed = left < (1.0 - limits().own) * min(alone[a.effect.name], alone[b.effect.name])
         left += _penalty((a, b))
         if key[0] != key[1] and needed and left < found.get(key, (1.0,))[0]:
@@ -86,23 +90,23 @@ def _promising(own: Round, tried: Sequence[Candidate]) -> list[Couple]:
     return [couple for _, couple in sorted(found.values(), key=lambda one: one[0])[:_FITTED]]
 
 
-def _first_order(own: Round, *added: Attempt) -> tuple[float, list[np.ndarray]]:
+def _first_order(current: Round, *added: Attempt) -> tuple[float, list[np.ndarray]]:
     """What effects leave, and the steps of their parameters from the start values."""
-    null, residual, columns = own.null, [], []
+    null, residual, columns = current.null, [], []
     for part in ("fit", "unseen"):
         residual.append(getattr(null, f"residual_{part}") + sum(getattr(one, f"change_{part}") for one in added))
-        known = getattr(null, f"found_{part}"), getattr(null, f"base_{part}")[:, : None if own.refits else 0]
+        known = getattr(null, f"found_{part}"), getattr(null, f"base_{part}")[:, : None if current.refits else 0]
         columns.append(np.hstack([*(getattr(one, f"own_{part}") for one in added), *known]))
     step = damped_step(columns[0], residual[0], _FAR)
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
     ends = np.cumsum([0, *(one.sizes.size for one in added)])
     steps = [step[begin:end] * one.sizes for one, begin, end in zip(added, ends[:-1], ends[1:], strict=True)]
-    return _left(own, errors(null.scene.blocks, *after)), steps
+    return _left(current, errors(null.scene.blocks, *after)), steps
 
 
-def _fitted(own: Round, couple: Couple, names: Collection[str]) -> tuple[float, DamperModel, tuple[str, str]]:
+def _fitted(current: Round, couple: Couple, names: Collection[str]) -> tuple[float, DamperModel, tuple[str, str]]:
     """What a pair leaves, the model with it, and its names."""
-    model, scene = own.null.model, own.null.scene
+    model, scene = current.null.model, current.null.scene
     added = tuple(candidate.effect.name for candidate in couple[0])
     for candidate, step in zip(*couple, strict=True):
         model, places = candidate.added_to(model)
@@ -110,9 +114,9 @@ def _fitted(own: Round, couple: Couple, names: Collection[str]) -> tuple[float, 
         low, high = (np.array([getattr(model.slots[i].parameter, end) for i in places]) for end in ("lower", "upper"))
         vector[list(places)] = np.clip(vector[list(places)] + step, low, high)
         model = model.with_vector(vector)
-    model = settled_together(model, [*names, *added], scene, own.refits)
+    model = settled_together(model, [*names, *added], scene, current.refits)
     rows = [force_rows(model, part) - targets(part) for part in (scene.fit, scene.unseen)]
-    left = _left(own, errors(scene.blocks, *rows)) + _penalty(couple[0])
+    left = _left(current, errors(scene.blocks, *rows)) + _penalty(couple[0])
     return (left if np.isfinite(left) else np.inf), model, added
 
 
@@ -120,13 +124,13 @@ def _penalty(couple: Sequence[Candidate]) -> float:
     return limits().penalty * sum(candidate.size for candidate in couple)
 
 
-def _left(own: Round, left: Errors) -> float:
-    fit, unseen = np.sum(left.fit**2) / np.sum(own.without.fit**2), left.square / own.without.square
+def _left(current: Round, left: Errors) -> float:
+    fit, unseen = np.sum(left.fit**2) / np.sum(current.without.fit**2), left.square / current.without.square
     return float(np.sqrt(fit * unseen))
 
 
 def _judged(
-    own: Round,
+    current: Round,
     tried: Sequence[Candidate],
     model: DamperModel,
     others: Collection[str],
@@ -137,10 +141,10 @@ def _judged(
     """A round on the model without its effect ``name``, which competes against all others again."""
     label, element = [(label, one) for label, one in labels(model.effects) if one.effect.name == name][-1]
     less = model.without(label)
-    stage = null(less, own.null.scene, positions(less, others), None if own.refits else ())
+    stage = null(less, current.null.scene, positions(less, others), None if current.refits else ())
     rivals = [
         replace(one, element=element) if one.effect.name == name else one
         for one in tried
         if one.effect.name not in others
     ]
-    return round_of(stage, rivals, attempts(stage, rivals, 0.0, workers, progress), own.mode)
+    return round_of(stage, rivals, attempts(stage, rivals, 0.0, workers, progress), current.mode)

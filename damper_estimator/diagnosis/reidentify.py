@@ -54,14 +54,14 @@ def reidentified(first: Round, stage: Scene) -> Reidentified:
         promised = max(promised, gain)
     if promised < 0.5 * limits().gain:
         return Reidentified(model, (), rmse(first.null, first.refitted), promised, False, phenomena)
-    own = settled(start, [rows.measurement for rows in stage.fit], zero_free=True)
-    left = errors(stage.blocks, first.null.residual_fit, force_rows(own, stage.unseen) - targets(stage.unseen))
+    refitted = settled(start, [rows.measurement for rows in stage.fit], zero_free=True)
+    left = errors(stage.blocks, first.null.residual_fit, force_rows(refitted, stage.unseen) - targets(stage.unseen))
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
     low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))
     worth = np.sqrt(max(rmse(first.null, first.kept) ** 2 - rmse(first.null, left) ** 2, 0.0))
     explains = gain >= limits().gain and low > 0.0 and worth >= limits().least_force * stage.force_rms
     return Reidentified(
-        own, _moved(model, own), rmse(first.null, left), gain, explains and not _more(first, left), phenomena
+        refitted, _moved(model, refitted), rmse(first.null, left), gain, explains and not _more(first, left), phenomena
     )
 
 

@@ -26,12 +26,12 @@ _SHOWN = 0.05  # gain from which on it is kept what a candidate explains
 def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n: float, after_n: float) -> Finding:
     """An accepted effect in words and numbers; ``before_n``, ``after_n`` are unseen errors without and with it."""
     effect = one.element.effect
-    own = one.round
+    current = one.round
     gain, low, high = one.gain
     floor_square = floor**2 if np.isfinite(floor) else 0.0
     explainable = max(before_n**2 - floor_square, 1e-12)
-    without = own.without
-    with_it = own.left(one.tally)
+    without = current.without
+    with_it = current.left(one.tally)
     return Finding(
         effect=effect.name,
         phenomenon=effect.phenomenon,
@@ -43,10 +43,10 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
         gain=gain,
         low=low,
         high=high,
-        evidence=evidence(own.null, effect, without, with_it, own.tests),
+        evidence=evidence(current.null, effect, without, with_it, current.tests),
         test_to_separate=confirming(effect, one.tied),
         remark=_remark(one, again),
-        parameters=parameters_of(one.element, one.tally.attempt, own),
+        parameters=parameters_of(one.element, one.tally.attempt, current),
         is_channel=effect.kind == "channel",
         partner=one.partner,
     )
@@ -88,7 +88,7 @@ def _disagreement(one: Accepted, again: Reidentified | None) -> str:
     return ""
 
 
-def parameters_of(element: Element, attempt: Attempt, own: Round) -> tuple[FittedParameter, ...]:
+def parameters_of(element: Element, attempt: Attempt, current: Round) -> tuple[FittedParameter, ...]:
     """The effect's values; their standard errors are those with all other parameters kept."""
     effect = element.effect
     flat = [
@@ -96,7 +96,7 @@ def parameters_of(element: Element, attempt: Attempt, own: Round) -> tuple[Fitte
         for name, value in element.parameters.items()
         for k, number in enumerate(np.atleast_1d(value))
     ]
-    errors = _standard_errors(attempt, own)
+    errors = _standard_errors(attempt, current)
     bounded = {address.rpartition(".")[2] for address in attempt.at_bound}
     return tuple(
         FittedParameter(
@@ -106,23 +106,23 @@ def parameters_of(element: Element, attempt: Attempt, own: Round) -> tuple[Fitte
     )
 
 
-def _standard_errors(attempt: Attempt, own: Round) -> np.ndarray:
+def _standard_errors(attempt: Attempt, current: Round) -> np.ndarray:
     """(k,); NaN where nothing is known of the derivatives, or the data do not determine a parameter."""
     columns = attempt.own_fit
     if not columns.shape[1] or not np.isfinite(columns).all():
         return np.full(attempt.sizes.size, np.nan)
-    rows = own.null.scene.fit
-    residual = own.null.residual_fit + attempt.change_fit
+    rows = current.null.scene.fit
+    residual = current.null.residual_fit + attempt.change_fit
     rates = [part.rate for part in rows]
     return standard_errors(split(rows, columns), split(rows, residual), rates) * attempt.sizes
 
 
-def atlas_of(own: Round) -> tuple[AtlasRow, ...]:
+def atlas_of(current: Round) -> tuple[AtlasRow, ...]:
     """What the form-free tests of one round say, the one that explains most first."""
     rows = []
-    for test in own.tests:
+    for test in current.tests:
         low, high = np.percentile(test.gains, [LOW, HIGH])
-        known = {c.effect.phenomenon for c in own.candidates.values() if test.test.name in c.effect.tests}
+        known = {c.effect.phenomenon for c in current.candidates.values() if test.test.name in c.effect.tests}
         name, shows, phenomena = test.test.name, test.test.shows, tuple(sorted(known))
         rows.append(AtlasRow(name, phenomena, shows, 1.0 - test.left_unseen, float(low), float(high)))
     return tuple(sorted(rows, key=lambda row: -row.explains))
@@ -130,57 +130,59 @@ def atlas_of(own: Round) -> tuple[AtlasRow, ...]:
 
 def judged_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[Judged, ...]:
     """The first round's candidates, best first; ``accepted`` names those that lower the error."""
-    own = found.rounds[0]
-    best = own.best
-    order = sorted(own.tallies, key=lambda tally: tally is not best)
-    rows = [_judged(own, tally, force_rms, accepted) for tally in order]
+    first = found.rounds[0]
+    best = first.best
+    order = sorted(first.tallies, key=lambda tally: tally is not best)
+    rows = [_judged(first, tally, force_rms, accepted) for tally in order]
     hidden = [
-        _hidden(own, name, next((one for one in found.accepted if one.element.effect.name == name), None))
-        for name in own.hidden
+        _hidden(first, name, next((one for one in found.accepted if one.element.effect.name == name), None))
+        for name in first.hidden
     ]
     return tuple(rows + hidden)
 
 
-def _judged(own: Round, tally: Tally, force_rms: float, accepted: set[str]) -> Judged:
+def _judged(current: Round, tally: Tally, force_rms: float, accepted: set[str]) -> Judged:
     name = tally.attempt.effect
-    effect = own.candidates[name].effect
-    reason = "" if name in accepted else own.reason_against(tally, force_rms) or "another explains more"
+    effect = current.candidates[name].effect
+    reason = "" if name in accepted else current.reason_against(tally, force_rms) or "another explains more"
     explains = ()
-    if own.gain(tally)[0] >= _SHOWN:
-        explains = _explains(own, tally)
+    if current.gain(tally)[0] >= _SHOWN:
+        explains = _explains(current, tally)
     return Judged(
         effect=name,
         phenomenon=effect.phenomenon,
-        kept=None if own.refits else judgement(own, tally.kept, tally.kept_gains, own.kept),
-        refitted=None if own.mode == "kept" else judgement(own, tally.refitted, tally.refitted_gains, own.refitted),
-        parameters=parameters_of(tally.attempt.element(own.candidates[name]), tally.attempt, own),
+        kept=None if current.refits else judgement(current, tally.kept, tally.kept_gains, current.kept),
+        refitted=None
+        if current.mode == "kept"
+        else judgement(current, tally.refitted, tally.refitted_gains, current.refitted),
+        parameters=parameters_of(tally.attempt.element(current.candidates[name]), tally.attempt, current),
         reason=reason,
         explains=explains,
     )
 
 
-def _hidden(own: Round, name: str, one: Accepted | None) -> Judged:
-    effect = own.candidates[name].effect
+def _hidden(current: Round, name: str, one: Accepted | None) -> Judged:
+    effect = current.candidates[name].effect
     reason = "" if one else "changes nothing that is compared"
     parameters = parameters_of(one.element, one.tally.attempt, one.round) if one else ()
     kept = judgement(one.round, one.tally.kept, one.tally.kept_gains, one.round.kept) if one else None
     return Judged(name, effect.phenomenon, kept, None, parameters, reason)
 
 
-def judgement(own: Round, left: Errors, replicates: np.ndarray, without: Errors) -> Judgement:
+def judgement(current: Round, left: Errors, replicates: np.ndarray, without: Errors) -> Judgement:
     """One way of judging in numbers."""
     low, high = np.percentile(replicates, [LOW, HIGH])
-    return Judgement(rmse(own.null, left), 1.0 - left.square / max(without.square, 1e-300), float(low), float(high))
+    return Judgement(rmse(current.null, left), 1.0 - left.square / max(without.square, 1e-300), float(low), float(high))
 
 
-def _explains(own: Round, tally: Tally) -> tuple[np.ndarray, ...]:
+def _explains(current: Round, tally: Tally) -> tuple[np.ndarray, ...]:
     """(n,) N in band per unseen recording: what the effect changes of the force."""
-    candidate = own.candidates[tally.attempt.effect]
-    changed, _ = replace(candidate, element=tally.attempt.element(candidate)).added_to(own.null.model)
+    candidate = current.candidates[tally.attempt.effect]
+    changed, _ = replace(candidate, element=tally.attempt.element(candidate)).added_to(current.null.model)
     parts = []
-    for rows in own.null.scene.unseen:
+    for rows in current.null.scene.unseen:
         block = rows.measurement.kinematics.block
-        parts.append(rows.measurement.in_band(np.nan_to_num(changed.force(block) - own.null.model.force(block))))
+        parts.append(rows.measurement.in_band(np.nan_to_num(changed.force(block) - current.null.model.force(block))))
     return tuple(parts)
 
 
@@ -220,8 +222,8 @@ def sentence_of(
             f"Nothing is missing, but parameters changed ({moved}{like}): re-identifying them takes the unseen error "
             f"to {again.rmse_n:.3g} N."
         )
-    own = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
-    return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{own}, noise makes {floor_n:.3g} N."
+    rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
+    return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{rest}, noise makes {floor_n:.3g} N."
 
 
 def unexplained_sentence(atlas: Sequence[AtlasRow], picture: Structure | None, error_n: float, floor_n: float) -> str:

@@ -27,14 +27,14 @@ def restarted(model: DamperModel, scene: Scene) -> tuple[DamperModel, float]:
     before = Problem(model, rows, ()).point(np.empty(0)).cost
     best, least = model, before
     for label, element in labels(model.effects):
-        own = [i for i, slot in enumerate(model.slots) if slot.address.rpartition(".")[0] == label and not slot.fixed]
-        if element.effect.trial is None or not own:
+        slots = [i for i, slot in enumerate(model.slots) if slot.address.rpartition(".")[0] == label and not slot.fixed]
+        if element.effect.trial is None or not slots:
             continue
         try:
             trial = element.effect.trial(scene.ranges)
         except Untestable:
             continue
-        problem = Problem(model, rows, own)
+        problem = Problem(model, rows, slots)
         point = sketched(problem, Candidate(element, {}, _starts(element, trial)))
         if point is not None and point.cost < least:
             best, least = problem.model_at(problem.vector(point.searched, point.solved)), point.cost

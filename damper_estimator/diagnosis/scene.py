@@ -53,8 +53,8 @@ class Scene:
         """The same rows with the gauge's zero and drift in the comparison."""
         return replace(
             self,
-            fit=tuple(rows_of(own.measurement, own.weight) for own in self.fit),
-            unseen=tuple(rows_of(own.measurement, own.weight) for own in self.unseen),
+            fit=tuple(rows_of(part.measurement, part.weight) for part in self.fit),
+            unseen=tuple(rows_of(part.measurement, part.weight) for part in self.unseen),
         )
 
 
@@ -69,7 +69,7 @@ def scene(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     unseen_parts = [late(b) for _, b in pairs] or list(unseen)
     fit_rows = _rows(model, fit_parts)
     unseen_rows = _rows(model, unseen_parts)
-    return Scene(fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([own.measurement for own in fit_rows]))
+    return Scene(fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows]))
 
 
 def early(measurement: Measurement) -> Measurement:
@@ -88,17 +88,17 @@ def _cut(measurement: Measurement) -> int:
 
 def force_rows(model: DamperModel, rows: Sequence[Rows]) -> np.ndarray:
     """(r,) rows of a model's force over all recordings."""
-    return np.concatenate([own.of(model.force(own.measurement.kinematics.block)) for own in rows])
+    return np.concatenate([part.of(model.force(part.measurement.kinematics.block)) for part in rows])
 
 
 def targets(rows: Sequence[Rows]) -> np.ndarray:
     """(r,) rows of the measured force."""
-    return np.concatenate([own.target for own in rows])
+    return np.concatenate([part.target for part in rows])
 
 
 def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     """RMS in N of errors (r,) in rows, their weights taken off again."""
-    weight = np.concatenate([own.weight[own.picks] for own in rows])
+    weight = np.concatenate([part.weight[part.picks] for part in rows])
     return float(np.sqrt(np.mean(errors**2 / weight)))
 
 
@@ -107,9 +107,9 @@ def _rows(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[Rows
     for measurement in measurements:
         for part in usable(model, measurement):
             whole = part == slice(0, len(measurement.kinematics))
-            own = measurement if whole else measurement.part(part.start, part.stop)
-            rows.append(rows_of(own, weights(model, own), zero_free=True).thinned())
-    return tuple(own for own in rows if own.picks.size > 2)
+            window = measurement if whole else measurement.part(part.start, part.stop)
+            rows.append(rows_of(window, weights(model, window), zero_free=True).thinned())
+    return tuple(part for part in rows if part.picks.size > 2)
 
 
 def weights(model: DamperModel, measurement: Measurement) -> np.ndarray:
@@ -139,8 +139,8 @@ def slope_of(model: DamperModel, block: np.ndarray) -> np.ndarray:
 
 def _blocks(rows: Sequence[Rows]) -> np.ndarray:
     numbers, first = [], 0
-    for own in rows:
-        time = own.measurement.kinematics.time[own.picks]
+    for part in rows:
+        time = part.measurement.kinematics.time[part.picks]
         number = ((time - time[0]) / BLOCK).astype(int)
         numbers.append(first + number)
         first += int(number[-1]) + 1

@@ -81,27 +81,27 @@ def search(
         # Beside effects that were found, even one that explains nothing while they stay as they are may matter.
         worth = 0.0 if mode == "refit" or accepted else _WORTH
         done = attempts(current, tried, worth, workers, _told(progress, len(accepted), len(tried)))
-        own = round_of(current, tried, done, mode)
-        best = own.best
-        if best is None or own.reason_against(best, force_rms) or not _counts(own, best, (*rounds, own)[0]):
+        found = round_of(current, tried, done, mode)
+        best = found.best
+        if best is None or found.reason_against(best, force_rms) or not _counts(found, best, (*rounds, found)[0]):
             best = None
-        told = _told(progress, len(accepted), 2 * len(tried))
-        two = paired(own, best, tried, names_of(accepted), workers, told)
+        report = _told(progress, len(accepted), 2 * len(tried))
+        two = paired(found, best, tried, names_of(accepted), workers, report)
         if two is None and best is None and mode == "both" and poor and not accepted:
             mode = "refit"
             continue
-        rounds.append(own)
+        rounds.append(found)
         if two is not None:
             accepted, model = accepted + two[0], two[1]
         elif best is not None:
-            accepted.append(accepted_in(own, best))
-            model = settled_together(with_found(current.model, own, best), names_of(accepted), scene, own.refits)
+            accepted.append(accepted_in(found, best))
+            model = settled_together(with_found(current.model, found, best), names_of(accepted), scene, found.refits)
             if len(accepted) > 1:
-                accepted, model = _looked_again(accepted, model, scene, mode, workers, told)
+                accepted, model = _looked_again(accepted, model, scene, mode, workers, report)
         else:
             break
-        current = _next(current, model, scene, names_of(accepted), own.refits)
-        accepted[-1] = replace(accepted[-1], after_n=rmse(current, nothing(current)[int(own.refits)]))
+        current = _next(current, model, scene, names_of(accepted), found.refits)
+        accepted[-1] = replace(accepted[-1], after_n=rmse(current, nothing(current)[int(found.refits)]))
         still, _ = candidates(model, scene.ranges)
         names = {c.effect.name for c in still} - set(names_of(accepted))
         tried = [resumed(c, done) for c in tried if c.effect.name in names]
@@ -131,13 +131,13 @@ def _told(progress: Progress, round_number: int, count: int) -> Callable[[int], 
     return lambda done: progress(what, begun + 0.5 ** (round_number + 1) * done / count)
 
 
-def _counts(own: Round, best: Tally, first: Round) -> bool:
+def _counts(current: Round, best: Tally, first: Round) -> bool:
     """Whether a later finding is more than a flaw in the form of the first one, on either part of the data: a second
     effect may show little on the recordings that happen to be unseen.
     """
-    if own is first:
+    if current is first:
         return True
-    before, between, after = first.without, own.without, own.left(best)
+    before, between, after = first.without, current.without, current.left(best)
     unseen = between.square - after.square >= limits().second * (before.square - between.square)
     sums = [float(np.sum(errors.fit**2)) for errors in (before, between, after)]
     return unseen or sums[1] - sums[2] >= limits().second * (sums[0] - sums[1])
@@ -174,16 +174,16 @@ def _looked_again(
         tried = [resumed(c, rivals) for c in tried if c.effect.name not in others]
         base = None if one.round.refits else ()
         stage = null(less, scene, positions(less, others), base)
-        own = round_of(stage, tried, attempts(stage, tried, 0.0, workers, lambda done: progress(0)), mode)
-        best = own.best
-        tied, confidence = rivalled(own, best)
+        found = round_of(stage, tried, attempts(stage, tried, 0.0, workers, lambda done: progress(0)), mode)
+        best = found.best
+        tied, confidence = rivalled(found, best)
         if best.attempt.effect == name:
             looked[i] = replace(one, tied=tied, confidence=confidence)
             continue
         first = next(t for t in one.round.tallies if t.attempt.effect == best.attempt.effect)
         looked[i] = as_found(one.round, first, tied, confidence)
         looked[i + 1] = replace(looked[i + 1], before_n=looked[i].after_n)
-        model = settled_together(with_found(less, own, best), [*others, best.attempt.effect], scene, own.refits)
+        model = settled_together(with_found(less, found, best), [*others, best.attempt.effect], scene, found.refits)
     return looked, model
 
 
@@ -198,7 +198,10 @@ def _zero(first: Round, model: DamperModel, scene: Scene, added: Collection[str]
         one = attempt(raw, candidate)
         if one.hidden:
             continue
-        own = round_of(raw, [candidate], [one], "kept")
-        if not own.reason_against(own.best, scene.with_zero.force_rms) and own.gain(own.best)[0] >= limits().gain:
-            found.append(accepted_in(own, own.best))
+        judged = round_of(raw, [candidate], [one], "kept")
+        if (
+            not judged.reason_against(judged.best, scene.with_zero.force_rms)
+            and judged.gain(judged.best)[0] >= limits().gain
+        ):
+            found.append(accepted_in(judged, judged.best))
     return found

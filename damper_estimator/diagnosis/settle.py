@@ -65,10 +65,10 @@ def _descended(
         share, best = 1.0, (float(residual @ residual), model, force)
         while share >= _SHORTEST and best[1] is model:
             trial = _moved(model, slots, share * step)
-            own = force_rows(trial, rows)
-            cost = float((own - target) @ (own - target))
+            modelled = force_rows(trial, rows)
+            cost = float((modelled - target) @ (modelled - target))
             if np.isfinite(cost) and cost < best[0]:
-                best = (cost, trial, own)
+                best = (cost, trial, modelled)
             share *= 0.4
         gained = float(residual @ residual) - best[0]
         model, force = best[1], best[2]
@@ -98,8 +98,8 @@ def _recorded(
     model = model.with_vector(ties.weights @ values) if ties.tied else model
     kept = [i for i in slots if i not in ties.tied]
     moving = jacobian @ ties.weights[np.ix_(slots, kept)]  # what is tied goes along
-    errors = standard_errors(split(rows, moving), split(rows, residual), [own.rate for own in rows])
+    errors = standard_errors(split(rows, moving), split(rows, residual), [part.rate for part in rows])
     named = {model.slots[i].address: float(error) for i, error in zip(kept, errors, strict=True)}
-    measurements = [own.measurement for own in rows]
+    measurements = [part.measurement for part in rows]
     rmse, _, _ = pooled_error(model, measurements)
     return replace(model, fit=fit_record(model, measurements, rmse, named))

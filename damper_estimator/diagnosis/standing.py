@@ -59,14 +59,14 @@ def standings(
         names = {name for tally in tried for name in effects[tally.attempt.effect].tests}
         explained = 1.0 - min(tally.error for tally in tried)
         alike = [test for test in counted if explained >= limits().form * (1.0 - test.error)]
-        own = [_tested(test) for test in alike if test.test.name in names]
-        free_left = min((left for left, _ in own), default=np.inf)
+        tested = [_tested(test) for test in alike if test.test.name in names]
+        free_left = min((left for left, _ in tested), default=np.inf)
         for tally in tried:
             effect = effects[tally.attempt.effect]
             if _is_static(effect) or tally.error < (1.0 - limits().own) * curve:
-                own.append(_tried(tally, effect.general, replicates_of(tally)))
-        if own:
-            left, replicates = min(own, key=lambda one: one[0])
+                tested.append(_tried(tally, effect.general, replicates_of(tally)))
+        if tested:
+            left, replicates = min(tested, key=lambda one: one[0])
             found.append(Standing(phenomenon, left, replicates, left == free_left))
     return sorted(found, key=lambda standing: standing.left)
 

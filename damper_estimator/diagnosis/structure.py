@@ -43,7 +43,7 @@ def structure(null: Null, without: Errors) -> tuple[Structure | None, float, flo
 
 
 def _values(rows: Sequence[Rows], row: int) -> np.ndarray:
-    return np.concatenate([own.measurement.kinematics.block[row][own.picks] for own in rows])
+    return np.concatenate([part.measurement.kinematics.block[row][part.picks] for part in rows])
 
 
 def _varies(rows: Sequence[Rows], row: int) -> bool:
@@ -54,7 +54,7 @@ def _varies(rows: Sequence[Rows], row: int) -> bool:
 def _grid(rows: Sequence[Rows], residual: np.ndarray, pair: tuple[int, int]) -> Structure:
     x, y = (_values(rows, row) for row in pair)
     edges = [np.unique(np.quantile(values, np.linspace(0.0, 1.0, CELLS + 1))) for values in (x, y)]
-    i, j = (_cell(values, own) for values, own in zip((x, y), edges, strict=True))
+    i, j = (_cell(values, edge) for values, edge in zip((x, y), edges, strict=True))
     shape = (edges[1].size - 1, edges[0].size - 1)
     flat = j * shape[1] + i
     count = np.bincount(flat, minlength=shape[0] * shape[1])
@@ -78,7 +78,7 @@ def _words(edges: Sequence[np.ndarray], mean: np.ndarray, pair: tuple[int, int])
     j, i = np.unravel_index(np.nanargmax(np.abs(mean)), mean.shape)
     names = [_AXES[row].partition(" (") for row in pair]
     where = " and ".join(
-        f"{name} between {own[k]:.2g} and {own[k + 1]:.2g} {unit.rstrip(')')}"
-        for (name, _, unit), own, k in zip(names, edges, (i, j), strict=True)
+        f"{name} between {edge[k]:.2g} and {edge[k + 1]:.2g} {unit.rstrip(')')}"
+        for (name, _, unit), edge, k in zip(names, edges, (i, j), strict=True)
     )
     return f"the model is {abs(mean[j, i]):.3g} N too {'high' if mean[j, i] > 0.0 else 'low'} at {where}"

@@ -31,12 +31,12 @@ def verdict_on(
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
-    own = max(floor, min(_residual_before(first.null.model), limits().notable * force_n))
-    if left > max(limits().notable * force_n, limits().above * own):
+    explainable = max(floor, min(_residual_before(first.null.model), limits().notable * force_n))
+    if left > max(limits().notable * force_n, limits().above * explainable):
         picture, gain, low = structure(first.null, first.kept)
         if gain >= limits().structured and low > 0.0:
             return "unexplained", picture
-        if left > limits().far_above * own:
+        if left > limits().far_above * explainable:
             return "unexplained", None
     return "nothing_missing", None
 

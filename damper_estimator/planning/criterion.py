@@ -66,8 +66,8 @@ class Errors:
 
 def errors_of(found: Explanations, floor_n: float) -> Errors:
     """From what the best hypothesis leaves on the recordings, and their noise floor in N."""
-    best = min(found.hypotheses, key=lambda own: float(np.sum(own.residual**2)))
-    target = np.concatenate([own.target for own in found.rows])
+    best = min(found.hypotheses, key=lambda hypothesis: float(np.sum(hypothesis.residual**2)))
+    target = np.concatenate([part.target for part in found.rows])
     left, power = float(np.mean(best.residual**2)), max(float(np.mean(target**2)), 1e-300)
     noise = min(floor_n**2, left) if np.isfinite(floor_n) else 0.5 * left
     memory = long_run_variance(best.residual, found.rows[0].rate) / max(left, 1e-300)
@@ -168,27 +168,27 @@ class Criterion:
             right, mistaken, evidence = self._margins(pair, counts)
             # Of a rival's forms the one that is hardest to beat counts.
             for into, chance in ((lost, 1.0 - float(np.mean(ndtr(right)))), (wrong, float(np.mean(ndtr(mistaken))))):
-                own = into.setdefault(pair.truth, {})
-                own[self.names[pair.rival]] = max(own.get(self.names[pair.rival], 0.0), chance)
+                of_truth = into.setdefault(pair.truth, {})
+                of_truth[self.names[pair.rival]] = max(of_truth.get(self.names[pair.rival], 0.0), chance)
             weakest = min(weakest, evidence)
-        told = []
+        chances = []
         for name in dict.fromkeys(self.names[k] for k in lost):
             forms = [k for k in lost if self.names[k] == name]
             right = float(np.mean([max(0.0, 1.0 - sum(lost[k].values())) for k in forms]))
-            told.append((name, right, min(1.0 - right, float(np.mean([sum(wrong[k].values()) for k in forms])))))
-        right, mistaken = (float(np.mean([own[k] for own in told])) for k in (1, 2))
-        return Chances(right, mistaken, float(weakest), tuple(told))
+            chances.append((name, right, min(1.0 - right, float(np.mean([sum(wrong[k].values()) for k in forms])))))
+        right, mistaken = (float(np.mean([entry[k] for entry in chances])) for k in (1, 2))
+        return Chances(right, mistaken, float(weakest), tuple(chances))
 
     def _margins(self, pair: Pair, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         """Standard deviations (d,) by which the truth is named alone, by which the rival is, and the evidence."""
         difference, each = pair.differences(counts)
-        own = pair.truth
-        ours = pair.left[0] + float(counts @ self.expected[own])
-        theirs = pair.left[1] + float(counts @ self.expected[own]) + difference
+        truth = pair.truth
+        ours = pair.left[0] + float(counts @ self.expected[truth])
+        theirs = pair.left[1] + float(counts @ self.expected[truth]) + difference
         r = ratio()
-        chance = 4.0 * ((counts**2 * self.form[own] + counts * self.noise[own]) @ each)
+        chance = 4.0 * ((counts**2 * self.form[truth] + counts * self.noise[truth]) @ each)
         spread = np.sqrt(chance + (_UNSURE * ours * (r - 1.0)) ** 2 + 1e-300)
-        rows = np.where(counts > 0, self.form[own] + self.noise[own], 1.0)
+        rows = np.where(counts > 0, self.form[truth] + self.noise[truth], 1.0)
         evidence = float(np.mean((counts / rows) @ each) / 2.0)
         return (theirs - r * ours) / spread, (ours / r - theirs) / spread, evidence
 
@@ -204,7 +204,7 @@ def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) ->
     hypotheses = found.hypotheses
     slices = _slices(on.step, steps)
     variance = max(errors.noise + errors.form, 1e-300) * errors.memory
-    draws = [_draws(own, variance, number) for number, own in enumerate(hypotheses)]
+    draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
     pairs = [
         _pair(hypotheses, on, slices, draws, truth, rival)
         for truth, rival in permutations(range(len(hypotheses)), 2)
@@ -214,7 +214,7 @@ def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) ->
     power = errors.powers(on.force, slices)
     return Criterion(
         tuple(pairs),
-        tuple(own.phenomenon for own in hypotheses),
+        tuple(hypothesis.phenomenon for hypothesis in hypotheses),
         counts * (errors.noise + errors.form * power),
         errors.form * power * errors.memory,
         np.full(power.shape, errors.noise),

@@ -103,15 +103,15 @@ def _matters(found: Explanations, row: int, like: Measurement) -> bool:
     other = block.copy()
     other[row] = block[row] + 1.0
     return any(
-        not np.array_equal(own.model.force(block), own.model.force(other), equal_nan=True) for own in found.hypotheses
+        not np.array_equal(one.model.force(block), one.model.force(other), equal_nan=True) for one in found.hypotheses
     )
 
 
 def _separating(
     stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, longest: float, tell: Tell
 ) -> Plan:
-    own = stage.found.hypotheses
-    best = min(own, key=lambda one: float(np.sum(one.residual**2)))
+    hypotheses = stage.found.hypotheses
+    best = min(hypotheses, key=lambda one: float(np.sum(one.residual**2)))
     errors = errors_of(stage.found, compare(best.model, *measurements).noise_floor_n)
     judge = criterion(stage.found, stage.on, len(stage.steps), errors)
     seconds = np.array([step.seconds for step in stage.steps])
@@ -168,8 +168,8 @@ def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str,
 
 
 def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, tell: Tell) -> Plan:
-    (own,) = stage.found.hypotheses
-    errors = errors_of(stage.found, compare(own.model, *measurements).noise_floor_n)
+    (hypothesis,) = stage.found.hypotheses
+    errors = errors_of(stage.found, compare(hypothesis.model, *measurements).noise_floor_n)
     judge = sharpening(stage.found, stage.on, len(stage.steps), errors)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or 2.0) - sum(REST)
@@ -196,7 +196,7 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
     order = _in_halves(choice.order)
     steps = tuple(stage.steps[i] for i in order)
     rate = stage.limits.rate
-    rest = [np.full(round(own * rate), stage.limits.home) for own in REST]
+    rest = [np.full(round(seconds * rate), stage.limits.home) for seconds in REST]
     drive = np.concatenate([rest[0], *(step.displacement for step in steps), rest[1]])
     telling = _telling(choice, judge, stage)
     part = slice(*np.searchsorted(stage.on.step, [telling, telling + 1]))
@@ -204,10 +204,10 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
     kinematics = stage.on.rows.measurement.kinematics
     force = stage.on.force[:, part]
     variance = errors.noise + errors.form * float(force[0].var())
-    own = stage.found.hypotheses
+    hypotheses = stage.found.hypotheses
     return Plan(
-        phenomena=tuple(one.phenomenon for one in own if one.phenomenon),
-        effects=tuple(one.effect for one in own if one.effect),
+        phenomena=tuple(one.phenomenon for one in hypotheses if one.phenomenon),
+        effects=tuple(one.effect for one in hypotheses if one.effect),
         sentence="", rig=stage.rig, limits=stage.limits, steps=steps, chances=None,
         curve=Curve(np.zeros(0), np.zeros(0), np.zeros(0)), shortest=None, would=(), parameters=(),
         untestable=tuple((name, why, all_effects()[name].separate) for name, why in stage.found.untestable.items()),

@@ -95,7 +95,7 @@ class Plan:
 
     def record(self) -> dict[str, object]:
         """For JSON and for the plan's file."""
-        told: dict[str, object] = {
+        record: dict[str, object] = {
             "sentence": self.sentence,
             "rig": self.rig.name,
             "hypotheses": [{"phenomenon": p, "effect": e} for p, e in zip(self.phenomena, self.effects, strict=True)],
@@ -104,7 +104,7 @@ class Plan:
             "steps": [step.record() for step in self.steps],
         }
         if self.chances is not None:
-            told["predicted"] = {
+            record["predicted"] = {
                 "right": round(self.chances.right, 4),
                 "wrong": round(self.chances.wrong, 4),
                 "stays_tied": round(self.chances.tied, 4),
@@ -116,15 +116,15 @@ class Plan:
                 "shortest_minutes_for_95_percent": None if self.shortest is None else round(self.shortest, 3),
             }
         if self.parameters:
-            told["parameters"] = [
-                {"name": own.address, "value": own.value, "standard_error_now": own.before,
-                 "standard_error_after": own.after} for own in self.parameters
+            record["parameters"] = [
+                {"name": estimate.address, "value": estimate.value, "standard_error_now": estimate.before,
+                 "standard_error_after": estimate.after} for estimate in self.parameters
             ]  # fmt: skip
-        told["what_would"] = list(self.would)
-        told["not_testable_before"] = [
+        record["what_would"] = list(self.would)
+        record["not_testable_before"] = [
             {"effect": effect, "because": reason, "drive": drive} for effect, reason, drive in self.untestable
         ]
-        return told
+        return record
 
 
 def sentence_of(phenomena: Sequence[str], chances: Chances, minutes: float, shortest: float | None) -> str:
@@ -135,6 +135,6 @@ def sentence_of(phenomena: Sequence[str], chances: Chances, minutes: float, shor
         return f"No drive within these limits can tell {names} apart: {minutes:.1f} minutes decide {odds}."
     if shortest is None:
         each = [f"{100.0 * right:.0f} % if it is {name.replace('_', ' ')}" for name, right, _ in chances.by_truth]
-        told = ", ".join(each)
-        return f"{minutes:.1f} minutes tell {names} apart, {odds} (right with {told}); 95 % are not reached."
+        each_right = ", ".join(each)
+        return f"{minutes:.1f} minutes tell {names} apart, {odds} (right with {each_right}); 95 % are not reached."
     return f"{minutes:.1f} minutes tell {names} apart, {odds}; {shortest:.1f} minutes are enough for 95 %."

@@ -100,11 +100,11 @@ def parse_rig(content: object, where: str) -> Rig:
     """
     if not isinstance(content, Mapping):
         raise InputError(f"{where}: is no rig; it needs entries such as name, kind, rate, displacement")
-    known = {own.name: own for own in fields(Rig)}
+    known = {field.name: field for field in fields(Rig)}
     for key in content:
         if key not in known:
             raise InputError(f"{where}: unknown entry {key}{did_you_mean(str(key), known)}")
-    missing = [name for name, own in known.items() if own.default is MISSING and name not in content]
+    missing = [name for name, field in known.items() if field.default is MISSING and name not in content]
     if missing:
         raise InputError(f"{where}: has no {', '.join(missing)}; every rig needs them")
     rig = Rig(**{key: _entry(key, value, where) for key, value in content.items()})
@@ -120,18 +120,18 @@ def _entry(key: str, value: object, where: str) -> object:
             raise InputError(f"{where}: mean_positions is {value!r}; write true or false")
         return value
     if key == "measures":
-        return tuple(str(own) for own in value) if isinstance(value, list) else (str(value),)
+        return tuple(str(item) for item in value) if isinstance(value, list) else (str(value),)
     if key == "manoeuvres":
-        return tuple(_manoeuvre(own, where) for own in (value if isinstance(value, list) else [value]))
+        return tuple(_manoeuvre(item, where) for item in (value if isinstance(value, list) else [value]))
     if key in ("displacement", "frequency", "travel"):
         return _range(key, value, where)
     if key in ("temperature", "current"):
-        return tuple(_number(key, own, where) for own in (value if isinstance(value, list) else [value]))
+        return tuple(_number(key, item, where) for item in (value if isinstance(value, list) else [value]))
     return _number(key, value, where)
 
 
 def _manoeuvre(value: object, where: str) -> Manoeuvre:
-    names = {own.name for own in fields(Manoeuvre)}
+    names = {field.name for field in fields(Manoeuvre)}
     if not isinstance(value, Mapping) or set(value) != names:
         raise InputError(f"{where}: a manoeuvre needs exactly {', '.join(sorted(names))}")
     band = _range("band", value["band"], where)
@@ -150,7 +150,7 @@ def _number(key: str, value: object, where: str) -> float:
 def _range(key: str, value: object, where: str) -> Range:
     if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
         raise InputError(f"{where}: {key} is {value!r}; give [lowest, highest]")
-    low, high = (_number(key, own, where) for own in value)
+    low, high = (_number(key, item, where) for item in value)
     if low >= high:
         raise InputError(f"{where}: {key} goes from {low:g} to {high:g}; the lowest comes first")
     return low, high

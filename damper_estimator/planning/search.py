@@ -62,12 +62,12 @@ def _exchanged(order: Sequence[int], score: Score, seconds: np.ndarray, most: fl
     now = score(counts)
     for _ in range(_EXCHANGES):
         before = now
-        for place, own in enumerate(order):
+        for place, step in enumerate(order):
             less = counts.copy()
-            less[own] -= 1.0
+            less[step] -= 1.0
             spent = float(less @ seconds)
             # An exchange may not make the test longer: the shortest one counts as well.
-            fits = [i for i in alive if seconds[i] <= seconds[own] + 1e-9 and spent + seconds[i] <= most + 1e-9]
+            fits = [i for i in alive if seconds[i] <= seconds[step] + 1e-9 and spent + seconds[i] <= most + 1e-9]
             scores = [score(_more(less, i)) for i in fits]
             if scores and max(scores) > now + _STALLED:
                 order[place] = int(fits[int(np.argmax(scores))])

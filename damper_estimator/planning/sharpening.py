@@ -45,8 +45,8 @@ class Sharpening:
 
 def sharpening(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Sharpening:
     """The criterion of one model that was simulated on some number of steps."""
-    (own,) = found.hypotheses
-    variance = float(np.mean(own.residual**2)) * errors.memory
+    (hypothesis,) = found.hypotheses
+    variance = float(np.mean(hypothesis.residual**2)) * errors.memory
     columns, force = on.sensitivity[0], on.force[0]
     each = np.zeros((steps, columns.shape[1], columns.shape[1]))
     for k in range(steps):
@@ -54,11 +54,11 @@ def sharpening(found: Explanations, on: Simulated, steps: int, errors: Errors) -
         if part.stop > part.start:
             row = (errors.noise + errors.form * float(errors.powers(force[None], [part])[0, 0])) * errors.memory
             each[k] = columns[part].T @ columns[part] / row
-    slots = [own.model.slots[i] for i in own.free]
+    slots = [hypothesis.model.slots[i] for i in hypothesis.free]
     return Sharpening(
-        information(own, variance) / variance,
+        information(hypothesis, variance) / variance,
         each,
         tuple(slot.address for slot in slots),
-        own.sizes,
+        hypothesis.sizes,
         np.array([slot.value for slot in slots]),
     )

@@ -42,8 +42,8 @@ def simulated(hypotheses: Sequence[Hypothesis], steps: Sequence[Step], like: Mea
     rows, first = _rows(steps, like)
     number = np.searchsorted(first, rows.picks, side="right") - 1
     forces, columns, largest = [], [], np.zeros(len(steps))
-    for own in hypotheses:
-        force, sensitivity = sensitivities(own, [rows])
+    for hypothesis in hypotheses:
+        force, sensitivity = sensitivities(hypothesis, [rows])
         forces.append(np.nan_to_num(force))
         columns.append(np.column_stack([sensitivity, np.ones(force.size)]))
         np.maximum.at(largest, number, np.abs(forces[-1]))
@@ -72,9 +72,9 @@ def _rows(steps: Sequence[Step], like: Measurement) -> tuple[Rows, np.ndarray]:
         parts.append(kinematics_of(step, like))
         first.append(offset)
         offset += len(parts[-1])
-    ends = np.cumsum([0, *(int(own.stamp[-1]) + 10**9 for own in parts)])
-    stamp = np.concatenate([own.stamp + start for own, start in zip(parts, ends, strict=False)])
-    block = np.ascontiguousarray(np.concatenate([own.block for own in parts], axis=1))
+    ends = np.cumsum([0, *(int(part.stamp[-1]) + 10**9 for part in parts)])
+    stamp = np.concatenate([part.stamp + start for part, start in zip(parts, ends, strict=False)])
+    block = np.ascontiguousarray(np.concatenate([part.block for part in parts], axis=1))
     block[0] = stamp / 1e9
     kinematics = Kinematics(stamp, block)
     nothing = np.zeros(stamp.size)

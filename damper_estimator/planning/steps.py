@@ -69,8 +69,8 @@ class Step:
     @property
     def conditions(self) -> str:
         """At which current and temperature, "" where they stay."""
-        told = "" if self.current is None else f", at {self.current:g} A"
-        return told + ("" if self.temperature is None else f", at {self.temperature:g} deg C")
+        words = "" if self.current is None else f", at {self.current:g} A"
+        return words + ("" if self.temperature is None else f", at {self.temperature:g} deg C")
 
     def record(self) -> dict[str, object]:
         """For the plan's file."""
@@ -130,11 +130,17 @@ def _cranked(rig: Rig, limits: Limits) -> Iterator[Motion]:
 
 
 def _driven(rig: Rig, limits: Limits) -> Iterator[Motion]:
-    for number, own in enumerate(rig.manoeuvres):
-        low, high = max(own.band[0], limits.frequency[0]), min(own.band[1], limits.frequency[1])
+    for number, manoeuvre in enumerate(rig.manoeuvres):
+        low, high = max(manoeuvre.band[0], limits.frequency[0]), min(manoeuvre.band[1], limits.frequency[1])
         if low < high:
-            values = {"frequency": low, "to": high, "speed": own.speed, "seconds": own.seconds, "seed": float(number)}
-            yield "multisine", values, own.say
+            values = {
+                "frequency": low,
+                "to": high,
+                "speed": manoeuvre.speed,
+                "seconds": manoeuvre.seconds,
+                "seed": float(number),
+            }
+            yield "multisine", values, manoeuvre.say
 
 
 def _played(rig: Rig, limits: Limits) -> Iterator[Motion]:
@@ -176,16 +182,16 @@ def _sines(limits: Limits) -> Iterator[Motion]:
 
 def _frequencies(limits: Limits) -> Sequence[float]:
     low, high = limits.frequency
-    inside = [own for own in _FREQUENCIES if low <= own <= high]
+    inside = [f for f in _FREQUENCIES if low <= f <= high]
     ends = [
-        own for own in (low, high) if own >= 1.0 / _LONGEST and all(abs(np.log(own / known)) > 0.2 for known in inside)
+        end for end in (low, high) if end >= 1.0 / _LONGEST and all(abs(np.log(end / known)) > 0.2 for known in inside)
     ]
-    return sorted(float(f"{own:.3g}") if low <= float(f"{own:.3g}") <= high else own for own in [*inside, *ends])
+    return sorted(float(f"{f:.3g}") if low <= float(f"{f:.3g}") <= high else f for f in [*inside, *ends])
 
 
 def _offsets(limits: Limits) -> list[float]:
-    sides = [0.0 if not own else own * (limits.high - limits.home if own > 0 else limits.home - limits.low)
-             for own in _OFFSETS]  # fmt: skip
+    sides = [0.0 if not offset else offset * (limits.high - limits.home if offset > 0 else limits.home - limits.low)
+             for offset in _OFFSETS]  # fmt: skip
     return sides if limits.mean_positions else sides[:1]
 
 

@@ -31,16 +31,16 @@ def widenings(
         chance: probability of a right decision on a widened rig.
         now: the same within the limits.
     """
-    told = []
+    sentences = []
     for wide in _each(rig, limits):
         probability = chance(wide)
         if probability >= now + _BETTER:
-            told.append(f"{wide.words}: right with {100.0 * probability:.0f} %")
-    for own in found.hypotheses:
-        effect = all_effects()[own.effect]
-        if effect.separate and effect.separate not in told:
-            told.append(effect.separate)
-    return tuple(told)
+            sentences.append(f"{wide.words}: right with {100.0 * probability:.0f} %")
+    for hypothesis in found.hypotheses:
+        effect = all_effects()[hypothesis.effect]
+        if effect.separate and effect.separate not in sentences:
+            sentences.append(effect.separate)
+    return tuple(sentences)
 
 
 def _each(rig: Rig, limits: Limits) -> Iterator[Widened]:

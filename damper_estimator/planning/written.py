@@ -9,14 +9,14 @@ from damper_estimator.files import plain
 from damper_estimator.planning.result import Plan
 
 
-def drive_csv(own: Plan) -> str:
+def drive_csv(plan: Plan) -> str:
     """The drive as text: time in s, displacement in m, and current and temperature where the test sets them."""
-    rate, samples = own.limits.rate, own.displacement.size
-    columns = {"time_s": np.arange(samples) / rate, "displacement_m": own.displacement}
+    rate, samples = plan.limits.rate, plan.displacement.size
+    columns = {"time_s": np.arange(samples) / rate, "displacement_m": plan.displacement}
     for name, field in (("current_a", "current"), ("temperature_deg_c", "temperature")):
-        values = [getattr(step, field) for step in own.steps]
+        values = [getattr(step, field) for step in plan.steps]
         if any(value is not None for value in values):
-            columns[name] = _through(own, [np.nan if value is None else value for value in values])
+            columns[name] = _through(plan, [np.nan if value is None else value for value in values])
     lines = [",".join(columns)]
     lines += [
         ",".join((f"{row[0]:.6f}", *(f"{value:.9f}" for value in row[1:])))
@@ -25,15 +25,15 @@ def drive_csv(own: Plan) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _through(own: Plan, values: Sequence[float]) -> np.ndarray:
+def _through(plan: Plan, values: Sequence[float]) -> np.ndarray:
     """(n,) the value of each step over the whole drive; the rests have that of their neighbour."""
-    sizes = [step.displacement.size for step in own.steps]
+    sizes = [step.displacement.size for step in plan.steps]
     inner = np.repeat(values, sizes)
-    first = own.rest_samples
-    return np.pad(inner, (first, own.displacement.size - first - inner.size), mode="edge")
+    first = plan.rest_samples
+    return np.pad(inner, (first, plan.displacement.size - first - inner.size), mode="edge")
 
 
-def plan_yaml(own: Plan, asked: Mapping[str, object]) -> str:
+def plan_yaml(plan: Plan, asked: Mapping[str, object]) -> str:
     """The plan as YAML, in the order in which it is read."""
-    text: str = yaml.safe_dump(plain({**asked, **own.record()}), sort_keys=False, allow_unicode=True, width=120)
+    text: str = yaml.safe_dump(plain({**asked, **plan.record()}), sort_keys=False, allow_unicode=True, width=120)
     return text
