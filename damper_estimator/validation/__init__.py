@@ -1,14 +1,14 @@
-"""How far a model can be trusted: error measures, where it fails, what the data allow."""
+"""How far a model can be trusted: error measures, where it fails, and what the data allow."""
 
 from damper_estimator.validation.channel_quality import ChannelQuality, channel_quality
 from damper_estimator.validation.comparison import Comparison, compare, per_recording
+from damper_estimator.validation.data_quality import DataQuality
 from damper_estimator.validation.finding import DataFinding
 from damper_estimator.validation.findings import data_findings
 from damper_estimator.validation.measures import Measures, measures
-from damper_estimator.validation.quality import DataQuality
 from damper_estimator.validation.regions import Region
 from damper_estimator.validation.spectra import partial_coherence
-from damper_estimator.validation.step_check import Step, step_check
+from damper_estimator.validation.step_check import JudgedStep, step_check
 from damper_estimator.validation.suitability import Excitation, Verdict, excitation, verdict
 from damper_estimator.validation.trace import Trace
 from damper_estimator.validation.velocity import velocity_agreement
@@ -19,9 +19,9 @@ __all__ = [
     "DataFinding",
     "DataQuality",
     "Excitation",
+    "JudgedStep",
     "Measures",
     "Region",
-    "Step",
     "Trace",
     "Verdict",
     "channel_quality",

@@ -1,4 +1,4 @@
-"""Bands of operation, cut by the data's own ranges.
+"""Bands of operation, cut by the ranges of the data.
 
 Speed and direction, stroke, acceleration, time after reversals, frequency and amplitude of the half cycle, time since
 the start, command, temperature.
@@ -11,7 +11,7 @@ import numpy as np
 
 from damper_estimator.validation.trace import Pool
 
-_LEVELS = 8  # a command with no more values than this is taken as steps
+_LEVELS = 8  # a command with no more values than this is treated as steps
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Bands:
     """One quantity cut into bands.
 
     Attributes:
-        axis: what is cut.
+        axis: the quantity that is cut.
         direction: rebound, compression, or "" for both.
         value: (n,) of the pool; NaN belongs to no band.
         edges: (k + 1,) rising; the outer ones may be infinite.
@@ -91,7 +91,7 @@ def _decades(size: np.ndarray) -> np.ndarray:
 
 
 def _even(axis: str, value: np.ndarray, count: int, words: Callable[[float, float], str], inside: np.ndarray) -> Bands:
-    """Bands of one width between the extremes, rounded to what can be read."""
+    """Bands of one width between the extremes, rounded to readable numbers."""
     finite = value[np.isfinite(value)]
     low, high = float(finite.min()), float(finite.max())
     if high <= low:

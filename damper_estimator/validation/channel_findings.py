@@ -1,4 +1,4 @@
-"""What is wrong with single channels: gaps, stamps, limits, dead or repeated values, steps too coarse, rate too low."""
+"""Defects of single channels: gaps, stamps, limits, dead or repeated values, steps too coarse, rate too low."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ _WINDOW = 64
 
 
 def channel_findings(m: Measurement) -> list[DataFinding]:
-    """What one recording shows, channel by channel."""
+    """The findings of one recording, channel by channel."""
     gauge_stamp = m.kinematics.stamp if m.gauge_stamp is None else m.gauge_stamp
     channels = {"displacement": (m.kinematics.stamp, m.raw_displacement)}
     if m.gauge.size:
@@ -29,14 +29,14 @@ def channel_findings(m: Measurement) -> list[DataFinding]:
         found += _gaps(m, role, stamp)
         found += _stamps(m, role, stamp)
         found += _dead(m, role, value)
-        found += _held(m, role, stamp, value)
+        found += _repeated(m, role, stamp, value)
     found += _saturation(m)
     found += _coarse_displacement(m)
     found += _coarse_gauge(m)
-    return found + list(_slow(m, channels))
+    return found + list(_slow_rate(m, channels))
 
 
-def _told(m: Measurement, kind: str, sentence: str, remedy: str, share: float) -> DataFinding:
+def _finding(m: Measurement, kind: str, sentence: str, remedy: str, share: float) -> DataFinding:
     return DataFinding(kind, sentence, remedy, m.recording, float(min(share, 1.0)))
 
 
@@ -44,13 +44,13 @@ def _dropped(m: Measurement) -> Iterator[DataFinding]:
     lost = m.counts.dropped
     if lost > LEAST_LOST * m.counts.samples:
         share = lost / m.counts.samples
-        what = {"equal stamps": m.counts.duplicates, "older stamps": m.counts.inversions}
-        what |= {"values that are not finite": m.counts.non_finite}
-        told = ", ".join(f"{count} {name}" for name, count in what.items() if count)
-        yield _told(
+        reasons = {"equal stamps": m.counts.duplicates, "older stamps": m.counts.inversions}
+        reasons |= {"values that are not finite": m.counts.non_finite}
+        listed = ", ".join(f"{count} {name}" for name, count in reasons.items() if count)
+        yield _finding(
             m,
             "stamps",
-            f"{100.0 * share:.2g} % of the displacement's samples are dropped: {told}",
+            f"{100.0 * share:.2g} % of the displacement's samples are dropped: {listed}",
             "let the driver stamp each sample when it is taken, once; nothing in the signal map corrects it",
             share,
         )
@@ -66,7 +66,7 @@ def _gaps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFinding]
     # A window of the signal map also ends a stretch of displacement.
     if holes.size and (role == "force" or m.counts.gaps + m.counts.steps_back):
         share = float(holes.sum() / steps.sum())
-        yield _told(
+        yield _finding(
             m,
             "gaps",
             f"the {role} has {holes.size} gap{'s' * (holes.size > 1)} of {holes.min():.2g} s"
@@ -78,7 +78,7 @@ def _gaps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFinding]
     missing = np.round(short / period) - 1.0
     share = float(missing.sum() / (missing.sum() + steps.size))
     if share > LEAST_LOST and short.std() <= UNEVEN * period + np.sqrt(share) * period:
-        yield _told(
+        yield _finding(
             m,
             "gaps",
             f"{100.0 * share:.2g} % of the {role}'s samples are missing one by one; between them it is taken as linear",
@@ -92,7 +92,7 @@ def _stamps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFindin
     steps = np.diff(stamp)
     equal = float(np.mean(steps == 0)) if steps.size else 0.0
     if equal > LEAST_LOST:
-        yield _told(
+        yield _finding(
             m,
             "stamps",
             f"{100.0 * equal:.2g} % of the {role}'s stamps repeat the one before",
@@ -106,7 +106,7 @@ def _stamps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFindin
     period = float(np.median(steps))
     grain = int(np.gcd.reduce(np.round(steps / 1e3).astype(np.int64))) * 1000
     if grain < period and grain / np.sqrt(12.0) > ROUNDED * period:
-        yield _told(
+        yield _finding(
             m,
             "stamps",
             f"the {role}'s stamps are rounded to {grain / 1e6:.3g} ms at a step of {steps.mean() / 1e6:.3g} ms: its "
@@ -117,7 +117,7 @@ def _stamps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFindin
         return
     single = steps[steps < 1.5 * period]
     if steps.std() > UNEVEN * period and np.mean(steps > 1.5 * period) > LEAST_LOST and single.std() > 0.15 * period:
-        yield _told(
+        yield _finding(
             m,
             "stamps",
             f"the {role}'s stamps are uneven: steps of {np.quantile(steps, 0.05) / 1e6:.2g} to "
@@ -130,7 +130,7 @@ def _stamps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFindin
 def _dead(m: Measurement, role: str, value: np.ndarray) -> Iterator[DataFinding]:
     if value.size > 1 and np.ptp(value) == 0.0:
         channel = getattr(m.signals, role)
-        yield _told(
+        yield _finding(
             m,
             "dead_channel",
             f"the {role} never changes ({value[0]:.4g} throughout)",
@@ -139,7 +139,7 @@ def _dead(m: Measurement, role: str, value: np.ndarray) -> Iterator[DataFinding]
         )
 
 
-def _held(m: Measurement, role: str, stamp: np.ndarray, value: np.ndarray) -> Iterator[DataFinding]:
+def _repeated(m: Measurement, role: str, stamp: np.ndarray, value: np.ndarray) -> Iterator[DataFinding]:
     """Values repeated by a logger that is faster than the sensor."""
     change = np.diff(value)
     steps = np.abs(change[change != 0.0])
@@ -151,10 +151,10 @@ def _held(m: Measurement, role: str, stamp: np.ndarray, value: np.ndarray) -> It
     if times < 2 or np.mean(np.abs(runs - times) <= 1) < 0.6 or np.median(steps) < 4.0 * steps.min():
         return
     rate = stamp.size / max((stamp[-1] - stamp[0]) / 1e9, 1e-9)
-    yield _told(
+    yield _finding(
         m,
         "held",
-        f"every value of the {role} comes {times} times: the sensor gives {rate / times:.3g} Hz, the logger writes "
+        f"every value of the {role} comes {times} times: the sensor delivers {rate / times:.3g} Hz, the logger writes "
         f"{rate:.3g} Hz; the held values are late by {500.0 * (times - 1) / rate:.2g} ms on average",
         f"record each value once; until then `{entry(role, m.signals, skew=round(0.5 * (times - 1) / rate, 5))}`",
         1.0,
@@ -167,17 +167,17 @@ def _saturation(m: Measurement) -> Iterator[DataFinding]:
         return
     levels = np.unique(m.gauge[cut])
     at = " and ".join(f"{level:.4g} N" for level in levels)
-    yield _told(
+    yield _finding(
         m,
         "saturation",
         f"the gauge clips at {at}: {np.count_nonzero(cut)} samples, {100.0 * cut.mean():.2g} % of the recording",
-        "they and what the filters make of them are left out; widen the amplifier's range",
+        "they and the filters' response to them are left out; widen the amplifier's range",
         float(cut.mean()),
     )
 
 
 def _coarse_displacement(m: Measurement) -> Iterator[DataFinding]:
-    """Quantisation is what makes the model's velocity noisy, and much of it."""
+    """Quantisation causes most of the noise of the model's velocity."""
     step = quantum(m.raw_displacement)
     k = m.kinematics
     speed = float(np.sqrt(np.mean(k.velocity**2)))
@@ -191,7 +191,7 @@ def _coarse_displacement(m: Measurement) -> Iterator[DataFinding]:
         return
     # The error goes with the cutoff to the power of 1.5, the motion that is lost with it not quite.
     cutoff = float(f"{max(0.85 * m.cutoff * (COARSE / share) ** (2.0 / 3.0), 5.0):.2g}")
-    yield _told(
+    yield _finding(
         m,
         "quantisation",
         f"the displacement comes in steps of {1e3 * step:.3g} mm, which alone makes the velocity uncertain by "
@@ -204,7 +204,7 @@ def _coarse_displacement(m: Measurement) -> Iterator[DataFinding]:
 def _coarse_gauge(m: Measurement) -> Iterator[DataFinding]:
     step, spread = quantum(m.gauge), float(m.gauge.std()) if m.gauge.size else 0.0
     if step > 0.0 and step / np.sqrt(12.0) > COARSE * spread > 0.0:
-        yield _told(
+        yield _finding(
             m,
             "quantisation",
             f"the gauge comes in steps of {step:.3g} N, {100.0 * step / spread:.2g} % of the force's rms",
@@ -220,7 +220,7 @@ def _noise(value: np.ndarray) -> float:
     return float(np.quantile(moving, 0.2)) if moving else 0.0
 
 
-def _slow(m: Measurement, channels: dict[str, tuple[np.ndarray, np.ndarray]]) -> Iterator[DataFinding]:
+def _slow_rate(m: Measurement, channels: dict[str, tuple[np.ndarray, np.ndarray]]) -> Iterator[DataFinding]:
     for role, limit, name in (("displacement", m.cutoff, "cutoff"), ("force", m.band, "band")):
         if role not in channels or limit <= 0.0:
             continue
@@ -230,10 +230,10 @@ def _slow(m: Measurement, channels: dict[str, tuple[np.ndarray, np.ndarray]]) ->
             continue
         rate = 1.0 / float(steps.mean())
         cutoff, band = min(m.cutoff, 0.35 * rate), min(m.band, 0.2 * rate)
-        yield _told(
+        yield _finding(
             m,
             "rate",
-            f"the {role} comes at {rate:.3g} Hz, which says nothing above {rate / 2.0:.3g} Hz, and the {name} is "
+            f"the {role} comes at {rate:.3g} Hz, which shows nothing above {rate / 2.0:.3g} Hz, and the {name} is "
             f"{limit:g} Hz",
             f"`filter: {{cutoff: {cutoff:.2g}, band: {band:.2g}}}`, or record faster",
             1.0,

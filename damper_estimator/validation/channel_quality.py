@@ -1,4 +1,4 @@
-"""Quality of one channel as it was recorded, before any filter."""
+"""Quality of one channel as recorded, before any filter."""
 
 from dataclasses import asdict, dataclass
 
@@ -13,10 +13,10 @@ _WINDOW = 64
 
 @dataclass(frozen=True)
 class ChannelQuality:
-    """What a channel is like.
+    """Properties of one channel.
 
     Attributes:
-        samples: that arrived.
+        samples: number that arrived.
         rate_hz: (n - 1) over the time between resets, not from the median step: logged times are often rounded.
         jitter_s: standard deviation of the steps.
         gaps, steps_back, inversions, duplicates, non_finite: in order of arrival.

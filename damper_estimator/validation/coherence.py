@@ -49,10 +49,10 @@ def _stretches(traces: Sequence[Trace], rate: float) -> Iterator[tuple[np.ndarra
             # Holes in the judged part (a lost gauge) end the stretch; the longest is kept.
             cuts = np.flatnonzero(np.diff(inside) > 1) + 1
             longest = max(np.split(inside, cuts), key=len)
-            own = slice(part.start + int(longest[0]), part.start + int(longest[-1]) + 1)
-            time = trace.time[own]
+            run = slice(part.start + int(longest[0]), part.start + int(longest[-1]) + 1)
+            time = trace.time[run]
             even = np.arange(time[0], time[-1], 1.0 / rate)
-            yield np.interp(even, time, trace.measured[own]), np.interp(even, time, trace.modelled[own])
+            yield np.interp(even, time, trace.measured[run]), np.interp(even, time, trace.modelled[run])
 
 
 def _spectra(x: np.ndarray, y: np.ndarray, rate: float, size: int) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:

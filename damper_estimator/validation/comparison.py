@@ -10,20 +10,20 @@ import numpy as np
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation.coherence import Coherence, coherence
-from damper_estimator.validation.finding import DataFinding
-from damper_estimator.validation.findings import data_findings
-from damper_estimator.validation.groups import (
+from damper_estimator.validation.data_quality import DataQuality, data_quality
+from damper_estimator.validation.error_parts import ErrorParts, error_parts
+from damper_estimator.validation.excitation_errors import (
     FrequencyError,
     GroupError,
     given_group_errors,
     group_errors,
     relative_rms,
 )
+from damper_estimator.validation.finding import DataFinding
+from damper_estimator.validation.findings import data_findings
 from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.noise import noise_floor
-from damper_estimator.validation.quality import DataQuality, data_quality
 from damper_estimator.validation.regions import Region, find_regions
-from damper_estimator.validation.split import Split, split
 from damper_estimator.validation.trace import Pool, Trace, pool, trace
 
 
@@ -32,22 +32,22 @@ class Comparison:
     """One model against one or several recordings of one damper, judged together.
 
     Attributes:
-        model: what was run.
+        model: the model that was run.
         traces: forces in band, one per recording.
         measures: over the judged samples of all recordings.
         split: how much of the error is the gauge's zero, drift, a gain and scatter.
         regions: where the error is concentrated, zero and drift left out; worst first.
         coherence: of measured and modelled force.
         data_quality: of the recordings.
-        noise_floor_n: N, what a perfect model would still show; NaN where it cannot be estimated.
+        noise_floor_n: N, error that a perfect model would still show; NaN where it cannot be estimated.
         warnings: what the user should know about these numbers.
-        grouping: recordings (paths) by the user's own groups; empty: groups form by velocity and frequency.
+        grouping: recordings (paths) by the user's groups; empty: groups are formed by velocity and frequency.
     """
 
     model: DamperModel
     traces: tuple[Trace, ...]
     measures: Measures
-    split: Split
+    split: ErrorParts
     regions: tuple[Region, ...]
     coherence: Coherence
     data_quality: DataQuality
@@ -93,13 +93,14 @@ class Comparison:
 
     @cached_property
     def groups(self) -> tuple[GroupError, ...]:
-        """Errors of the user's groups, or of groups of cycles as the recordings' own ranges form them."""
+        """Errors of the user's groups, or of of groups of cycles formed from the recordings' ranges."""
         if not self.grouping:
             return group_errors(self.traces)
         members = {
-            name: [i for i, path in enumerate(self.recordings) if path in own] for name, own in self.grouping.items()
+            name: [i for i, path in enumerate(self.recordings) if path in paths]
+            for name, paths in self.grouping.items()
         }
-        return given_group_errors(self.traces, {name: own for name, own in members.items() if own})
+        return given_group_errors(self.traces, {name: indices for name, indices in members.items() if indices})
 
     def record(self) -> dict[str, object]:
         """For JSON: the documented keys and a few more."""
@@ -116,7 +117,7 @@ class Comparison:
                 "cycles": [row.cycles for row in self.relative_rms],
             },
             "groups": [group.record() for group in self.groups],
-            "data_quality": self.data_quality.record() | {"findings": [own.record() for own in self.findings]},
+            "data_quality": self.data_quality.record() | {"findings": [finding.record() for finding in self.findings]},
             "contributions_rms_n": self.contributions,
             "warnings": list(self.warnings),
         }
@@ -141,8 +142,8 @@ def per_recording(comparison: Comparison) -> tuple[Comparison, ...]:
 def _judged(model: DamperModel, traces: Sequence[Trace]) -> Comparison:
     floors = [noise_floor(model, t.measurement) for t in traces]
     shares = [t.judged.sum() for t in traces]
-    coherent, quality, parts = coherence(traces), data_quality(traces), split(traces)
-    together = pool(traces, parts.slow)  # last: the others need as much memory for themselves
+    coherent, quality, parts = coherence(traces), data_quality(traces), error_parts(traces)
+    together = pool(traces, parts.slow)  # last: the other results need as much memory
     return Comparison(
         model=model,
         traces=tuple(traces),

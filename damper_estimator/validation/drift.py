@@ -26,28 +26,31 @@ class Drift:
     change: float
 
 
-def drift(m: Measurement, own: Surrogate, index: int = 0) -> Drift | None:
+def drift(m: Measurement, explained: Surrogate, index: int = 0) -> Drift | None:
     """The drift of recording ``index`` of a surrogate; None where it is within chance, or not the same everywhere.
 
-    What a curve does not know of the motion seems to drift as well where the excitation changes over the recording,
-    but then not by the same in both directions, and in fast motion as in slow.
+    An effect of the motion that the curve does not contain seems to drift as well where the excitation changes over the
+    recording, but then by different amounts in the two directions, or in fast and slow motion.
     """
-    zero = own.zeros[index]
+    zero = explained.zeros[index]
     if zero is None:
         return None
     first, last, change, error = zero.change()
     if abs(change) <= _CERTAIN * error:
         return None
     begin, end = float(zero.knots[first]), float(zero.knots[last])
-    rows = own.rows[index]
+    rows = explained.rows[index]
     time = m.kinematics.time[rows] - m.kinematics.time[0]
     velocity = m.kinematics.velocity[rows]
     reach = 0.5 * float(zero.knots[1] - zero.knots[0])
     early, late = (np.abs(time - moment) <= reach for moment in (begin, end))
     fast = np.abs(velocity) > np.median(np.abs(velocity[early | late]))
-    for way in (velocity > 0.0, velocity < 0.0):
+    for direction in (velocity > 0.0, velocity < 0.0):
         for speed in (fast, ~fast):
-            before, after = own.still[index][early & way & speed], own.still[index][late & way & speed]
+            before, after = (
+                explained.still[index][early & direction & speed],
+                explained.still[index][late & direction & speed],
+            )
             if min(before.size, after.size) < _FEWEST:
                 continue
             if abs(float(after.mean() - before.mean()) - change) > _ALIKE * abs(change):

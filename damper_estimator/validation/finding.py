@@ -14,8 +14,8 @@ class DataFinding:
             ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
         sentence: what is wrong, with numbers.
         remedy: what to do; what to write in the signal map, where that corrects it.
-        recording: path of the bag; "" where it is about several together.
-        share: 0 to 1, of the recording that is concerned, or of the force's rms that it makes up (drift, spring).
+        recording: path of the bag; "" for several together.
+        share: 0 to 1, of the recording that is affected, or of the force's rms that it causes (drift, spring).
     """
 
     kind: str

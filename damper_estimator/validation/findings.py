@@ -10,13 +10,13 @@ from damper_estimator.validation.force_findings import force_findings
 
 
 def data_findings(model: DamperModel | None, measurements: Sequence[Measurement]) -> tuple[DataFinding, ...]:
-    """What is wrong with the recordings of one damper, whatever a model lacks.
+    """The mistakes in the recordings of one damper, whatever a model lacks.
 
-    A model, where there is one, only helps to tell which of two channels has the wrong sign. Skew, gain, offset and
+    A model, where there is one, only helps to decide which of two channels has the wrong sign. Skew, gain, offset and
     spring rate that show against a model alone are candidates of the diagnosis.
     """
     found = [finding for m in measurements for finding in channel_findings(m)]
     dead = {finding.recording for finding in found if finding.kind == "dead_channel"}
     alive = [m for m in measurements if m.recording not in dead and m.force is not None and m.judged.any()]
-    # Parts of one recording say the same of their channels.
+    # Parts of one recording repeat the findings of their channels.
     return tuple(dict.fromkeys([*found, *force_findings(model, alive)]))

@@ -1,4 +1,4 @@
-"""What the force shows beside the motion: a wrong sign, a zero that wanders, a clock that runs apart, a spring."""
+"""Mistakes of the force channel, found against the motion: wrong sign, wandering zero, drifting clock, a spring."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,7 +14,7 @@ from damper_estimator.validation.finding import DataFinding, entry
 from damper_estimator.validation.surrogate import Surrogate, Zero, surrogate
 
 LEAST_DRIFT = 0.05  # of the force's rms
-_OVER_REST = 1.5  # times the rms of what the motion does not explain
+_OVER_REST = 1.5  # times the rms that the motion does not explain
 _CERTAIN = 5.0  # standard errors
 LEAST_CLOCK = 1e-3  # s, change of lateness over the recording
 LEAST_SPRING = 0.3  # rms of a straight line over displacement, over the force's
@@ -23,25 +23,25 @@ _UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, 
 
 
 def force_findings(model: DamperModel | None, measurements: Sequence[Measurement]) -> list[DataFinding]:
-    """Findings of recordings with a force, each alone and all against each other."""
+    """Findings of recordings with a force, of each alone and of all compared with each other."""
     found: list[DataFinding] = []
-    told: list[tuple[Measurement, Surrogate]] = []
+    moved: list[tuple[Measurement, Surrogate]] = []
     for m in measurements:
-        own = surrogate([m])
-        if own is None:
+        explained = surrogate([m])
+        if explained is None:
             continue
-        if own.rest_n > _UNEXPLAINED * own.rms_n:
-            found.append(_silent(m))
+        if explained.rest_n > _UNEXPLAINED * explained.rms_n:
+            found.append(_no_force_finding(m))
             continue
         if wrong := list(_sign(model, m)):
             found += wrong
             continue
-        found += [*_drift(m, own), *_clock(m, own), *_spring(m, own)]
-        told.append((m, own))
-    return found + list(_zeros_differ(told))
+        found += [*_drift(m, explained), *_clock(m, explained), *_spring(m, explained)]
+        moved.append((m, explained))
+    return found + list(_zeros_differ(moved))
 
 
-def _silent(m: Measurement) -> DataFinding:
+def _no_force_finding(m: Measurement) -> DataFinding:
     channel = m.signals.force
     return DataFinding(
         "dead_channel",
@@ -53,9 +53,9 @@ def _silent(m: Measurement) -> DataFinding:
 
 
 def _sign(model: DamperModel | None, m: Measurement) -> Iterator[DataFinding]:
-    """A damper takes energy: the force's part that goes with velocity is positive."""
-    k, own = m.kinematics, m.judged
-    force, v, x = m.in_band(m.force)[own], k.velocity[own], k.displacement[own]
+    """A damper dissipates energy: the part of the force that follows the velocity is positive."""
+    k, judged = m.kinematics, m.judged
+    force, v, x = m.in_band(m.force)[judged], k.velocity[judged], k.displacement[judged]
     columns = np.stack([v - v.mean(), x - x.mean()], axis=1)
     columns = columns / (columns.std(axis=0) + 1e-12)
     damping, _ = least_squares(columns, force - force.mean())[0]
@@ -63,7 +63,7 @@ def _sign(model: DamperModel | None, m: Measurement) -> Iterator[DataFinding]:
     power = float(np.mean((force - force.mean()) * v))
     if share > -0.3 or power >= 0.0:
         return
-    role = _turned(model, m)
+    role = _channel_to_turn(model, m)
     lines = {name: entry(name, m.signals, **_negative(m, name)) for name in ("force", "displacement")}
     remedy = (
         f"`{lines[role]}`" if role else f"`{lines['force']}`, or `{lines['displacement']}`: push the damper together "
@@ -73,7 +73,7 @@ def _sign(model: DamperModel | None, m: Measurement) -> Iterator[DataFinding]:
     what = role or "force or displacement"
     yield DataFinding(
         "sign",
-        f"the damper seems to give energy ({-power:.3g} W on average): {what} has the wrong sign",
+        f"the damper seems to produce energy ({-power:.3g} W on average): {what} has the wrong sign",
         remedy,
         m.recording,
         1.0,
@@ -86,32 +86,32 @@ def _negative(m: Measurement, role: str) -> dict[str, float]:
     return turned | ({"preload": -m.signals.preload} if role == "force" and m.signals.preload else {})
 
 
-def _turned(model: DamperModel | None, m: Measurement) -> str:
-    """Which channel's turn brings the model closer; "" where there is no model or both do alike."""
+def _channel_to_turn(model: DamperModel | None, m: Measurement) -> str:
+    """The channel whose reversal brings the model closer; "" without a model or where both do equally."""
     if model is None:
         return ""
     block = m.kinematics.block
     mirrored = block.copy()
     mirrored[[X, V, A]] *= -1.0
-    own = m.judged
+    judged = m.judged
     measured = m.in_band(m.force)
     errors = {}
     for role, (motion, sign) in {"force": (block, -1.0), "displacement": (mirrored, 1.0)}.items():
         modelled = model.force(motion)
-        if not np.isfinite(modelled[own]).all():
+        if not np.isfinite(modelled[judged]).all():
             return ""
-        errors[role] = float(np.var((m.in_band(np.nan_to_num(modelled)) - sign * measured)[own]))
+        errors[role] = float(np.var((m.in_band(np.nan_to_num(modelled)) - sign * measured)[judged]))
     best, other = sorted(errors, key=errors.get)
     return best if errors[best] < 0.7 * errors[other] else ""
 
 
-def _drift(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
-    told = drift(m, own)
-    if told is None or abs(told.change) <= max(LEAST_DRIFT * own.rms_n, own.rest_n):
+def _drift(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
+    found = drift(m, explained)
+    if found is None or abs(found.change) <= max(LEAST_DRIFT * explained.rms_n, explained.rest_n):
         return
-    begin, end, change = told.begin, told.end, told.change
-    start, stop = _calmest(own.zeros[0])
-    warmth = _warmth(m, begin, end)
+    begin, end, change = found.begin, found.end, found.change
+    start, stop = _calmest_half(explained.zeros[0])
+    warmth = _warming(m, begin, end)
     yield DataFinding(
         "zero_drift",
         f"the force at standstill drifts by {change:+.3g} N between {begin:.3g} and {end:.3g} s"
@@ -121,12 +121,12 @@ def _drift(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
         f"tare before each run and let the amplifier warm up; the calmest half is `use: [{{from: {start:.3g}, to: "
         f"{stop:.3g}}}]`",
         m.recording,
-        min(abs(change) / own.rms_n, 1.0),
+        min(abs(change) / explained.rms_n, 1.0),
     )
 
 
-def _warmth(m: Measurement, begin: float, end: float) -> float:
-    """Change of the temperature in K between two times; 0 where it is small or not known."""
+def _warming(m: Measurement, begin: float, end: float) -> float:
+    """Change of the temperature in K between two times; 0 where it is small or unknown."""
     k = m.kinematics
     known = np.flatnonzero(np.isfinite(k.temperature))
     if not known.size:
@@ -136,7 +136,7 @@ def _warmth(m: Measurement, begin: float, end: float) -> float:
     return change if abs(change) >= 5.0 else 0.0
 
 
-def _calmest(zero: Zero) -> tuple[float, float]:
+def _calmest_half(zero: Zero) -> tuple[float, float]:
     """The half of the recording in which the zero moves least, s."""
     half = 0.5 * float(zero.knots[-1] - zero.knots[0])
     starts = np.linspace(zero.knots[0], zero.knots[-1] - half, 9)
@@ -146,18 +146,18 @@ def _calmest(zero: Zero) -> tuple[float, float]:
     return start, start + half
 
 
-def _clock(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
-    """Lateness that changes over the recording: the two channels' clocks run apart."""
-    time = m.kinematics.time[own.rows[0]] - m.kinematics.time[0]
-    slope = np.gradient(own.motion[0], time)
+def _clock(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
+    """Lateness that changes over the recording: the clocks of the two channels drift apart."""
+    time = m.kinematics.time[explained.rows[0]] - m.kinematics.time[0]
+    slope = np.gradient(explained.motion[0], time)
     edges = np.linspace(time[0], time[-1], _BLOCKS + 1)
     block = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, _BLOCKS - 1)
     weight = np.bincount(block, slope**2, _BLOCKS)
-    told = weight > 0.02 * weight.sum()
-    if np.count_nonzero(told) < 5:
+    enough = weight > 0.02 * weight.sum()
+    if np.count_nonzero(enough) < 5:
         return
-    late = -np.bincount(block, own.residual[0] * slope, _BLOCKS)[told] / weight[told]
-    middle, weight = 0.5 * (edges[1:] + edges[:-1])[told], weight[told] / weight[told].sum()
+    late = -np.bincount(block, explained.residual[0] * slope, _BLOCKS)[enough] / weight[enough]
+    middle, weight = 0.5 * (edges[1:] + edges[:-1])[enough], weight[enough] / weight[enough].sum()
     centred = middle - float(weight @ middle)
     spread = float(weight @ centred**2)
     rate = float(weight @ (centred * late)) / spread
@@ -176,11 +176,11 @@ def _clock(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
     )
 
 
-def _spring(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
+def _spring(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
     """The same straight line over displacement in both directions makes up much of the force."""
-    k, rows = m.kinematics, own.rows[0]
+    k, rows = m.kinematics, explained.rows[0]
     force, v, x = m.in_band(m.force)[rows], k.velocity[rows], k.displacement[rows]
-    # A damper that holds what it was left with between two positions has a step where a spring has a line.
+    # A damper that keeps a force between two positions shows a step where a spring shows a line.
     step = np.tanh((x - np.median(x)) / (0.3 * x.std() + 1e-9))
     columns = np.stack([v, np.sqrt(np.abs(v)), np.ones_like(v), x, step], axis=1)
     scale = np.sqrt(np.mean(columns**2, axis=0)) + 1e-12
@@ -193,7 +193,7 @@ def _spring(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
         ]
     rates = np.array(rates) / scale[3]
     rate = float(np.mean(rates[::2]))
-    share = abs(rate) * float(x.std()) / own.rms_n
+    share = abs(rate) * float(x.std()) / explained.rms_n
     if share < LEAST_SPRING or min(rates, key=abs) * rate <= 0.0 or min(np.abs(rates)) < 0.7 * max(np.abs(rates)):
         return
     what = "a spring seems to be in the gauge's force" if rate > 0.0 else "the spring seems to be subtracted twice"
@@ -201,27 +201,27 @@ def _spring(m: Measurement, own: Surrogate) -> Iterator[DataFinding]:
         "spring",
         f"a straight line of {rate / 1e3:.3g} N/mm over displacement makes up {100.0 * share:.0f} % of the force's "
         f"rms: {what}",
-        f"where that is so, `{entry('force', m.signals, spring_rate=round(m.signals.spring_rate + rate, -1))}`; "
+        f"if so, `{entry('force', m.signals, spring_rate=round(m.signals.spring_rate + rate, -1))}`; "
         "diagnose judges it against gas and mounts",
         m.recording,
         min(share, 1.0),
     )
 
 
-def _zeros_differ(told: Sequence[tuple[Measurement, Surrogate]]) -> Iterator[DataFinding]:
-    """The recordings whose forces at standstill are furthest apart, by their own curves and by a common one.
+def _zeros_differ(recordings: Sequence[tuple[Measurement, Surrogate]]) -> Iterator[DataFinding]:
+    """The recordings whose forces at standstill are furthest apart, by separate curves and by a common one.
 
-    Own curves are extrapolated to standstill each in its way where the excitations differ; a common one makes a
-    zero of a damper that changed in between.
+    Separate curves extrapolate to standstill differently where the excitations differ; a common one mistakes a damper
+    that changed in between for a zero.
     """
-    if len(told) < 2:
+    if len(recordings) < 2:
         return
-    levels = [own.levels[0] for _, own in told]
+    levels = [explained.levels[0] for _, explained in recordings]
     low, high = int(np.argmin(levels)), int(np.argmax(levels))
-    pair = [told[low], told[high]]
-    error = float(np.hypot(*(own.level_error for _, own in pair)))
-    rms = max(own.rms_n for _, own in pair)
-    least = max(LEAST_DRIFT * rms, _OVER_REST * max(own.rest_n for _, own in pair), _CERTAIN * error)
+    pair = [recordings[low], recordings[high]]
+    error = float(np.hypot(*(explained.level_error for _, explained in pair)))
+    rms = max(explained.rms_n for _, explained in pair)
+    least = max(LEAST_DRIFT * rms, _OVER_REST * max(explained.rest_n for _, explained in pair), _CERTAIN * error)
     if levels[high] - levels[low] <= least:
         return
     together = surrogate([m for m, _ in pair])

@@ -1,12 +1,13 @@
 """The error that a perfect model would still show: gauge noise, and displacement noise carried through filter and
 model.
 
-Noise is white, and quantised. Its density is what a channel's neighbours in time do not foretell: each sample less the
-cubic through two on either side, at the times that their stamps tell, so that neither motion nor uneven sampling nor a
-lost sample counts. What motion and force reach so high is kept out twice: by the quietest second, and by the lowest
-part of the spectrum above a fifth of the rate, over the gain of the cubic; the smaller of both is taken.
+Noise is white, and quantised. Its density comes from the part of a channel that neighbouring samples do not predict:
+each sample less the cubic through two on either side, at the times of their stamps, so that neither motion nor uneven
+sampling nor a lost sample counts. Motion and force at such high frequencies are excluded in two ways: by the quietest
+second, and by the lowest part of the spectrum above a fifth of the rate, over the gain of the cubic; the smaller result
+is used.
 
-Both channels are then simulated: noise and quantisation put on what is left of the signal without them, carried through
+Both channels are then simulated: noise and quantisation are added to the signal without them and carried through
 filter, model and band. Quantisation coarser than the noise is not white; its error follows the signal.
 """
 
@@ -22,7 +23,7 @@ from damper_estimator.signals.layout import A, V, X
 from damper_estimator.signals.rest import quantum
 
 _LEAST_SAMPLES = 100
-_MOST_SAMPLES = 200_000  # more would only take longer
+_MOST_SAMPLES = 200_000  # more take longer without a better result
 _SEGMENT = 512
 _CUBIC = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0  # evenly sampled
 _LOWEST, _HIGHEST, _PARTS = 0.2, 0.49, 6  # of the rate
@@ -30,14 +31,14 @@ _FAR = 3.0  # neighbours whose steps are longer than this many ordinary ones are
 _QUIET = 1.0  # s
 _DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
 _ALIKE = 2.0  # variances of quiet seconds over that of the quietest
-_COARSE = 2.0  # quantum over noise above which the signal is read off the moments at which it changes
+_COARSE = 2.0  # quantum over noise above which the signal is reconstructed from the moments of its changes
 _SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that is tried then
-_MOTION = 0.1  # s over which motion is told from noise
+_MOTION = 0.1  # s over which motion is distinguished from noise
 _SLOW = 1.0  # Hz
 
 
 def noise_floor(model: DamperModel, measurement: Measurement) -> float:
-    """RMS error in N at the comparison's bandwidth; NaN where the recording is too short to tell."""
+    """RMS error in N at the comparison's bandwidth; NaN where the recording is too short."""
     measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
     judged = measurement.judged
     through_gauge, through_model = _gauge_error(measurement), _model_error(model, measurement)
@@ -62,26 +63,26 @@ def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
         return float("nan")
     time = (stamp - stamp[0]) / 1e9
     period = float(np.median(np.diff(time)))
-    residual, whole = _unforetold(time, value, period)
+    residual, whole = _unpredicted(time, value, period)
     if np.count_nonzero(whole) < _LEAST_SAMPLES:
         return float("nan")
     changes = (value[2:-2] != value[1:-3])[whole]
     return min(_lowest_part(residual[whole], 1.0 / period), _quietest(residual[whole], changes, 1.0 / period))
 
 
-def _unforetold(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+def _unpredicted(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
     """Each sample less the cubic through its four neighbours, and where these are near; both (n - 4,)."""
     centre = time[2:-2]
     around = [time[i : time.size - 4 + i] - centre for i in (0, 1, 3, 4)]
-    foretold = np.zeros(centre.size)
-    for i, own in enumerate(around):
+    predicted = np.zeros(centre.size)
+    for i, node in enumerate(around):
         weight = np.ones(centre.size)
         for j, other in enumerate(around):
             if j != i:
-                weight *= other / (other - own)
+                weight *= other / (other - node)
         place = (0, 1, 3, 4)[i]
-        foretold += weight * value[place : value.size - 4 + place]
-    return value[2:-2] - foretold, around[3] - around[0] < _FAR * 4.0 * period
+        predicted += weight * value[place : value.size - 4 + place]
+    return value[2:-2] - predicted, around[3] - around[0] < _FAR * 4.0 * period
 
 
 def _lowest_part(residual: np.ndarray, rate: float) -> float:
@@ -95,7 +96,7 @@ def _lowest_part(residual: np.ndarray, rate: float) -> float:
 
 
 def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
-    """From the second with the smallest variance; less chance's share, which white noise of the same length tells."""
+    """From the second with the smallest variance; corrected for chance by white noise of the same length."""
     size = max(round(_QUIET * rate), 64)
     if residual.size < 2 * size:
         return float("inf")
@@ -137,7 +138,7 @@ class _Channel:
     level: float
 
     def disturbed(self, seed: int) -> np.ndarray:
-        """(n,) the signal with another helping of the same noise and quantisation."""
+        """(n,) the signal with new noise and quantisation of the same size."""
         noisy = self.smooth + self.deviation * np.random.default_rng(seed).standard_normal(self.smooth.size)
         if self.step <= 0.0:
             return noisy
@@ -145,7 +146,7 @@ class _Channel:
         return level + self.step * np.round((noisy - level) / self.step)
 
     def error(self, seed: int) -> np.ndarray:
-        """(n,) what that changes."""
+        """(n,) the change by noise and quantisation."""
         return self.disturbed(seed) - self.smooth
 
 
@@ -162,10 +163,12 @@ def _channel(stamp: np.ndarray, value: np.ndarray, band: float) -> _Channel | No
         return _Channel(value, deviation, step, float(value[0]))
     smooth = _without_steps(value)
     smooth = low_pass_zero_phase(band, np.diff(stamp, prepend=stamp[0]) / 1e9, smooth)
-    # Coarse steps are not white: the noise is what makes as much of them as was measured.
+    # Coarse steps are not white: search for the noise that reproduces the measured density.
     tried = step * np.array(_SHARES)
     level = float(value[0])
-    made = [noise_density(stamp, _Channel(smooth, own, step, level).disturbed(2)) for own in tried]
+    made = [
+        noise_density(stamp, _Channel(smooth, tried_deviation, step, level).disturbed(2)) for tried_deviation in tried
+    ]
     return _Channel(smooth, float(np.interp(density, np.maximum.accumulate(made), tried)), step, level)
 
 
@@ -178,10 +181,10 @@ def _without_steps(value: np.ndarray) -> np.ndarray:
 
 
 def _gauge_error(m: Measurement) -> np.ndarray | None:
-    """(n,) N, what noise and quantisation of the gauge make of the filtered force."""
-    own = m.kinematics.stamp
-    stamp = own if m.gauge_stamp is None else m.gauge_stamp
-    inside = slice(*np.searchsorted(stamp, [own[0], own[-1] + 1]).tolist())
+    """(n,) N, error of the filtered force due to noise and quantisation of the gauge."""
+    displacement_stamp = m.kinematics.stamp
+    stamp = displacement_stamp if m.gauge_stamp is None else m.gauge_stamp
+    inside = slice(*np.searchsorted(stamp, [displacement_stamp[0], displacement_stamp[-1] + 1]).tolist())
     channel = _channel(stamp[inside], m.gauge[inside], m.band)
     if channel is None:
         return None
@@ -191,26 +194,26 @@ def _gauge_error(m: Measurement) -> np.ndarray | None:
 
 
 def _model_error(model: DamperModel, m: Measurement) -> np.ndarray | None:
-    """(n,) N, what noise and quantisation of the displacement make of the modelled force."""
+    """(n,) N, error of the modelled force due to noise and quantisation of the displacement."""
     k = m.kinematics
     channel = _channel(k.stamp, m.raw_displacement, m.band)
     if channel is None:
         return None
     error = _filtered(m, channel.error(1), 0.0)
     block = k.block.copy()
-    block[[X, V, A]] = _quiet(m, _filtered(m, channel.smooth, channel.smooth[0]), error)
+    block[[X, V, A]] = _without_noise(m, _filtered(m, channel.smooth, channel.smooth[0]), error)
     still = model.force(block)
     block[[X, V, A]] += error
     return model.force(block) - still
 
 
-def _quiet(m: Measurement, motion: np.ndarray, error: np.ndarray) -> np.ndarray:
+def _without_noise(m: Measurement, motion: np.ndarray, error: np.ndarray) -> np.ndarray:
     """(3, n) the motion as it would be without noise: within the band, and at rest where it is no more than noise.
 
-    What a friction model holds at rest the noise lets go, so the difference needs a displacement that truly rests.
+    Noise releases the force that a friction model keeps at rest, so the difference needs a displacement at rest.
     """
-    x, v, a = (m.in_band(own) for own in motion)
-    v, a = (own * _moving(m, own, m.in_band(noise)) for own, noise in ((v, error[1]), (a, error[2])))
+    x, v, a = (m.in_band(derivative) for derivative in motion)
+    v, a = (values * _moving(m, values, m.in_band(noise)) for values, noise in ((v, error[1]), (a, error[2])))
     gone = np.cumsum(v * m.kinematics.dt)
     return np.stack([gone + low_pass_zero_phase(_SLOW, m.kinematics.dt, x - gone), v, a])
 

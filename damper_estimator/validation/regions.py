@@ -11,9 +11,9 @@ from damper_estimator.validation.trace import Pool
 
 LEAST_CONCENTRATION = 1.25  # share of the squared error over share of the samples
 LEAST_SHARE = 0.05  # of the squared error
-MOST = 6  # regions told
+MOST = 6  # regions reported
 _CERTAINTY = 3.0  # standard deviations of a mean square of so many independent samples
-_NEW = 0.5  # share of a region's own error that no worse region has yet
+_NEW = 0.5  # share of a region's error that no worse region contains
 _KEPT, _NARROWER = 0.75, 0.6  # share of the error kept, and of the samples, where a region is narrowed down
 _NARROWINGS = 2
 
@@ -25,11 +25,11 @@ class Region:
     Attributes:
         where: in words.
         what: the error in words, such as ``model 120 N too soft``.
-        axis, direction, low, high: the same for programs, SI; of the cut that found it.
+        axis, direction, low, high: the cut that found it, for programs, in SI.
         narrowed: (axis, direction, low, high) of the cuts that narrow it down.
         rmse_n, bias_n: N, of the whole error in the region.
         drift_n: N rms of the gauge's zero and drift in it.
-        scatter_n: N rms about the mean of what is left.
+        scatter_n: N rms of the remainder about its mean.
         share_of_squared_error, share_of_samples: 0 to 1.
         recording, time: index of the recording and s since its first sample of the largest error in the region.
     """
@@ -52,12 +52,12 @@ class Region:
 
     @property
     def excess(self) -> float:
-        """Share of the squared error beyond the region's share of the samples: what makes it worse than another."""
+        """Share of the squared error beyond the region's share of the samples: the larger, the worse the region."""
         return self.share_of_squared_error - self.share_of_samples
 
     @property
     def sentence(self) -> str:
-        """All of it in words."""
+        """The whole region in words."""
         error, samples = 100.0 * self.share_of_squared_error, 100.0 * self.share_of_samples
         return f"{self.where}: {error:.0f} % of the squared error in {_percent(samples)} of the time, {self.what}"
 
@@ -101,9 +101,9 @@ def find_regions(pool: Pool) -> tuple[Region, ...]:
     Neighbouring bands that are both concentrated are one region. A band counts where its mean square exceeds the
     whole's by more than what independent samples of its number would scatter (2 band independent samples a second),
     so noise alone gives none. A passage after reversals must stand out within its own direction, too. The worst region
-    is narrowed down by other quantities where most of its error is in few of its samples; then the next is looked for
-    among what it leaves: a region that is the same samples under another name is not told again. Where zero and drift
-    are all there is, none is told.
+    is narrowed down by other quantities where most of its error is in few of its samples; the next one is searched
+    among the remaining samples: the same samples under another name are not reported again. An error that consists of
+    zero and drift alone has no regions.
     """
     square = pool.structure**2
     total = float(square.sum())
@@ -159,40 +159,40 @@ def _least(samples: np.ndarray, seconds: np.ndarray, band: float) -> np.ndarray:
 
 
 def _is_new(run: _Run, pool: Pool, share: np.ndarray, free: np.ndarray) -> bool:
-    """Whether enough of a run's error is still free, and stands out among what is free."""
-    own = run.inside & free
-    error = float(share[own].sum())
+    """Whether enough of a run's error is still free, and stands out among the free samples."""
+    inside = run.inside & free
+    error = float(share[inside].sum())
     if error < max(LEAST_SHARE, _NEW * float(share[run.inside].sum())):
         return False
-    least = float(_least(np.array(own.sum()), np.array(pool.dt[own].sum()), pool.band))
-    return error > least * _level(share, free) * float(own.sum())
+    least = float(_least(np.array(inside.sum()), np.array(pool.dt[inside].sum()), pool.band))
+    return error > least * _level(share, free) * float(inside.sum())
 
 
-def _excess(own: np.ndarray, share: np.ndarray, free: np.ndarray) -> float:
-    return float(share[own].sum()) - _level(share, free) * float(own.sum())
+def _excess(inside: np.ndarray, share: np.ndarray, free: np.ndarray) -> float:
+    return float(share[inside].sum()) - _level(share, free) * float(inside.sum())
 
 
 def _narrowed(run: _Run, cuts: Sequence[Bands], pool: Pool, share: np.ndarray) -> tuple[Region, np.ndarray]:
-    """The region of a run, narrowed down by what holds most of its error in few of its samples."""
-    # That what happens once happened at some time says nothing.
+    """The region of a run, narrowed down to the bands with most of its error in few of its samples."""
+    # An event that happens once has a time, but the time explains nothing.
     inside, used = run.inside, {run.cut.axis, "time"} | ({"direction"} if run.cut.direction else set())
-    more: list[_Run] = []
+    narrowings: list[_Run] = []
     for _ in range(_NARROWINGS):
-        other = [
-            own
+        candidates = [
+            candidate
             for cut in cuts
             if cut.axis not in used and not (cut.direction and "direction" in used)
-            for own in _concentrated(cut, pool, share, inside)
-            if share[own.inside].sum() >= _KEPT * share[inside].sum()
-            and np.count_nonzero(own.inside) <= _NARROWER * np.count_nonzero(inside)
+            for candidate in _concentrated(cut, pool, share, inside)
+            if share[candidate.inside].sum() >= _KEPT * share[inside].sum()
+            and np.count_nonzero(candidate.inside) <= _NARROWER * np.count_nonzero(inside)
         ]
-        if not other:
+        if not candidates:
             break
-        best = max(other, key=lambda own: _excess(own.inside, share, inside))
+        best = max(candidates, key=lambda candidate: _excess(candidate.inside, share, inside))
         inside = best.inside
         used |= {best.cut.axis} | ({"direction"} if best.cut.direction else set())
-        more.append(best)
-    return _region(run, more, inside, pool, share), inside
+        narrowings.append(best)
+    return _region(run, narrowings, inside, pool, share), inside
 
 
 def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
@@ -204,13 +204,15 @@ def _region(run: _Run, more: Sequence[_Run], inside: np.ndarray, pool: Pool, sha
     residual, structure = pool.residual[inside], pool.structure[inside]
     worst = int(np.flatnonzero(inside)[np.argmax(np.abs(structure))])
     return Region(
-        where=", ".join([run.words, *(own.words for own in more)]),
+        where=", ".join([run.words, *(narrowing.words for narrowing in more)]),
         what=_error_in_words(structure, pool.velocity[inside], pool.acceleration[inside]),
         axis=run.cut.axis,
         direction=run.cut.direction,
         low=run.low,
         high=run.high,
-        narrowed=tuple((own.cut.axis, own.cut.direction, own.low, own.high) for own in more),
+        narrowed=tuple(
+            (narrowing.cut.axis, narrowing.cut.direction, narrowing.low, narrowing.high) for narrowing in more
+        ),
         rmse_n=float(np.sqrt(np.mean(residual**2))),
         bias_n=float(residual.mean()),
         drift_n=float(np.sqrt(np.mean(pool.slow[inside] ** 2))),

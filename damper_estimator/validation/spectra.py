@@ -1,11 +1,11 @@
-"""Partial coherence: how much of the force each of displacement, velocity and acceleration explains beside the others.
+"""Partial coherence: the share of the force that each of displacement, velocity and acceleration adds to the others.
 
     g_iy.rest^2 = |P_iy|^2 / (P_ii P_yy),      P = inverse of the cross-spectral matrix of all inputs and the force
 
-Velocity and acceleration are the displacement's derivatives: as they are, any of them explains all of the others, and
-their partial coherences do not exist. So each takes part as its own curve, the mean force over it, found in turns
-until they add up (an additive model); curves that bend differently are no longer copies of each other. A curve that
-another still explains to 99.9 % at a frequency gives NaN there. Source: Bendat and Piersol, Random Data, chapter 7;
+Velocity and acceleration are the displacement's derivatives: any of them, unchanged, explains all of the others, and
+their partial coherences do not exist. So each is replaced by a curve, the mean force over it; the curves are found in
+turns until they add up (an additive model); curves that bend differently are no longer copies of each other. A curve
+that another still explains to 99.9 % at a frequency has NaN there. Source: Bendat and Piersol, Random Data, chapter 7;
 black-box paper, reference 9 (partial coherence), by curves instead of raw signals for the reason given.
 """
 
@@ -30,7 +30,7 @@ class PartialCoherence:
 
     Attributes:
         frequency: (k,) Hz, up to the comparison band.
-        partial: (k,) 0 to 1 by input, given the others; NaN where it cannot be told.
+        partial: (k,) 0 to 1 by input, given the others; NaN where it is undetermined.
         ordinary: (k,) 0 to 1 by input alone.
         multiple: (k,) 0 to 1, all inputs together.
         curve_rms_n: N, rms of the curve over each input, where curves were used.
@@ -49,22 +49,22 @@ class PartialCoherence:
 
 def partial_coherence(measurements: Sequence[Measurement]) -> PartialCoherence:
     """Of the measured force with the curves over velocity, displacement and acceleration, all recordings pooled."""
-    curves, sizes, telling = _told_curves(measurements)
+    curves, sizes, large = _large_curves(measurements)
     rate = float(np.median([m.kinematics.rate for m in measurements]))
     parts = []
     for m in measurements:
-        columns = [m.force, *(np.interp(getattr(m.kinematics, n), *curves[n]) for n in telling)]
+        columns = [m.force, *(np.interp(getattr(m.kinematics, n), *curves[n]) for n in large)]
         parts += _even_parts(m, columns, rate)
-    found = coherences(telling, parts, rate, max(m.band for m in measurements))
+    found = coherences(large, parts, rate, max(m.band for m in measurements))
     nothing = {n: np.zeros(found.frequency.size) for n in curves}
     partial, ordinary = nothing | dict(found.partial), nothing | dict(found.ordinary)
     return replace(found, partial=partial, ordinary=ordinary, curve_rms_n=sizes)
 
 
-def _told_curves(
+def _large_curves(
     measurements: Sequence[Measurement],
 ) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], dict[str, float], list[str]]:
-    """The curves over the motion, their sizes in N rms, and those that are large enough to tell of, at least one."""
+    """The curves over the motion, their sizes in N rms, and the names of those large enough to use, at least one."""
     names, judged = ("velocity", "displacement", "acceleration"), [m.judged for m in measurements]
     raw = {
         n: np.concatenate([getattr(m.kinematics, n)[j] for m, j in zip(measurements, judged, strict=True)])
@@ -77,7 +77,7 @@ def _told_curves(
 
 
 def additive_curves(inputs: Mapping[str, np.ndarray], force: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """The mean force over each input, beside the others: knots (b,) and values (b,) by input.
+    """The mean force over each input, given the others: knots (b,) and values (b,) by input.
 
     F = mean + sum_i c_i(u_i), each c_i in turn the binned mean of what the others leave.
     """
@@ -117,7 +117,7 @@ def coherences(names: Sequence[str], parts: Sequence[np.ndarray], rate: float, b
         names: of the inputs, in order.
         parts: (1 + inputs, n) each, the output first, evenly sampled.
         rate: Hz.
-        band: Hz, the highest frequency to tell; 0 for all.
+        band: Hz, the highest frequency returned; 0 for all.
     """
     size = round(_SEGMENT * rate)
     long = [part for part in parts if part.shape[1] >= size >= 8]
@@ -132,14 +132,14 @@ def coherences(names: Sequence[str], parts: Sequence[np.ndarray], rate: float, b
     spectra = spectra / (scale[:, :, None] * scale[:, None, :])
     spectra = spectra + 1e-9 * np.eye(spectra.shape[1])
     whole, inputs = np.linalg.inv(spectra), np.linalg.inv(spectra[:, 1:, 1:])
-    own = np.einsum("kii->ki", whole).real
+    diagonal = np.einsum("kii->ki", whole).real
     partial, ordinary = {}, {}
     for i, name in enumerate(names, start=1):
         left = 1.0 / inputs[:, i - 1, i - 1].real
-        value = np.abs(whole[:, i, 0]) ** 2 / (own[:, i] * own[:, 0])
+        value = np.abs(whole[:, i, 0]) ** 2 / (diagonal[:, i] * diagonal[:, 0])
         partial[name] = np.where(left >= _INDEPENDENT, np.clip(value, 0.0, 1.0), np.nan)
         ordinary[name] = np.clip(np.abs(spectra[:, i, 0]) ** 2, 0.0, 1.0)
-    return PartialCoherence(frequency[inside], partial, ordinary, np.clip(1.0 - 1.0 / own[:, 0], 0.0, 1.0))
+    return PartialCoherence(frequency[inside], partial, ordinary, np.clip(1.0 - 1.0 / diagonal[:, 0], 0.0, 1.0))
 
 
 def _matrix(part: np.ndarray, rate: float, size: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Whether a recording is good enough to identify a damper, and what to drive next."""
+"""Whether a recording is good enough to identify a damper, and which excitation to record next."""
 
 from dataclasses import asdict, dataclass
 
@@ -20,7 +20,7 @@ class Excitation:
     Attributes:
         seconds: recorded between resets.
         displacement, velocity, acceleration, force: m, m/s, m/s^2, N; force is None where none was measured.
-        coverage: share of the cells of the velocity-displacement plane, over its own ranges, that were visited.
+        coverage: share of the cells of the velocity-displacement plane, over its ranges, that were visited.
         frequency: Hz below which 5 % and 95 % of the velocity's power lie; NaN where too short.
         damping: N s/m, slope of the force over velocity with displacement's part taken out; NaN without force.
         stiffness: N/m, slope of the force over displacement, likewise.
@@ -49,10 +49,10 @@ def excitation(measurement: Measurement) -> Excitation:
     damping = stiffness = float("nan")
     force = None
     if measurement.force is not None and measurement.judged.any():
-        own = measurement.judged
-        force = _range(measurement.force[own])
-        columns = np.stack([k.velocity[own], k.displacement[own], np.ones(own.sum())], axis=1)
-        damping, stiffness, _ = np.linalg.lstsq(columns, measurement.force[own], rcond=None)[0].tolist()
+        judged = measurement.judged
+        force = _range(measurement.force[judged])
+        columns = np.stack([k.velocity[judged], k.displacement[judged], np.ones(judged.sum())], axis=1)
+        damping, stiffness, _ = np.linalg.lstsq(columns, measurement.force[judged], rcond=None)[0].tolist()
     return Excitation(
         seconds=float(k.dt.sum()),
         displacement=_range(x),
@@ -97,9 +97,9 @@ class Verdict:
     """Whether a damper can be identified, why not, and what would help.
 
     Attributes:
-        good: no fault stands in the way.
-        faults: what stands in the way, in words.
-        remarks: what weakens the result.
+        good: whether there is no fault.
+        faults: reasons against it, in words.
+        remarks: weaknesses of the result.
         drive_next: manoeuvres or tests that would help.
     """
 
@@ -165,8 +165,8 @@ def _judge_motion(e: Excitation, displacement: ChannelQuality, faults: list, rem
     low, high = e.frequency
     if np.isfinite(low) and high < LEAST_FREQUENCY_RATIO * max(low, 1e-9):
         remarks.append(
-            f"one frequency only ({low:.2g} to {high:.2g} Hz): what depends on frequency cannot be told from "
-            "what depends on speed"
+            f"one frequency only ({low:.2g} to {high:.2g} Hz): dependence on frequency cannot be distinguished "
+            "from dependence on speed"
         )
         drive.append("other frequencies at the same speed, or random excitation")
     if e.coverage < LEAST_COVERAGE:

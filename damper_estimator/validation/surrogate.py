@@ -1,11 +1,11 @@
-"""What the motion explains of a force, whatever the damper: a smooth curve of many parts, without physics.
+"""The part of a force that the motion explains, for any damper: a smooth curve of many parts, without physics.
 
     F = (1 + f t) g(v, x, a, command) + zero(t)
 
 g is made of broken lines over velocity and of low powers of the rest and vanishes at standstill in the middle of the
-stroke, f lets the damper fade over the recording, and zero is a broken line over time, one of its own for each
-recording: what is there at standstill, and what comes and goes without any motion. Its changes are read off whole
-cycles of the motion, over which a hysteresis that g does not know adds up to nothing.
+stroke, f lets the damper fade over the recording, and zero is a broken line over time, one for each
+recording: the force at standstill and its changes that do not depend on motion. The changes are read off whole
+cycles of the motion, over which a hysteresis that g does not contain cancels out.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,15 +20,15 @@ from damper_estimator.signals.cycles import reversals
 _ROWS_PER_BAND = 4.0  # rows per second over the band's frequency; more only repeat each other
 _SPEED_KNOTS = (0.0, 0.03, 0.08, 0.17, 0.35, 0.65, 1.0)  # of the largest speed
 _COMMAND_KNOTS = 4
-_KNOT_SECONDS, _KNOT_CYCLES, _MOST_KNOTS = 5.0, 6, 8  # the zero's knots: apart by this at least; intervals at most
+_KNOT_SECONDS, _KNOT_CYCLES, _MOST_KNOTS = 5.0, 6, 8  # knots of the zero: least distance; most intervals
 _BLOCKS = 4  # of cycles in an interval; neighbouring cycles are not independent
 _BLOCK = 1.0  # s; residuals further apart are
-_SLOW = 0.25  # of the frequency of the middle cycle, below which their middle wanders
+_SLOW = 0.25  # of the frequency of the middle cycle, below which the middle of the stroke wanders
 
 
 @dataclass(frozen=True)
 class Zero:
-    """What a recording's force does without any motion.
+    """How a recording's force changes without any motion.
 
     Attributes:
         knots, value: (k,) s since the first sample and N, the broken line through the means of whole cycles.
@@ -52,13 +52,13 @@ class Surrogate:
     """A fitted curve of the motion.
 
     Attributes:
-        rows: per recording (r,) int, samples at which the curve is given.
+        rows: per recording (r,) int, samples at which the curve is evaluated.
         motion: per recording (r,) N, the part that follows the motion; 0 at standstill.
-        still: per recording (r,) N, force less that: its zero, and what the curve does not know.
+        still: per recording (r,) N, force less that: its zero, and effects that the curve does not contain.
         residual: per recording (r,) N, force less curve and zero.
         levels: N, per recording the mean of its zero.
-        level_error: N, standard error of the levels that all have in common: how well standstill is known.
-        zeros: how each recording's zero changes; None where too few cycles were driven.
+        level_error: N, standard error common to all levels: how well standstill is known.
+        zeros: how each recording's zero changes; None where there are too few cycles.
         rms_n: rms of the force about its mean.
         rest_n: rms of the residual.
     """
@@ -76,7 +76,7 @@ class Surrogate:
 
 @dataclass(frozen=True)
 class _Ranges:
-    """Largest speed and displacement, rms acceleration, ends of the command (nothing: NaN), middle of the stroke."""
+    """Largest speed and displacement, rms acceleration, ends of the command (NaN without one), middle of the stroke."""
 
     speed: float
     stroke: float
@@ -86,36 +86,36 @@ class _Ranges:
 
 
 def surrogate(measurements: Sequence[Measurement], forces: Sequence[np.ndarray] | None = None) -> Surrogate | None:
-    """Fits the curve to all recordings together; None where too little was driven.
+    """Fits the curve to all recordings together; None where there is too little motion.
 
     Args:
         measurements: recordings of one damper.
         forces: (n,) N in band for each; the measured ones where it is None.
     """
     rows = [_rows(m) for m in measurements]
-    if not rows or any(own.size < 100 for own in rows):
+    if not rows or any(samples.size < 100 for samples in rows):
         return None
     ranges = _ranges(measurements, rows)
     if min(ranges.speed, ranges.stroke, ranges.acceleration) <= 0.0:
         return None
     given = [m.in_band(m.force) for m in measurements] if forces is None else forces
-    force = np.concatenate([own[r] for own, r in zip(given, rows, strict=True)])
+    force = np.concatenate([band_force[r] for band_force, r in zip(given, rows, strict=True)])
     cycles = [_cycles(m) for m in measurements]
-    curves = np.vstack([_curves(*own, ranges) for own in zip(measurements, rows, cycles, strict=True)])
+    curves = np.vstack([_curves(*recording, ranges) for recording in zip(measurements, rows, cycles, strict=True)])
     middle = np.full(1, ranges.middle)
     still = _columns(np.zeros(1), middle, middle, np.zeros(1), np.full(1, np.mean(ranges.command)), ranges)
     curves -= np.concatenate(list(still))
     size = np.sqrt(np.mean(curves**2, axis=0))
     curves = curves[:, size > 1e-9 * size.max()] / size[size > 1e-9 * size.max()]
-    time = [m.kinematics.time[own] - m.kinematics.time[0] for m, own in zip(measurements, rows, strict=True)]
-    hats = _block_diagonal([_hats(t, _knots(t, own)) for t, own in zip(time, cycles, strict=True)])
+    time = [m.kinematics.time[r] - m.kinematics.time[0] for m, r in zip(measurements, rows, strict=True)]
+    hats = _block_diagonal([_hats(t, _knots(t, whole)) for t, whole in zip(time, cycles, strict=True)])
     share, _ = least_squares(np.hstack([curves, hats]), force)
     late = np.concatenate([t / max(float(t[-1]), 1e-9) for t in time])
     curves = np.hstack([curves, (late * _sum(curves, share[: curves.shape[1]]))[:, None]])
     columns = np.hstack([curves, hats])
     share, inverse = least_squares(columns, force)
     motion, residual = _sum(curves, share[: curves.shape[1]]), force - _sum(columns, share)
-    cuts = np.cumsum([own.size for own in rows])[:-1]
+    cuts = np.cumsum([samples.size for samples in rows])[:-1]
     rests = np.split(force - motion, cuts)
     common = np.concatenate([np.zeros(curves.shape[1]), np.full(hats.shape[1], 1.0 / hats.shape[1])])
     variance = block_variance(residual, _blocks(time))
@@ -124,9 +124,9 @@ def surrogate(measurements: Sequence[Measurement], forces: Sequence[np.ndarray] 
         motion=tuple(np.split(motion, cuts)),
         still=tuple(rests),
         residual=tuple(np.split(residual, cuts)),
-        levels=tuple(float(own.mean()) for own in rests),
+        levels=tuple(float(rest.mean()) for rest in rests),
         level_error=float(np.sqrt(max(common @ inverse @ common, 0.0) * variance)),
-        zeros=tuple(_zero(*own) for own in zip(rows, time, rests, cycles, strict=True)),
+        zeros=tuple(_zero(*recording) for recording in zip(rows, time, rests, cycles, strict=True)),
         rms_n=float(force.std()),
         rest_n=float(np.sqrt(np.mean(residual**2))),
     )
@@ -139,13 +139,13 @@ def _rows(m: Measurement) -> np.ndarray:
 
 
 def _ranges(measurements: Sequence[Measurement], rows: Sequence[np.ndarray]) -> _Ranges:
-    parts = [(m.kinematics, own) for m, own in zip(measurements, rows, strict=True)]
-    x = np.concatenate([k.displacement[own] for k, own in parts])
-    command = np.concatenate([k.command[own] for k, own in parts])
+    parts = [(m.kinematics, samples) for m, samples in zip(measurements, rows, strict=True)]
+    x = np.concatenate([k.displacement[samples] for k, samples in parts])
+    command = np.concatenate([k.command[samples] for k, samples in parts])
     return _Ranges(
-        speed=max(float(np.abs(k.velocity[own]).max()) for k, own in parts),
+        speed=max(float(np.abs(k.velocity[samples]).max()) for k, samples in parts),
         stroke=float(np.abs(x).max()),
-        acceleration=float(np.sqrt(np.mean(np.concatenate([k.acceleration[own] ** 2 for k, own in parts])))),
+        acceleration=float(np.sqrt(np.mean(np.concatenate([k.acceleration[samples] ** 2 for k, samples in parts])))),
         command=(float(command.min()), float(command.max())),
         middle=float(np.median(x)),
     )
@@ -161,15 +161,15 @@ def _curves(m: Measurement, rows: np.ndarray, cycles: np.ndarray, ranges: _Range
     known = np.isfinite(k.command)
     command = np.where(known, k.command, ranges.command[0])
     columns = _columns(k.velocity, k.displacement, middle, k.acceleration, command, ranges)
-    in_band = [m.in_band(own)[rows] for own in columns]  # whole columns one at a time: there are dozens
+    in_band = [m.in_band(column)[rows] for column in columns]  # whole columns one at a time: there are dozens
     return np.stack(in_band, axis=1)
 
 
 def _columns(
     v: np.ndarray, x: np.ndarray, middle: np.ndarray, a: np.ndarray, command: np.ndarray, ranges: _Ranges
 ) -> Iterator[np.ndarray]:
-    """What g is made of, column by column. Where the middle of the cycles wanders, a hysteresis is stiff within them
-    and not between.
+    """The terms of g, column by column. Where the middle of the cycles wanders, a hysteresis is stiff within cycles
+    and not between them.
     """
     v, x, a, middle = v / ranges.speed, x / ranges.stroke, a / ranges.acceleration, middle / ranges.stroke
     steep = np.tanh(v / 0.05)
@@ -187,28 +187,28 @@ def _columns(
     yield x * v
     yield x * steep
     low, high = ranges.command
-    if high > low:  # False where there is none
+    if high > low:  # False without a command
         hats = _each_hat(np.clip(command, low, high), np.linspace(low, high, _COMMAND_KNOTS))
         next(hats)
         for hat in hats:
-            yield from (hat * own for own in (np.ones_like(v), v, steep, np.tanh(v / 0.3), x))
+            yield from (hat * factor for factor in (np.ones_like(v), v, steep, np.tanh(v / 0.3), x))
 
 
 def _sum(columns: np.ndarray, shares: np.ndarray) -> np.ndarray:
     return np.einsum("ij,j->i", columns, shares)
 
 
-def _blocks(time: Sequence[np.ndarray]) -> np.ndarray:
+def _blocks(times: Sequence[np.ndarray]) -> np.ndarray:
     """(r,) int, the block that each row of all recordings belongs to."""
     blocks, first = [], 0
-    for own in time:
-        blocks.append(first + (own / _BLOCK).astype(int))
+    for seconds in times:
+        blocks.append(first + (seconds / _BLOCK).astype(int))
         first = int(blocks[-1][-1]) + 1
     return np.concatenate(blocks)
 
 
 def _cycles(m: Measurement) -> np.ndarray:
-    """(c, 2) first and last sample of whole cycles that are judged throughout, none in two of them."""
+    """(c, 2) first and last sample of whole cycles that are judged throughout, without overlap."""
     bad = np.concatenate([[0], np.cumsum(~m.judged)])
     found = []
     for part in m.kinematics.stretches():
@@ -229,9 +229,9 @@ def _zero(rows: np.ndarray, time: np.ndarray, rest: np.ndarray, cycles: np.ndarr
     place = place[place[:, 1] - place[:, 0] >= 4]
     if len(place) < 2 * _KNOT_CYCLES:
         return None
-    sums, moments = (np.concatenate([[0.0], np.cumsum(own)]) for own in (rest, time))
+    sums, moments = (np.concatenate([[0.0], np.cumsum(values)]) for values in (rest, time))
     count = place[:, 1] - place[:, 0]
-    level, middle = ((own[place[:, 1]] - own[place[:, 0]]) / count for own in (sums, moments))
+    level, middle = ((total[place[:, 1]] - total[place[:, 0]]) / count for total in (sums, moments))
     knots = _knots(middle, place)
     hats = _hats(middle, knots)
     weight = count / count.mean()

@@ -1,4 +1,4 @@
-"""A model run over measurements: forces in band side by side, and the judged samples of several as one pool."""
+"""A model run over measurements: measured and modelled force in band, and the judged samples of several as one pool."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from damper_estimator.signals.kinematics import WARM_UP, Kinematics
 
 @dataclass(frozen=True)
 class Trace:
-    """One recording and what a model makes of it.
+    """One recording and the forces of a model run over it.
 
     Attributes:
-        measurement: where it comes from.
+        measurement: the recording.
         measured, modelled: (n,) N in band; measured is the damper's force.
         judged: (n,) bool, samples that count.
-        lost: samples where the model gave no finite force.
+        lost: samples where the model's force was not finite.
     """
 
     measurement: Measurement
@@ -125,7 +125,7 @@ class Pool:
         elapsed: s since the first sample of that recording.
         since_reversal: s, NaN before the first.
         frequency, amplitude: Hz and m, of the half cycle that the sample is in; NaN outside of any.
-        slow: N, what of the error is no matter of the operation: the gauge's zero and its drift.
+        slow: N, the part of the error that does not depend on the operation: the gauge's zero and its drift.
         band: Hz.
     """
 
@@ -152,13 +152,13 @@ class Pool:
 
     @property
     def structure(self) -> np.ndarray:
-        """(n,) N, the residual less zero and drift: what depends on the operation."""
+        """(n,) N, the residual less zero and drift: the part that depends on the operation."""
         return self.residual - self.slow
 
 
 def pool(traces: Sequence[Trace], slow: Sequence[np.ndarray] | None = None) -> Pool:
     """Judged samples of all traces; ``slow`` holds (n,) N for each, zero where it is None."""
-    taken = [np.zeros(t.time.size) for t in traces] if slow is None else slow
+    slow_parts = [np.zeros(t.time.size) for t in traces] if slow is None else slow
 
     def gathered(column) -> np.ndarray:
         return np.concatenate([np.asarray(column(t))[t.judged] for t in traces])
@@ -176,7 +176,7 @@ def pool(traces: Sequence[Trace], slow: Sequence[np.ndarray] | None = None) -> P
         since_reversal=gathered(lambda t: t.since_reversal),
         frequency=gathered(lambda t: t.half_cycles[0]),
         amplitude=gathered(lambda t: t.half_cycles[1]),
-        slow=np.concatenate([own[t.judged] for t, own in zip(traces, taken, strict=True)]),
+        slow=np.concatenate([values[t.judged] for t, values in zip(traces, slow_parts, strict=True)]),
         recording=np.repeat(np.arange(len(traces)), [int(t.judged.sum()) for t in traces]),
         band=traces[0].measurement.band,
     )

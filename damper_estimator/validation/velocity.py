@@ -1,8 +1,8 @@
 """Velocity by differentiating the displacement against velocity by integrating a measured acceleration.
 
 Neither is the true one (black-box paper, section 2 and figure 1): the first carries the displacement's noise, the
-second the accelerometer's zero. Both lose what is slower than 0.5 Hz here, where integration drifts. How far they
-agree says how far the velocity can be trusted, and whether the accelerometer measures the same motion at all.
+second the accelerometer's zero. Motion slower than 0.5 Hz is removed from both here, where integration drifts. How far
+they agree says how far the velocity can be trusted, and whether the accelerometer measures the same motion at all.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import numpy as np
 
 from damper_estimator.signals import Measurement, low_pass_zero_phase
 
-SLOWEST = 0.5  # Hz; slower motion is taken out of both
+SLOWEST = 0.5  # Hz; slower motion is removed from both
 _EDGE = 1.0  # s at both ends of a stretch that the high-pass spoils
 
 
@@ -91,6 +91,6 @@ def _whole(measurement: Measurement) -> list[slice]:
 
 
 def _high_pass(dt: np.ndarray, time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Without straight drift (the accelerometer's zero, integrated) and without what is slower than ``SLOWEST``."""
+    """Without straight drift (the accelerometer's zero, integrated) and without motion slower than ``SLOWEST``."""
     straight = values - np.polyval(np.polyfit(time - time[0], values, 1), time - time[0])
     return straight - low_pass_zero_phase(SLOWEST, dt, straight)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from damper_estimator.validation import (
     Comparison,
+    JudgedStep,
     Region,
-    Step,
     partial_coherence,
     per_recording,
     step_check,
@@ -185,7 +185,7 @@ def _steps(comparison: Comparison) -> list[dict[str, object]]:
     ]
 
 
-def step_record(step: Step, recording: str) -> dict[str, object]:
+def step_record(step: JudgedStep, recording: str) -> dict[str, object]:
     """A model's result for one step, for JSON."""
     return {
         "bag": recording,

@@ -79,9 +79,9 @@ def filtered():
 @cache
 def driven(damper: str, excitation: str, seed: int, seconds: float = 20.0) -> Truth:
     """A simulated damper on its way, without sensors; an adjustable one with steps of its current."""
-    own = DAMPERS[damper]
-    current = current_steps(seconds, seed) if own.coil.pressure > 0.0 else None
-    return simulate(own, drive(excitation, own, seconds, seed, current))
+    plant = DAMPERS[damper]
+    current = current_steps(seconds, seed) if plant.coil.pressure > 0.0 else None
+    return simulate(plant, drive(excitation, plant, seconds, seed, current))
 
 
 @pytest.fixture(scope="session")
@@ -100,13 +100,13 @@ def recorded(tmp_path_factory):
         path = folder / f"{next(count)}.mcap"
         with BagWriter(path) as bag:
             for role, field in (("displacement", "position"), ("force", "effort")):
-                own = channels[role]
-                messages = joint_states([damper], own.stamp, **{field: own.value[:, None]})
-                bag.write_messages(f"/suspension/{role}", "sensor_msgs/msg/JointState", own.stamp, messages)
+                channel = channels[role]
+                messages = joint_states([damper], channel.stamp, **{field: channel.value[:, None]})
+                bag.write_messages(f"/suspension/{role}", "sensor_msgs/msg/JointState", channel.stamp, messages)
             if DAMPERS[damper].coil.pressure > 0.0:
-                own = channels["current"]
+                channel = channels["current"]
                 topic = f"/suspension/{damper}/current"
-                bag.write_messages(topic, "std_msgs/msg/Float64", own.stamp, floats(own.value))
+                bag.write_messages(topic, "std_msgs/msg/Float64", channel.stamp, floats(channel.value))
         with open_bag(path) as bag:
             return measure(bag, signal_map or SignalMap(), damper)
 

@@ -31,10 +31,10 @@ def test_measures_are_those_of_judged_samples_in_band(viscous, motion, measured)
     m = measured(*motion(), double)
     c = compare(viscous, m)
     k, band = m.kinematics, m.band
-    own = k.time >= 0.2 - 1e-9
+    judged = k.time >= 0.2 - 1e-9
     f, g = (low_pass_zero_phase(band, k.dt, value) for value in (m.force, 1500.0 * k.velocity))
-    assert c.measures == measures(f[own], g[own], k.velocity[own], k.dt[own])
-    assert c.measures.samples == own.sum()
+    assert c.measures == measures(f[judged], g[judged], k.velocity[judged], k.dt[judged])
+    assert c.measures.samples == judged.sum()
 
 
 def test_pooled_measures_weigh_recordings_by_their_samples(viscous, motion, measured):

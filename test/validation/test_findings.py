@@ -30,8 +30,8 @@ def values(role, of):
     """A logger that writes ``of(time, value)`` instead of the values."""
 
     def change(channels):
-        own = channels[role]
-        return channels | {role: replace(own, value=of(own.stamp / 1e9, own.value))}
+        channel = channels[role]
+        return channels | {role: replace(channel, value=of(channel.stamp / 1e9, channel.value))}
 
     return change
 
@@ -40,8 +40,8 @@ def stamps(role, of):
     """A logger that writes ``of(time)`` instead of the times."""
 
     def change(channels):
-        own = channels[role]
-        return channels | {role: replace(own, stamp=np.round(1e9 * of(own.stamp / 1e9)).astype(np.int64))}
+        channel = channels[role]
+        return channels | {role: replace(channel, stamp=np.round(1e9 * of(channel.stamp / 1e9)).astype(np.int64))}
 
     return change
 
@@ -50,19 +50,19 @@ def without(role, lost):
     """A logger that loses the samples for which ``lost(time)``."""
 
     def change(channels):
-        own = channels[role]
-        kept = ~lost(own.stamp / 1e9)
-        return channels | {role: type(own)(own.log[kept], own.stamp[kept], own.value[kept])}
+        channel = channels[role]
+        kept = ~lost(channel.stamp / 1e9)
+        return channels | {role: type(channel)(channel.log[kept], channel.stamp[kept], channel.value[kept])}
 
     return change
 
 
-def held(role, times):
+def repeated(role, times):
     """A logger that is faster than its sensor."""
 
     def change(channels):
-        own = channels[role]
-        return channels | {role: replace(own, value=own.value[np.arange(own.value.size) // times * times])}
+        channel = channels[role]
+        return channels | {role: replace(channel, value=channel.value[np.arange(channel.value.size) // times * times])}
 
     return change
 
@@ -130,8 +130,8 @@ def corrected(finding):
 
 
 def test_an_offset_turns_with_the_sign(recorded):
-    own = parse_signal_map({"dampers": {"passenger_front": {"force": {"scale": 2.0, "offset": 30.0}}}}, "map")
-    finding = only(recorded(change=values("force", lambda t, v: -0.5 * v), signal_map=own))
+    mirrored = parse_signal_map({"dampers": {"passenger_front": {"force": {"scale": 2.0, "offset": 30.0}}}}, "map")
+    finding = only(recorded(change=values("force", lambda t, v: -0.5 * v), signal_map=mirrored))
     force = corrected(finding).dampers["passenger_front"].force
     assert (force.scale, force.offset) == (-2.0, -30.0)
 
@@ -166,7 +166,7 @@ def test_a_gauge_of_another_damper_is_dead_for_this_one(recorded):
 
 @pytest.mark.parametrize("role", ["displacement", "force"])
 def test_a_logger_that_repeats_values_is_named_and_the_lateness_corrected(role, recorded):
-    finding = only(recorded(change=held(role, 5)))
+    finding = only(recorded(change=repeated(role, 5)))
     assert finding.kind == "held" and "comes 5 times" in finding.sentence
     channel = getattr(corrected(finding).dampers["passenger_front"], role)
     assert channel.skew == pytest.approx(0.004, abs=2e-4)
@@ -191,12 +191,12 @@ def test_a_rate_too_low_for_the_filter_is_named_and_corrected(recorded):
 
 
 def test_rounded_equal_and_uneven_stamps_are_told_apart(recorded):
-    told = [
+    sentences = [
         only(recorded(rate=300.0, change=stamps("displacement", lambda t: np.round(t, 3)))).sentence,
         only(recorded(change=stamps("force", lambda t: np.round(t, 2)))).sentence,
         only(recorded(change=stamps("displacement", jittering))).sentence,
     ]
-    assert "rounded to 1 ms" in told[0] and "repeat the one before" in told[1] and "uneven" in told[2]
+    assert "rounded to 1 ms" in sentences[0] and "repeat the one before" in sentences[1] and "uneven" in sentences[2]
 
 
 def jittering(time):
@@ -226,5 +226,5 @@ def test_what_is_said_of_parts_of_a_recording_is_said_once(recorded):
 
 def test_compare_tells_the_findings_with_the_quality_of_the_data(viscous, recorded):
     record = compare(viscous, recorded(saturation=700.0)).record()["data_quality"]
-    assert [own["kind"] for own in record["findings"]] == ["saturation"] and record["saturated"] > 0
+    assert [finding["kind"] for finding in record["findings"]] == ["saturation"] and record["saturated"] > 0
     assert set(record["findings"][0]) == {"kind", "sentence", "correct", "recording", "share"}

@@ -38,12 +38,12 @@ def perfect_models_error(model, noisy, clean):
 
 
 def fewer(every):
-    """A gauge of its own rate."""
+    """A gauge with a different rate."""
 
     def change(channels):
         force = channels["force"]
         fields = (force.log, force.stamp, force.value)
-        return channels | {"force": type(force)(*(own[::every] for own in fields))}
+        return channels | {"force": type(force)(*(values[::every] for values in fields))}
 
     return change
 

@@ -11,7 +11,7 @@ def words(comparison):
 
 
 def plant(where, size=150.0):
-    """The model's force and an error beside it where ``where(kinematics)`` holds."""
+    """The model's force plus an error where ``where(kinematics)`` holds."""
     return lambda k: 1500.0 * k.velocity + size * np.sign(k.velocity) * where(k)
 
 
@@ -44,9 +44,9 @@ def test_a_planted_error_is_found_on_its_own_axis(axis, where, viscous, motion, 
     time, x = motion()
     slow = {"temperature": 40.0 + 5.0 * np.sin(time), "command": np.round(2 * np.mod(time / 7.0, 1.5)) / 2 + 0.5}
     c = compare(viscous, measured(time, x, plant(where), **slow))
-    own = [region for region in c.regions if region.axis == axis]
-    assert own and own[0].share_of_squared_error > 0.6
-    assert own[0].excess >= 0.7 * c.regions[0].excess
+    found = [region for region in c.regions if region.axis == axis]
+    assert found and found[0].share_of_squared_error > 0.6
+    assert found[0].excess >= 0.7 * c.regions[0].excess
 
 
 def test_an_error_after_reversals_is_told_from_slow_motion(viscous, motion, measured):
@@ -70,14 +70,14 @@ def sines(frequencies, speed=0.1, seconds=4.0):
 
 
 def test_an_error_of_fast_or_small_motion_is_found_by_frequency_and_amplitude(viscous, measured):
-    """At one speed a high frequency and a small amplitude are the same samples: told once."""
+    """At one speed a high frequency and a small amplitude are the same samples: reported once."""
     time, x = sines((1.0, 3.0, 9.0))
     since = np.diff(x, 2, prepend=[0.0, 0.0]) * 250000.0
     fast = np.convolve(np.abs(since) > 2.5, np.ones(100), "same") > 0  # 9 Hz at 0.1 m/s: peaks of 5.7 m/s^2
     c = compare(viscous, measured(time, x, plant(lambda k: fast, 60.0)))
-    told = [region for region in c.regions if region.axis in ("frequency", "amplitude")]
-    assert len(told) == 1 and told[0].share_of_squared_error > 0.85 and told[0].excess >= 0.8 * c.regions[0].excess
-    assert told[0].where in ("motion above 5 Hz", "amplitude below 5 mm", "amplitude below 2 mm")
+    found = [region for region in c.regions if region.axis in ("frequency", "amplitude")]
+    assert len(found) == 1 and found[0].share_of_squared_error > 0.85 and found[0].excess >= 0.8 * c.regions[0].excess
+    assert found[0].where in ("motion above 5 Hz", "amplitude below 5 mm", "amplitude below 2 mm")
 
 
 def test_frequency_is_told_apart_from_speed(viscous, measured):
@@ -116,9 +116,9 @@ def test_the_gauges_zero_and_drift_leave_the_regions_as_they_are(viscous, motion
     def offset_too(k):
         return plant(lambda k: (k.velocity > 0.1) & (k.velocity < 0.2))(k) + 60.0 + 0.5 * k.time
 
-    own = motion(60.0, rms=0.03)
-    plain = compare(viscous, measured(*own, plant(lambda k: (k.velocity > 0.1) & (k.velocity < 0.2)))).regions
-    both = compare(viscous, measured(*own, offset_too))
+    driven = motion(60.0, rms=0.03)
+    plain = compare(viscous, measured(*driven, plant(lambda k: (k.velocity > 0.1) & (k.velocity < 0.2)))).regions
+    both = compare(viscous, measured(*driven, offset_too))
     assert [r.where for r in both.regions] == [r.where for r in plain]
     assert both.regions[0].share_of_squared_error == pytest.approx(plain[0].share_of_squared_error, abs=0.05)
     assert both.regions[0].bias_n == pytest.approx(plain[0].bias_n + both.split.offset_n, abs=8.0)
@@ -153,15 +153,15 @@ def test_regions_are_worst_first_and_carry_more_error_than_time(viscous, motion,
 def test_a_regions_numbers_are_those_of_its_samples(viscous, motion, measured):
     c = compare(viscous, measured(*motion(60.0), plant(lambda k: k.velocity > 0.05)))
     region, pool = next(r for r in c.regions if r.axis == "velocity"), c.pool
-    own = pool.residual[(pool.velocity >= region.low) & (pool.velocity < region.high)]
-    assert region.rmse_n == pytest.approx(np.sqrt(np.mean(own**2)), rel=1e-12)
-    assert region.bias_n == pytest.approx(own.mean(), rel=1e-12)
-    assert region.share_of_squared_error == pytest.approx(np.sum(own**2) / np.sum(pool.residual**2), rel=1e-9)
-    assert abs(pool.residual[np.argmin(abs(pool.elapsed - region.time))]) == pytest.approx(abs(own).max())
+    residual = pool.residual[(pool.velocity >= region.low) & (pool.velocity < region.high)]
+    assert region.rmse_n == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-12)
+    assert region.bias_n == pytest.approx(residual.mean(), rel=1e-12)
+    assert region.share_of_squared_error == pytest.approx(np.sum(residual**2) / np.sum(pool.residual**2), rel=1e-9)
+    assert abs(pool.residual[np.argmin(abs(pool.elapsed - region.time))]) == pytest.approx(abs(residual).max())
 
 
 def test_bands_follow_the_datas_own_range(viscous, motion, measured):
-    """The same shape of motion and error, ten times smaller, gives bands ten times smaller."""
+    """The same shape of motion and error, ten times smaller, has bands ten times smaller."""
     large, small = (
         compare(viscous, measured(*motion(60.0, rms=rms), plant(lambda k, v=rms * 5.0: k.velocity > v)))
         for rms in (0.05, 0.005)

@@ -1,4 +1,4 @@
-"""Partial coherence tells inputs apart; differentiated and integrated velocity are held against each other."""
+"""Partial coherence distinguishes inputs; differentiated and integrated velocity are compared."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_a_damper_with_a_spring_shows_velocity_and_displacement(measured, motion
     time, x = motion(seconds=60.0)
     both = measured(time, x, lambda k: 800.0 * np.tanh(k.velocity / 0.1) + 15000.0 * k.displacement)
     found = partial_coherence([both])
-    low = (found.frequency > 0.5) & (found.frequency < 4.0)  # the spring is small beside the damper beyond
+    low = (found.frequency > 0.5) & (found.frequency < 4.0)  # the spring is small compared with the damper above that
     assert np.nanmedian(found.partial["velocity"][low]) > 0.9
     assert np.nanmedian(found.partial["displacement"][low]) > 0.8
     alone = partial_coherence(

@@ -1,4 +1,4 @@
-"""Data quality of one measured damper: what arrived, what clips, how late the force is."""
+"""Data quality of one measured damper: lost samples, clipping, and lateness of the force."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -9,20 +9,20 @@ from damper_estimator.signals.clipping import clipped
 from damper_estimator.validation.trace import Trace
 
 _BLOCKS = 20
-_LEAST_CORRELATION = 0.8  # below it the model says too little of the force to tell when it came
-_FINEST = 5e-4  # s; a skew whose standard error is larger (and above a quarter of it) is not told
+_LEAST_CORRELATION = 0.8  # below it the model explains too little of the force to determine its delay
+_FINEST = 5e-4  # s; a skew whose standard error is larger (and above a quarter of it) is not reported
 
 
 @dataclass(frozen=True)
 class DataQuality:
-    """What is wrong with the recording of one damper.
+    """Defects in the recording of one damper.
 
     Attributes:
         samples: displacement samples that arrived.
         gaps, inversions, duplicates, non_finite, steps_back: among them, in order of arrival, as a node would count.
         rate_hz: from the steps inside the stretches.
         saturated: force samples at the gauge's limits.
-        skew_s: by how much the force seems late against the model's; NaN where that cannot be told.
+        skew_s: by how much the force seems late against the model's; NaN where the data do not determine it.
     """
 
     samples: int
@@ -44,7 +44,7 @@ def data_quality(traces: Sequence[Trace]) -> DataQuality:
     """Quality over all recordings of a damper: counts added, the middle rate, one skew."""
     measurements = [t.measurement for t in traces]
 
-    # Passages of one recording share what arrived in it.
+    # Passages of one recording share its counts.
     arrived = {id(m.counts): m.counts for m in measurements}.values()
 
     def total(name: str) -> int:
@@ -64,7 +64,7 @@ def apparent_skew(traces: Sequence[Trace]) -> float:
 
     To first order F_measured(t) = g F_model(t) - s dF_model/dt + c. The regression is repeated about the delay
     found. Its standard error comes from the scatter between blocks, since residuals are autocorrelated. A series
-    compliance looks much like it; telling them apart is the diagnosis' work.
+    compliance has a similar effect; the diagnosis distinguishes them.
     """
     skew = 0.0
     for _ in range(4):
@@ -79,8 +79,8 @@ def apparent_skew(traces: Sequence[Trace]) -> float:
     total = np.sum(blocks, axis=0)
     left_out = np.array([_solved(total - block) for block in blocks])
     error = float(np.sqrt((len(blocks) - 1) / len(blocks) * np.sum((left_out - left_out.mean()) ** 2)))
-    told = np.isfinite(error) and error <= max(_FINEST, abs(skew) / 4.0)
-    return skew if told else float("nan")
+    certain = np.isfinite(error) and error <= max(_FINEST, abs(skew) / 4.0)
+    return skew if certain else float("nan")
 
 
 def _normal_equations(trace: Trace, skew: float) -> list[np.ndarray]:
@@ -93,7 +93,7 @@ def _normal_equations(trace: Trace, skew: float) -> list[np.ndarray]:
 
 
 def _solved(sums: np.ndarray) -> float:
-    """The skew from summed products; NaN where the model's force says too little."""
+    """The skew from summed products; NaN where the model explains too little of the force."""
     count = sums[2, 2]
     variances = sums.diagonal() - sums[2] ** 2 / count
     covariance = sums[0, 3] - sums[0, 2] * sums[2, 3] / count

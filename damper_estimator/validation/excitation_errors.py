@@ -19,7 +19,7 @@ class FrequencyError:
         frequency_hz: mean of the cycles.
         relative_rms: 1.
         rmse_n: N.
-        cycles: how many.
+        cycles: number of cycles.
     """
 
     frequency_hz: float
@@ -34,7 +34,7 @@ class GroupError:
 
     Attributes:
         name: LVLF, LVHF, HVLF, HVHF, or the user's.
-        recordings: how many take part.
+        recordings: number of recordings in it.
         cycles: whole cycles in it; 0 for a group of whole recordings.
         samples: judged samples.
         peak_velocity_m_s, frequency_hz: smallest and largest of its cycles.
@@ -67,25 +67,25 @@ def relative_rms(traces: Sequence[Trace]) -> tuple[FrequencyError, ...]:
         for cycle in cycles:
             inside = slice(cycle.first, cycle.last)
             if trace.judged[inside].all():
-                error, force = (float(np.sum(own[inside] ** 2)) for own in forces)
+                error, force = (float(np.sum(values[inside] ** 2)) for values in forces)
                 place = round(_OCTAVE_SHARE * np.log2(cycle.frequency))
                 parts.setdefault(place, []).append((cycle.frequency, error, force, cycle.last - cycle.first))
     rows = []
-    for _, own in sorted(parts.items()):
-        frequency, error, force, samples = np.array(own).T
+    for _, cycles in sorted(parts.items()):
+        frequency, error, force, samples = np.array(cycles).T
         relative = float(np.sqrt(error.sum() / force.sum())) if force.sum() > 0.0 else float("nan")
         rmse = float(np.sqrt(error.sum() / samples.sum()))
-        rows.append(FrequencyError(float(frequency.mean()), relative, rmse, len(own)))
+        rows.append(FrequencyError(float(frequency.mean()), relative, rmse, len(cycles)))
     return tuple(rows)
 
 
 def group_errors(traces: Sequence[Trace], limits: GroupLimits | None = None) -> tuple[GroupError, ...]:
-    """Errors by groups of velocity and frequency, which the recordings' own ranges form where ``limits`` is None."""
+    """Errors by groups of velocity and frequency, formed from the recordings' ranges where ``limits`` is None."""
     grouped = group_cycles([t.measurement for t in traces], limits)
     errors = []
     for index, name in enumerate(grouped.names):
         inside = [t.judged & (label == index) for t, label in zip(traces, grouped.labels, strict=True)]
-        cycles = [c for own in grouped.cycles for c in own if grouped.limits.group(c) == name]
+        cycles = [c for part in grouped.cycles for c in part if grouped.limits.group(c) == name]
         if any(mask.any() for mask in inside):
             errors.append(_error(name, traces, inside, cycles))
     return tuple(errors)

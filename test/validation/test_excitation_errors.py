@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.signals.grouping import GroupLimits
-from damper_estimator.validation.groups import given_group_errors, group_errors, relative_rms
+from damper_estimator.validation.excitation_errors import given_group_errors, group_errors, relative_rms
 from damper_estimator.validation.trace import trace
 
 DAMPING = 1500.0

@@ -2,10 +2,10 @@
 
     e = zero + drift(t) + gain F_model + rest
 
-The drift is told from whole cycles of the motion (``surrogate`` of the error), the zero from slow motion, where it is
-the same in both directions, wherever the piston is and all the time. An error in one direction, at one place or at
-one speed is neither. Both are taken out before regions are looked for: they are no matter of the operation. What is
-small beside the rest, or within chance, is not told and not taken out.
+The drift is determined from whole cycles of the motion (``surrogate`` of the error), the zero from slow motion, where
+it is the same in both directions, at every piston position and all the time. An error in one direction, at one position
+or at one speed is neither. Both are removed before the search for regions because they do not depend on the operation.
+Parts that are small compared with the rest, or within chance, are neither reported nor removed.
 """
 
 from collections.abc import Sequence
@@ -20,25 +20,25 @@ from damper_estimator.validation.surrogate import surrogate
 from damper_estimator.validation.trace import Trace
 
 LEAST_SHARE = 0.05  # of the squared error
-_GAIN_SHARE = 0.5  # of the squared error without zero and drift, from which on a gain is told in words
+_GAIN_SHARE = 0.5  # of the squared error without zero and drift, above which a gain is reported
 _ALIKE = 0.4  # by which the gain of any direction and size may differ from the whole
-_REST, _SLOWEST = 0.01, 0.15  # of the largest speed, what counts as motion; share of that which counts as slow
-_NAMED = 3  # recordings whose zeros are told one by one
+_REST, _SLOWEST = 0.01, 0.15  # of the largest speed, above which the damper moves; share of motion that is slow
+_NAMED = 3  # recordings whose zeros are listed one by one
 
 
 @dataclass(frozen=True)
-class Split:
+class ErrorParts:
     """The parts of an error.
 
     Attributes:
-        offsets: N, per recording: error at standstill; 0 where it is not told.
-        slow: per recording (n,) N, offset and drift together, 0 where not told.
-        offset_n: N, of all recordings weighed by their samples.
+        offsets: N, per recording: error at standstill; 0 where it is not reported.
+        slow: per recording (n,) N, offset and drift together, 0 where not reported.
+        offset_n: N, mean of all recordings weighted by their samples.
         drift_n: N rms.
-        gain: 1, (F_model - F) / F that fits the rest best; positive where the model gives too much.
+        gain: 1, (F_model - F) / F that fits the rest best; positive where the model's force is too large.
         gain_n: N rms of that.
-        scatter_n: N rms of what is left.
-        sentences: what is told, in words.
+        scatter_n: N rms of the remainder.
+        sentences: the reported parts, in words.
     """
 
     offsets: tuple[float, ...]
@@ -56,25 +56,25 @@ class Split:
         return {name: getattr(self, name) for name in names}
 
 
-def split(traces: Sequence[Trace]) -> Split:
-    """Splits the error of a model over recordings."""
+def error_parts(traces: Sequence[Trace]) -> ErrorParts:
+    """Splits the error of a model over recordings into its parts."""
     judged = [t.judged for t in traces]
     error = _pooled([t.residual for t in traces], judged)
     total = float(np.mean(error**2))
     least = float(np.sqrt(LEAST_SHARE * total))
     drifts, words = [np.zeros(t.time.size) for t in traces], []
-    told = surrogate([t.measurement for t in traces], [t.residual for t in traces]) if total > 0.0 else None
-    for i, (t, zero) in enumerate(zip(traces, told.zeros if told else (), strict=False)):
+    explained = surrogate([t.measurement for t in traces], [t.residual for t in traces]) if total > 0.0 else None
+    for i, (t, zero) in enumerate(zip(traces, explained.zeros if explained else (), strict=False)):
         if zero is None:
             continue
         line = np.interp(t.time - t.time[0], zero.knots, zero.value)
         line -= line[t.judged].mean()
-        if np.mean(line[t.judged] ** 2) > LEAST_SHARE * total and (own := drift(t.measurement, told, i)):
+        if np.mean(line[t.judged] ** 2) > LEAST_SHARE * total and (found := drift(t.measurement, explained, i)):
             drifts[i] = line
-            words.append(_drift_in_words(t, len(traces), own))
-    offsets = [_offset(t, t.residual - own, least) for t, own in zip(traces, drifts, strict=True)]
+            words.append(_drift_in_words(t, len(traces), found))
+    offsets = [_offset(t, t.residual - line, least) for t, line in zip(traces, drifts, strict=True)]
     words = _zero_in_words(traces, offsets) + words
-    slow = [offset + own for offset, own in zip(offsets, drifts, strict=True)]
+    slow = [offset + line for offset, line in zip(offsets, drifts, strict=True)]
     rest = error - _pooled(slow, judged)
     modelled = _pooled([t.modelled for t in traces], judged)
     share, along = _gain(rest, modelled)
@@ -82,13 +82,13 @@ def split(traces: Sequence[Trace]) -> Split:
         words.append(_gain_in_words(share, float(np.mean(along**2) / np.mean(rest**2))))
     else:
         velocity = np.concatenate(
-            [t.measurement.kinematics.velocity[own] for t, own in zip(traces, judged, strict=True)]
+            [t.measurement.kinematics.velocity[mask] for t, mask in zip(traces, judged, strict=True)]
         )
         words += _side_in_words(rest, velocity)
-    return Split(
+    return ErrorParts(
         offsets=tuple(offsets),
         slow=tuple(slow),
-        offset_n=float(np.average(offsets, weights=[own.sum() for own in judged])),
+        offset_n=float(np.average(offsets, weights=[mask.sum() for mask in judged])),
         drift_n=float(np.sqrt(np.mean(_pooled(drifts, judged) ** 2))),
         gain=share / (1.0 - share) if share < 1.0 else float("inf"),
         gain_n=float(np.sqrt(np.mean(along**2))),
@@ -103,7 +103,7 @@ def _offset(trace: Trace, error: np.ndarray, least: float) -> float:
     Cells are thirds of the stroke and halves of the time; the mean of both directions in each leaves no friction.
     """
     k, judged = trace.measurement.kinematics, trace.judged
-    error, v, x, time = (own[judged] for own in (error, k.velocity, k.displacement, k.time))
+    error, v, x, time = (values[judged] for values in (error, k.velocity, k.displacement, k.time))
     speed = np.abs(v)
     moving = speed > _REST * np.quantile(speed, 0.99)
     if np.count_nonzero(moving) < 100:
@@ -113,13 +113,14 @@ def _offset(trace: Trace, error: np.ndarray, least: float) -> float:
     slower = speed[slow] <= np.median(speed[slow])
     cells = []
     for place in range(6):
-        own = places == place
+        there = places == place
         layers = [
-            [error[slow][own & layer & way] for way in (v[slow] > 0.0, v[slow] < 0.0)] for layer in (slower, ~slower)
+            [error[slow][there & layer & direction] for direction in (v[slow] > 0.0, v[slow] < 0.0)]
+            for layer in (slower, ~slower)
         ]
         if min(part.size for layer in layers for part in layer) >= 5:
             first, second = (0.5 * float(layer[0].mean() + layer[1].mean()) for layer in layers)
-            # Mean speeds are about one and three: what grows with speed in both directions is not of standstill.
+            # Mean speeds are about one and three: an error that grows with speed in both directions is no zero.
             cells.append(1.5 * first - 0.5 * second)
     if len(cells) < 4:
         return 0.0
@@ -135,46 +136,48 @@ def _gain(rest: np.ndarray, modelled: np.ndarray) -> tuple[float, np.ndarray]:
 
 
 def _is_gain(rest: np.ndarray, modelled: np.ndarray, share: float) -> bool:
-    """Whether the same gain is seen in both directions, and in small forces as in large ones."""
+    """Whether the gain is the same in both directions, and for small and large forces."""
     large = np.abs(modelled) > np.median(np.abs(modelled))
-    groups = [way & size for way in (modelled > 0.0, modelled < 0.0) for size in (large, ~large)]
+    groups = [direction & size for direction in (modelled > 0.0, modelled < 0.0) for size in (large, ~large)]
     return all(
-        abs(_gain(rest[own], modelled[own])[0] - share) <= _ALIKE * abs(share) for own in groups if own.sum() > 50
+        abs(_gain(rest[group], modelled[group])[0] - share) <= _ALIKE * abs(share)
+        for group in groups
+        if group.sum() > 50
     )
 
 
 def _pooled(parts: Sequence[np.ndarray], judged: Sequence[np.ndarray]) -> np.ndarray:
-    return np.concatenate([part[own] for part, own in zip(parts, judged, strict=True)])
+    return np.concatenate([part[mask] for part, mask in zip(parts, judged, strict=True)])
 
 
 def _zero_in_words(traces: Sequence[Trace], offsets: Sequence[float]) -> list[str]:
-    told = {Path(t.measurement.recording).name: -o for t, o in zip(traces, offsets, strict=True) if o}
-    if not told:
+    zeros = {Path(t.measurement.recording).name: -o for t, o in zip(traces, offsets, strict=True) if o}
+    if not zeros:
         return []
     cause = "throughout, at standstill as well: the gauge's zero, or a static force that the model lacks"
     if len(traces) == 1:
-        return [f"the measured force is {_high(*told.values())} {cause}"]
-    if len(told) <= _NAMED:
-        return [f"the measured force is {', '.join(f'{_high(o)} in {n}' for n, o in told.items())}, {cause}"]
-    ends = sorted(told, key=told.get)
-    span = f"from {_high(told[ends[0]])} in {ends[0]} to {_high(told[ends[-1]])} in {ends[-1]}"
-    return [f"the measured force is off by a constant in {len(told)} recordings, {span}, {cause}"]
+        return [f"the measured force is {_high(*zeros.values())} {cause}"]
+    if len(zeros) <= _NAMED:
+        return [f"the measured force is {', '.join(f'{_high(o)} in {n}' for n, o in zeros.items())}, {cause}"]
+    ends = sorted(zeros, key=zeros.get)
+    span = f"from {_high(zeros[ends[0]])} in {ends[0]} to {_high(zeros[ends[-1]])} in {ends[-1]}"
+    return [f"the measured force is off by a constant in {len(zeros)} recordings, {span}, {cause}"]
 
 
 def _side_in_words(rest: np.ndarray, velocity: np.ndarray) -> list[str]:
-    """Where the error is the same against every motion, early and late."""
+    """Reports an error that opposes or supports every motion equally, early and late."""
     speed = np.abs(velocity)
     edges = np.quantile(speed, [0.25, 0.5, 0.75])
     band = np.searchsorted(edges, speed)
     along = rest * np.sign(velocity)
     late = np.arange(rest.size) > rest.size // 2
     cells = [
-        (band == i) & way & half
+        (band == i) & direction & half
         for i in (1, 2, 3)
-        for way in (velocity > 0.0, velocity < 0.0)
+        for direction in (velocity > 0.0, velocity < 0.0)
         for half in (late, ~late)
     ]
-    means = [float(along[own].mean()) for own in cells if own.any()] or [0.0]
+    means = [float(along[cell].mean()) for cell in cells if cell.any()] or [0.0]
     middle = float(np.median(means))
     if middle**2 < _GAIN_SHARE * float(np.mean(rest**2)) or np.ptp(means) > abs(middle):
         return []
@@ -187,11 +190,11 @@ def _high(offset: float) -> str:
     return f"{number(abs(offset))} N {'high' if offset > 0.0 else 'low'}"
 
 
-def _drift_in_words(trace: Trace, count: int, own: Drift) -> str:
+def _drift_in_words(trace: Trace, count: int, found: Drift) -> str:
     where = f" in {Path(trace.measurement.recording).name}" if count > 1 else ""
     return (
-        f"the measured force drifts against the model's by {-own.change:+.3g} N between {own.begin:.3g} and "
-        f"{own.end:.3g} s{where}, whatever the motion"
+        f"the measured force drifts against the model's by {-found.change:+.3g} N between {found.begin:.3g} and "
+        f"{found.end:.3g} s{where}, whatever the motion"
     )
 
 

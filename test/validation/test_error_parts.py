@@ -10,7 +10,7 @@ from damper_estimator.validation import compare
 TRUE = 1500.0  # N s/m, of the model
 
 
-def split_of(viscous, measurement):
+def parts_of(viscous, measurement):
     return compare(viscous, measurement).split
 
 
@@ -25,7 +25,7 @@ def test_an_offset_is_the_zero_and_no_region(zero, viscous, motion, measured):
     assert f"35 N {'high' if zero > 0 else 'low'} throughout" in c.split.sentences[0]
 
 
-def test_a_drift_is_told_with_its_time_and_is_no_region(viscous, motion, measured):
+def test_a_drift_is_reported_with_its_time_and_is_no_region(viscous, motion, measured):
     c = compare(viscous, measured(*motion(), with_(lambda k: 40.0 * np.clip(k.time - 10.0, 0.0, 20.0) / 20.0)))
     assert c.split.drift_n == pytest.approx(np.std(np.clip(np.linspace(-10, 30, 1000), 0.0, 20.0) * 2.0), rel=0.05)
     assert c.regions == () and any("drifts against the model's by +4" in text for text in c.split.sentences)
@@ -33,9 +33,9 @@ def test_a_drift_is_told_with_its_time_and_is_no_region(viscous, motion, measure
 
 @pytest.mark.parametrize("gain", [0.8, 1.25])
 def test_a_gain_is_told_in_percent(gain, viscous, motion, measured):
-    own = split_of(viscous, measured(*motion(), lambda k: gain * TRUE * k.velocity))
-    assert own.gain == pytest.approx(1.0 / gain - 1.0, rel=1e-6) and own.scatter_n < 1e-6
-    assert f"{100 * abs(1 / gain - 1):.2g} % too {'large' if gain < 1 else 'small'} as a whole" in own.sentences[0]
+    parts = parts_of(viscous, measured(*motion(), lambda k: gain * TRUE * k.velocity))
+    assert parts.gain == pytest.approx(1.0 / gain - 1.0, rel=1e-6) and parts.scatter_n < 1e-6
+    assert f"{100 * abs(1 / gain - 1):.2g} % too {'large' if gain < 1 else 'small'} as a whole" in parts.sentences[0]
 
 
 ERRORS = {
@@ -51,23 +51,23 @@ ERRORS = {
 
 @pytest.mark.parametrize("error", ERRORS.values(), ids=ERRORS)
 def test_an_error_of_the_operation_is_neither_zero_nor_drift_nor_gain(error, viscous, motion, measured):
-    own = split_of(viscous, measured(*motion(), with_(error)))
-    assert own.offset_n == 0.0 and own.drift_n == 0.0
-    assert not any("as a whole" in text or "standstill" in text for text in own.sentences)
+    parts = parts_of(viscous, measured(*motion(), with_(error)))
+    assert parts.offset_n == 0.0 and parts.drift_n == 0.0
+    assert not any("as a whole" in text or "standstill" in text for text in parts.sentences)
 
 
 def test_friction_is_told_as_the_same_against_every_motion(viscous, motion, measured):
-    own = split_of(viscous, measured(*motion(), with_(ERRORS["friction"])))
-    assert len(own.sentences) == 1 and "N too soft both ways, whatever the speed" in own.sentences[0]
+    parts = parts_of(viscous, measured(*motion(), with_(ERRORS["friction"])))
+    assert len(parts.sentences) == 1 and "N too soft both ways, whatever the speed" in parts.sentences[0]
 
 
 def test_zeros_of_recordings_are_told_one_by_one(viscous, motion, measured):
     one, other = (
         measured(*motion(seed=i), with_(lambda k, z=z: z + 0.0 * k.time)) for i, z in enumerate((50.0, -20.0))
     )
-    own = compare(viscous, replace(one, recording="a.mcap"), replace(other, recording="b.mcap")).split
-    assert own.offsets == pytest.approx((-50.0, 20.0), abs=1e-6) and own.offset_n == pytest.approx(-15.0, abs=1e-6)
-    assert "50 N high in a.mcap" in own.sentences[0] and "20 N low in b.mcap" in own.sentences[0]
+    parts = compare(viscous, replace(one, recording="a.mcap"), replace(other, recording="b.mcap")).split
+    assert parts.offsets == pytest.approx((-50.0, 20.0), abs=1e-6) and parts.offset_n == pytest.approx(-15.0, abs=1e-6)
+    assert "50 N high in a.mcap" in parts.sentences[0] and "20 N low in b.mcap" in parts.sentences[0]
 
 
 def test_the_parts_add_up(viscous, motion, measured):
@@ -75,16 +75,16 @@ def test_the_parts_add_up(viscous, motion, measured):
     draw = np.random.default_rng(0)
     parts = with_(lambda k: 30.0 + 0.2 * TRUE * k.velocity + 15.0 * draw.standard_normal(len(k)))
     c = compare(viscous, measured(*motion(), parts))
-    own = c.split
-    total = own.offset_n**2 + own.drift_n**2 + own.gain_n**2 + own.scatter_n**2
+    parts = c.split
+    total = parts.offset_n**2 + parts.drift_n**2 + parts.gain_n**2 + parts.scatter_n**2
     assert total == pytest.approx(c.measures.rmse_n**2, rel=0.03)
-    assert own.offset_n == pytest.approx(-30.0, abs=4.0) and own.gain == pytest.approx(-1.0 / 6.0, rel=0.05)
+    assert parts.offset_n == pytest.approx(-30.0, abs=4.0) and parts.gain == pytest.approx(-1.0 / 6.0, rel=0.05)
 
 
 def test_noise_alone_is_scatter(viscous, motion, measured):
     draw = np.random.default_rng(1)
-    own = split_of(viscous, measured(*motion(), with_(lambda k: 30.0 * draw.standard_normal(len(k)))))
-    assert own.sentences == () and own.offset_n == own.drift_n == 0.0
+    parts = parts_of(viscous, measured(*motion(), with_(lambda k: 30.0 * draw.standard_normal(len(k)))))
+    assert parts.sentences == () and parts.offset_n == parts.drift_n == 0.0
 
 
 def test_the_record_tells_the_parts(viscous, motion, measured):
