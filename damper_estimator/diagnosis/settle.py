@@ -16,7 +16,7 @@ from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, split
-from damper_estimator.identification.ties import tables, ties_among
+from damper_estimator.identification.ties import find_ties, tables
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step, standard_errors
@@ -94,7 +94,7 @@ def _recorded(
     jacobian = columns / sizes
     values = np.array([slot.value for slot in model.slots])
     power, cost = float(np.sum(targets(rows) ** 2)), 0.5 * float(residual @ residual)
-    ties = ties_among(tables(model), values, slots, jacobian.T @ jacobian, power, cost)
+    ties = find_ties(tables(model), values, slots, jacobian.T @ jacobian, power, cost)
     model = model.with_vector(ties.weights @ values) if ties.tied else model
     kept = [i for i in slots if i not in ties.tied]
     moving = jacobian @ ties.weights[np.ix_(slots, kept)]  # what is tied goes along

@@ -13,7 +13,7 @@ import numpy as np
 
 from damper_estimator.fleet.distributed_recordings import DistributedRecordings
 from damper_estimator.fleet.worker_recordings import ByRecording, Parameters, View, evaluate, totals
-from damper_estimator.identification.excitations import Split
+from damper_estimator.identification.excitations import ExcitationSplit
 from damper_estimator.identification.sources import Place, Totals, added_up
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model.model_files import model_yaml
@@ -53,7 +53,7 @@ class RemoteRows:
         """As in the protocol."""
         return [cycle for parts in self._recordings.ask(evaluate, self._view, "cycles") for cycle in parts]
 
-    def excitations(self, given: Mapping[str, Sequence[str]], split: Split) -> "RemoteRows":
+    def excitations(self, given: Mapping[str, Sequence[str]], split: ExcitationSplit) -> "RemoteRows":
         """As in the protocol."""
         return RemoteRows(self._recordings, _view(self._view, "excitations", given, split))
 

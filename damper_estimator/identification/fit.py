@@ -17,13 +17,13 @@ from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start import candidates
-from damper_estimator.identification.ties import followed, rested, tied
+from damper_estimator.identification.ties import tied, with_inert_at_start, with_ties_applied
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
-SKETCH_SAMPLES = 8000  # on about so many the starts are tried out
+SKETCH_SAMPLES = 8000  # about so many are used to compare the starts
 _ROWS_PER_PARAMETER = 3
 _FEWEST_ROWS = 20
 
@@ -59,7 +59,7 @@ class Fit:
         seconds: time taken.
         evaluations: runs of the model, or a part of it, over all data.
         converged: whether the search met its criterion.
-        undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence on the
+        undetermined: groups of addresses that these data cannot separate; a group of one has no influence on the
             force.
         warnings: for the user, one sentence each.
         front: of a method with several objectives.
@@ -97,10 +97,10 @@ def fit(
 
     Args:
         free, fix: see ``selection.free_slots``.
-        seed: of what is drawn at random; equal seeds give equal results.
+        seed: of random draws; equal seeds return equal results.
         weights: of the squared error, per measurement a number or (n,); equal for all samples where left out.
-        starts: start points that are spread out beside the model's own values; 0 to begin there alone.
-        wishes: what else the method is told; its seed is ``seed``.
+        starts: start points spread around the model's values; 0 to begin at these alone.
+        wishes: further settings of the method; its seed is ``seed``.
         limits: lowest and highest value by name, narrower than the declared bounds.
         zero_free: leave the gauge's zero and drift of each recording out of the comparison.
 
@@ -111,15 +111,15 @@ def fit(
     began = perf_counter()
     given = list(measurements) or _refuse("there are no recordings to fit to")
     rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero_free=zero_free)
-    placed = with_placed_knots(model, [own.measurement for own in rows])
+    placed = with_placed_knots(model, [recording.measurement for recording in rows])
     problem = Problem(placed, LocalRows(rows), free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
-    said = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
-    return result(model, problem, rows, solution, known, perf_counter() - began, said)
+    warnings = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
+    return result(model, problem, rows, solution, known, perf_counter() - began, warnings)
 
 
 def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes) -> tuple[Solution, Uncertainty]:
-    """Where the method ended on the problem, and how far that can be trusted.
+    """The method's solution of the problem, and its uncertainty.
 
     Raises:
         InputError: unknown method, too few samples, no finite force.
@@ -132,7 +132,7 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
         raise InputError(
-            f"model {name}: gives no finite force from any start value; correct its values or fix some parameters"
+            f"model {name}: returns no finite force from any start value; correct its values or fix some parameters"
         )
     return _tied(problem, solution, np.maximum(np.abs(solution.point.searched), 0.1 * size), chosen.several)
 
@@ -140,13 +140,13 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
 def _tied(problem: Problem, solution: Solution, size: np.ndarray, several: bool) -> tuple[Solution, Uncertainty]:
     """The solution with the points of tables that the data leave open tied to the others.
 
-    With ``several`` objectives the others stay, as they are the user's choice between those.
+    With ``several`` objectives the others stay, as they reflect the user's choice between the objectives.
     """
     near = problem.linearised(solution.point, size)
-    point = rested(problem, solution.point, near)
+    point = with_inert_at_start(problem, solution.point, near)
     ties = tied(problem, point, near)
     if ties.tied:
-        point = followed(problem, point, near, ties, None if several else size)
+        point = with_ties_applied(problem, point, near, ties, None if several else size)
         near = problem.linearised(point, size)
     return replace(solution, point=point), uncertainty(problem, point, near, ties)
 
@@ -168,7 +168,7 @@ def judged_rows(
         parts = usable(model, measurement)
         whole = rows_of(measurement, weight, setting, zero_free)
         rows += [whole] if parts == [slice(0, whole.weight.size)] else [whole.part(part) for part in parts]
-    rows = [own for own in rows if own.picks.size]
+    rows = [recording for recording in rows if recording.picks.size]
     if not rows:
         _refuse(
             f"{', '.join(m.recording for m in given)}: too short, no sample can be judged; "
@@ -188,7 +188,7 @@ def _check_enough(problem: Problem) -> None:
 
 
 def parameters_of(problem: Unknowns, solution: Solution, known: Uncertainty) -> tuple[FittedParameter, ...]:
-    """All that was identified, in order of ``problem.free``."""
+    """The identified parameters, in order of ``problem.free``."""
     vector = problem.vector(solution.point.searched, solution.point.solved)
     rows = zip(problem.free, known.standard_error, known.at_bound, strict=True)
     return tuple(
@@ -208,18 +208,18 @@ def result(
     warnings: tuple[str, ...],
     setting: int = 0,
 ) -> Fit:
-    """What was identified for one setting, with the errors over its recordings; ``model`` is the one before."""
+    """The fit of one setting, with the errors over its recordings; ``model`` is the one before the fit."""
     began = perf_counter()
-    used = [own.measurement for own in rows if own.setting == setting]
+    used = [recording.measurement for recording in rows if recording.setting == setting]
     fitted = problem.model_at(problem.vector(solution.point.searched, solution.point.solved), setting)
     every = zip(problem.free, parameters_of(problem, solution, known), strict=True)
-    own = [replace(p, name=p.name.partition("@")[0]) for i, p in every if i in problem.places[setting]]
+    parameters = [replace(p, name=p.name.partition("@")[0]) for i, p in every if i in problem.places[setting]]
     rmse_before, esr_before, _ = pooled_error(model, used)
     rmse, esr, samples = pooled_error(fitted, used)
-    record = fit_record(fitted, used, rmse, {p.name: p.standard_error for p in own})
+    record = fit_record(fitted, used, rmse, {p.name: p.standard_error for p in parameters})
     return Fit(
         model=replace(fitted, fit=record),
-        parameters=tuple(own),
+        parameters=tuple(parameters),
         rmse_n=rmse,
         esr=esr,
         rmse_before_n=rmse_before,
@@ -235,8 +235,8 @@ def result(
 
 
 def lost_and_filters(rows: Sequence[Rows], given: Sequence[Measurement]) -> tuple[int, set[tuple[float, float]]]:
-    """Judged samples of all that was asked that are not used, and the filters of what is: cutoff and band, Hz."""
-    used = [own.measurement for own in rows]
+    """Number of judged samples that are not used, and the filters of the used recordings: cutoff and band, Hz."""
+    used = [recording.measurement for recording in rows]
     lost = sum(int(m.judged.sum()) for m in given) - sum(int(m.judged.sum()) for m in used)
     return lost, {(m.cutoff, m.band) for m in used}
 
@@ -249,33 +249,33 @@ def warnings_of(
     lost: int,
     filters: Collection[tuple[float, float]],
 ) -> tuple[str, ...]:
-    """What the user should know of an identification; ``model`` is the one before."""
+    """Warnings for the user about an identification; ``model`` is the one before it."""
     parameters, moved = parameters_of(problem, solution, known), moved_knots(model, problem.model)
-    said = [solution.remark] if solution.remark else []
-    said += [f"the knots of {label} were laid out anew over the recordings" for label in moved]
+    warnings = [solution.remark] if solution.remark else []
+    warnings += [f"the knots of {label} were placed again over the recordings" for label in moved]
     if not solution.converged:
-        said.append("the search did not converge; the values are the best that were found")
+        warnings.append("the search did not converge; the values are the best found")
     bounded = [p.name for p in parameters if p.at_bound]
     if bounded:
-        said.append(f"at a bound: {', '.join(bounded)}; no standard error can be given there")
+        warnings.append(f"at a bound: {', '.join(bounded)}; they have no standard error")
     silent = [group[0] for group in known.undetermined if len(group) == 1 and group[0] not in known.tied]
     if silent:
-        said.append(
+        warnings.append(
             f"{', '.join(silent)} cannot be determined from these data; "
-            "fix what they do not tell, or record what excites it"
+            "fix them, or record an excitation that shows them"
         )
     if known.tied:
-        said.append(
+        warnings.append(
             f"{', '.join(known.tied)}: these data do not reach there; set to continue the values that they determine"
         )
     for group in known.undetermined:
         if len(group) > 1:
-            said.append(
-                f"{', '.join(group[:-1])} and {group[-1]} trade off: these data cannot tell them apart; "
+            warnings.append(
+                f"{', '.join(group[:-1])} and {group[-1]} trade off: these data cannot separate them; "
                 f"fix {'one' if len(group) == 2 else 'some'} of them"
             )
     if lost:
-        said.append(f"{lost} samples were left out, where a channel that the model needs was not recorded yet")
+        warnings.append(f"{lost} samples were left out, where a channel that the model needs was not recorded yet")
     if len(filters) > 1:
-        said.append("the recordings were filtered differently; the file records the first one's cutoff")
-    return tuple(said)
+        warnings.append("the recordings were filtered differently; the file records the first one's cutoff")
+    return tuple(warnings)

@@ -1,4 +1,4 @@
-"""A Pareto front: solutions of which none is better than another in every objective, and what is read off it.
+"""A Pareto front: solutions of which none is better than another in every objective, and choices from it.
 
     knee:            the point that is nearest to the best of every objective, logarithms scaled by their range;
                      where there are any, among those that are worse than the start in no group
@@ -76,8 +76,8 @@ class Front:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(["point", *(_PREFIX + group for group in self.groups), *self.names])
-        for k, (own, values) in enumerate(zip(self.objectives.tolist(), self.values.tolist(), strict=True)):
-            writer.writerow([k, *own, *values])
+        for k, (errors, values) in enumerate(zip(self.objectives.tolist(), self.values.tolist(), strict=True)):
+            writer.writerow([k, *errors, *values])
         return text.getvalue()
 
 

@@ -33,7 +33,7 @@ from damper_estimator.identification.unknowns import Settings
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
-_SAME = 0.02  # of the largest value: settings that are one
+_SAME = 0.02  # of the largest value: settings that count as one
 _STEADY = 0.05  # of the largest value: a channel that spreads by more is not a setting
 
 
@@ -69,11 +69,11 @@ def fit_joint(
     wishes: Wishes = Wishes(),
     limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> JointFit:
-    """Identifies a model on all measurements together, with some parameters of its own for each setting.
+    """Identifies a model on all measurements together, with a separate value of some parameters for each setting.
 
     Args:
         settings: name of the setting of each measurement.
-        each: parameters that differ, named as in ``selection.free_slots``; what is named here is identified.
+        each: parameters that differ, named as in ``selection.free_slots``; all of them are identified.
         free, fix, method, seed, starts, wishes, limits: as in ``fit``.
 
     Raises:
@@ -83,24 +83,24 @@ def fit_joint(
     names = tuple(dict.fromkeys(settings))
     if len(names) < 2:
         raise InputError(f"all recordings have the setting {', '.join(names)}; a joint fit needs two or more")
-    order = np.argsort([names.index(own) for own in settings], kind="stable")
+    order = np.argsort([names.index(setting) for setting in settings], kind="stable")
     given = [measurements[i] for i in order]
     rows = judged_rows(model, given, [1.0] * len(given), [names.index(settings[i]) for i in order])
-    missing = [name for k, name in enumerate(names) if all(own.setting != k for own in rows)]
+    missing = [name for k, name in enumerate(names) if all(recording.setting != k for recording in rows)]
     if missing:
         raise InputError(f"setting {', '.join(missing)}: no sample can be judged; record longer or widen the window")
-    placed = with_placed_knots(model, [own.measurement for own in rows])
+    placed = with_placed_knots(model, [recording.measurement for recording in rows])
     each = list(each)
     differing = named_slots(placed, each)
     chosen = free_slots(placed, [*free, *each], fix)
     settled = Settings(names, frozenset(differing))
     problem = Problem(placed, LocalRows(rows), chosen, settled, narrowed(placed, limits or {}))
     solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
-    said = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
+    warnings = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
     seconds = perf_counter() - began
-    fits = {name: result(model, problem, rows, solution, known, seconds, said, k) for k, name in enumerate(names)}
+    fits = {name: result(model, problem, rows, solution, known, seconds, warnings, k) for k, name in enumerate(names)}
     addresses = tuple(placed.slots[i].address for i in differing)
-    return JointFit(fits, parameters_of(problem, solution, known), addresses, known.undetermined, said)
+    return JointFit(fits, parameters_of(problem, solution, known), addresses, known.undetermined, warnings)
 
 
 def settings_by_channel(measurements: Sequence[Measurement], row: int, name: str) -> list[str]:
@@ -114,16 +114,16 @@ def settings_by_channel(measurements: Sequence[Measurement], row: int, name: str
         InputError: where a recording lacks the channel, or it is not steady there.
     """
     values = []
-    for own in measurements:
-        channel = own.kinematics.block[row, own.judged]
+    for measurement in measurements:
+        channel = measurement.kinematics.block[row, measurement.judged]
         if channel.size == 0 or not np.isfinite(channel).any():
-            raise InputError(f"{own.recording}: has no {name}; name its setting with --by SETTING=BAG[,BAG]")
+            raise InputError(f"{measurement.recording}: has no {name}; name its setting with --by SETTING=BAG[,BAG]")
         values.append(channel[np.isfinite(channel)])
-    largest = max(float(np.abs(own).max()) for own in values)
-    for own, channel in zip(measurements, values, strict=True):
+    largest = max(float(np.abs(channel).max()) for channel in values)
+    for measurement, channel in zip(measurements, values, strict=True):
         if channel.std() > _STEADY * largest:
             raise InputError(
-                f"{own.recording}: its {name} is not steady ({channel.min():.3g} to {channel.max():.3g}); "
+                f"{measurement.recording}: its {name} is not steady ({channel.min():.3g} to {channel.max():.3g}); "
                 "name its setting with --by SETTING=BAG[,BAG], or let the model depend on it"
             )
     known: list[float] = []

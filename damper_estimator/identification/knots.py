@@ -1,7 +1,7 @@
-"""Lays the knots of look-up curves over the range of the recording, where the model file left the effect's own.
+"""Lays the knots of look-up curves over the range of the recording, where the model file kept the effect's default.
 
 An effect with a rising list setting that gives a vector parameter its length is a curve (with several such, a
-surface), and the setting's unit tells its axis (m/s: velocity, m: displacement, m/s^2: acceleration, A: command,
+surface), and the setting's unit determines its axis (m/s: velocity, m: displacement, m/s^2: acceleration, A: command,
 deg C: temperature). Its default knots are stretched, each side of zero by itself, so that the outer ones stand at
 the 0.5 and 99.5 percentiles; 0 stays where it is; a knot is left out where a neighbouring interval would hold too
 few samples to determine it. An axis of magnitudes, such as a speed, is stretched up to the larger of the two sides.
@@ -31,7 +31,7 @@ def with_placed_knots(model: DamperModel, measurements: Sequence[Measurement]) -
 
 
 def with_knots_over(model: DamperModel, channels: Channels) -> DamperModel:
-    """The same from the values of each channel."""
+    """The model with its default knots laid over the values of each channel."""
     return replace(model, effects=tuple(_placed(element, channels) for element in model.effects))
 
 
@@ -64,12 +64,17 @@ def _placed(element: Element, channels: Channels) -> Element:
     axes = {}
     for setting in element.effect.settings:
         row = AXES.get(setting.unit)
-        own = any(setting.name in p.axes for p in element.effect.parameters)
-        if own and setting.increasing and row is not None and element.settings[setting.name] == setting.default:
+        shapes_table = any(setting.name in p.axes for p in element.effect.parameters)
+        if (
+            shapes_table
+            and setting.increasing
+            and row is not None
+            and element.settings[setting.name] == setting.default
+        ):
             axes[setting.name] = tuple(_knots(setting, channels(row)))
     moved = [p for p in element.effect.parameters if any(name in axes for name in p.axes)]
     given = [p for p in moved if len(p.axes) > 1 and len(set(element.parameters[p.name])) > 1]
-    if not axes or given:  # a surface with values is the user's own
+    if not axes or given:  # a surface with values is the user's
         return element
     settings = {**element.settings, **axes}
     curves = {p.name: _interpolated(p, element, settings) for p in moved}

@@ -1,5 +1,5 @@
-"""Rows in this process, and what they add up to; every part of the model is run again only when a parameter changes on
-which it depends.
+"""Rows in this process and their sums; a part of the model runs again only when a parameter on which it depends
+changes.
 """
 
 from collections import OrderedDict
@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.identification.excitations import Split, cycles_of, excitations_in
+from damper_estimator.identification.excitations import ExcitationSplit, cycles_of, excitations_in
 from damper_estimator.identification.rows import Rows, excerpts, motion_moments, split
 from damper_estimator.identification.sources import Place, Totals
 from damper_estimator.identification.terms import Term
@@ -33,16 +33,16 @@ class LocalRows:
     @property
     def recordings(self) -> tuple[str, ...]:
         """As in the protocol."""
-        return tuple(dict.fromkeys(own.measurement.recording for own in self.rows))
+        return tuple(dict.fromkeys(recording.measurement.recording for recording in self.rows))
 
     @cached_property
     def totals(self) -> Totals:
         """As in the protocol."""
         return Totals(
-            samples=sum(len(own.measurement.kinematics) for own in self.rows),
-            rows=sum(own.picks.size for own in self.rows),
-            power=float(sum(own.target @ own.target for own in self.rows)),
-            moments=tuple(motion_moments(own.measurement) for own in self.rows),
+            samples=sum(len(recording.measurement.kinematics) for recording in self.rows),
+            rows=sum(recording.picks.size for recording in self.rows),
+            power=float(sum(recording.target @ recording.target for recording in self.rows)),
+            moments=tuple(motion_moments(recording.measurement) for recording in self.rows),
         )
 
     def sums(self, unknowns: Unknowns) -> "LocalSums":
@@ -52,39 +52,39 @@ class LocalRows:
     def excerpts(self, samples: int, total: int) -> "LocalRows":
         """As in the protocol."""
         rows = []
-        for own in self.rows:
-            share = samples * len(own.measurement.kinematics) // total
-            rows += [own.part(part) for part in excerpts(own.measurement, share)]
-        return LocalRows([own for own in rows if own.picks.size])
+        for recording in self.rows:
+            share = samples * len(recording.measurement.kinematics) // total
+            rows += [recording.part(part) for part in excerpts(recording.measurement, share)]
+        return LocalRows([recording for recording in rows if recording.picks.size])
 
     def thinned(self) -> "LocalRows":
         """As in the protocol."""
-        return LocalRows([part for part in (own.thinned() for own in self.rows) if part.picks.size])
+        return LocalRows([part for part in (recording.thinned() for recording in self.rows) if part.picks.size])
 
     def cycles(self) -> list[tuple[Cycle, ...]]:
         """As in the protocol."""
         return cycles_of(self.rows)
 
-    def excitations(self, given: Mapping[str, Sequence[str]], split: Split) -> "LocalRows":
+    def excitations(self, given: Mapping[str, Sequence[str]], split: ExcitationSplit) -> "LocalRows":
         """As in the protocol."""
         found = excitations_in(self.rows, given, split)
         return LocalRows(found.rows, found.members)
 
     def group_sizes(self) -> list[np.ndarray]:
         """As in the protocol."""
-        return [np.array([own.size for own in group], int) for group in self.members]
+        return [np.array([positions.size for positions in group], int) for group in self.members]
 
     def weighted(self, weights: Sequence[np.ndarray]) -> "LocalRows":
         """As in the protocol."""
-        every = np.zeros(sum(own.picks.size for own in self.rows))
+        every = np.zeros(sum(recording.picks.size for recording in self.rows))
         for group, counted in zip(self.members, weights, strict=True):
             for positions, weight in zip(group, counted, strict=True):
                 every[positions] += weight
         rows = []
-        for own, share in zip(self.rows, split(self.rows, every), strict=True):
-            whole = np.zeros(own.weight.size)
-            whole[own.picks] = own.weight[own.picks] * share
-            rows.append(own.weighing(whole))
+        for recording, share in zip(self.rows, split(self.rows, every), strict=True):
+            whole = np.zeros(recording.weight.size)
+            whole[recording.picks] = recording.weight[recording.picks] * share
+            rows.append(recording.weighing(whole))
         return LocalRows(rows, self.members)
 
 
@@ -93,7 +93,7 @@ class LocalSums:
 
     def __init__(self, source: LocalRows, unknowns: Unknowns):
         self._source, self._unknowns = source, unknowns
-        self._target = np.concatenate([np.zeros(0), *(own.target for own in source.rows)])
+        self._target = np.concatenate([np.zeros(0), *(recording.target for recording in source.rows)])
         self._parts = [_Part(term, k, unknowns.places[k], part) for k, part in self._spans() for term in unknowns.terms]
         self._columns: list[OrderedDict] = [OrderedDict() for _ in self._parts]
         self._near: tuple[bytes, np.ndarray] = (b"", np.zeros((0, 0)))
@@ -115,26 +115,30 @@ class LocalSums:
             return np.zeros((weights.shape[1], weights.shape[1])), 0.0
         near = self.near(place)
         residuals, scores = split(self._source.rows, near[:, -1]), split(self._source.rows, near[:, :-1] @ weights)
-        return score_covariance(residuals, scores, [own.rate for own in self._source.rows])
+        return score_covariance(residuals, scores, [recording.rate for recording in self._source.rows])
 
     def errors(self, vectors: np.ndarray) -> list[list[np.ndarray]]:
         """As in the protocol."""
         found = []
         for vector in vectors:
             square = self.residual(vector) ** 2
-            found.append([np.array([np.mean(square[own]) for own in group]) for group in self._source.members])
+            found.append(
+                [np.array([np.mean(square[positions]) for positions in group]) for group in self._source.members]
+            )
         return found
 
     def residual(self, vector: np.ndarray) -> np.ndarray:
         """(m,) rows, modelled less measured, with the values (slots,)."""
         rows = self._source.rows
-        models = {k: self._unknowns.model_at(vector, k) for k in {own.setting for own in rows}}
-        force = [own.of(models[own.setting].force(own.measurement.kinematics.block)) for own in rows]
+        models = {k: self._unknowns.model_at(vector, k) for k in {recording.setting for recording in rows}}
+        force = [
+            recording.of(models[recording.setting].force(recording.measurement.kinematics.block)) for recording in rows
+        ]
         return np.concatenate([np.zeros(0), *force]) - self._target
 
     def near(self, place: Place) -> np.ndarray:
         """(m, q + p + 1) the rows of ``linearised``; the last place is remembered."""
-        key = b"|".join(own.tobytes() for own in (place.searched, place.solved, place.size))
+        key = b"|".join(vector.tobytes() for vector in (place.searched, place.solved, place.size))
         if self._near[0] != key:
             constant, columns = self._at(place.searched)
             residual = constant + columns @ place.solved - self._target
@@ -148,11 +152,11 @@ class LocalSums:
 
     def _spans(self) -> list[tuple[int, slice]]:
         """The settings that have rows, with their part of the residual."""
-        ends = np.cumsum([own.picks.size for own in self._source.rows])
+        ends = np.cumsum([recording.picks.size for recording in self._source.rows])
         spans: dict[int, slice] = {}
-        for own, end in zip(self._source.rows, ends.tolist(), strict=True):
-            first = spans[own.setting].start if own.setting in spans else end - own.picks.size
-            spans[own.setting] = slice(first, end)
+        for recording, end in zip(self._source.rows, ends.tolist(), strict=True):
+            first = spans[recording.setting].start if recording.setting in spans else end - recording.picks.size
+            spans[recording.setting] = slice(first, end)
         return list(spans.items())
 
     def _at(self, searched: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -160,9 +164,9 @@ class LocalSums:
         values = self._values(searched)
         constant, columns = np.zeros(self._target.size), np.zeros((self._target.size, self._unknowns.solved.size))
         for i, part in enumerate(self._parts):
-            own_constant, own_columns, places = self._part_at(i, part, values)
-            constant[part.span] += own_constant
-            columns[part.span, places] += own_columns
+            part_constant, part_columns, places = self._part_at(i, part, values)
+            constant[part.span] += part_constant
+            columns[part.span, places] += part_columns
         return constant, columns
 
     def _values(self, searched: np.ndarray) -> np.ndarray:
@@ -170,7 +174,7 @@ class LocalSums:
         return self._unknowns.vector(searched, self._unknowns.start_vector[self._unknowns.solved])
 
     def _differences(self, place: Place) -> np.ndarray:
-        """(m, q) one-sided differences of the rows by the searched parameters, the linear ones held."""
+        """(m, q) one-sided differences of the rows by the searched parameters, the linear ones kept constant."""
         unknowns = self._unknowns
         values, start = unknowns.vector(place.searched, place.solved), self._values(place.searched)
         before = []
@@ -192,23 +196,23 @@ class LocalSums:
         if key in cache:
             cache.move_to_end(key)
             return cache[key]
-        own = values[part.slots]
+        slot_values = values[part.slots]
         order = {slot: k for k, slot in enumerate(part.slots.tolist())}
         solved = self._unknowns.solved
         places = [k for k, slot in enumerate(solved.tolist()) if slot in part.linear]
         linear = [order[slot] for slot in part.linear]
-        mine = [order[int(solved[k])] for k in places]
-        own[mine] = 0.0
+        solved_slots = [order[int(solved[k])] for k in places]
+        slot_values[solved_slots] = 0.0
         size = part.span.stop - part.span.start
         # A term with nothing but solved parameters is zero without them.
-        still = not linear or own[linear].any()
-        constant = self._run(part, own) if still else np.zeros(size)
-        columns = np.empty((size, len(mine)))
-        own[linear] = 0.0
-        for k, slot in enumerate(mine):
-            own[slot] = 1.0
-            columns[:, k] = self._run(part, own)
-            own[slot] = 0.0
+        still = not linear or slot_values[linear].any()
+        constant = self._run(part, slot_values) if still else np.zeros(size)
+        columns = np.empty((size, len(solved_slots)))
+        slot_values[linear] = 0.0
+        for k, slot in enumerate(solved_slots):
+            slot_values[slot] = 1.0
+            columns[:, k] = self._run(part, slot_values)
+            slot_values[slot] = 0.0
         cache[key] = constant, columns, places
         if len(cache) > _KEPT:
             cache.popitem(last=False)
@@ -217,8 +221,8 @@ class LocalSums:
     def _run(self, part: "_Part", values: np.ndarray) -> np.ndarray:
         """Rows of one part's force with the values of its slots."""
         model = part.term.model.with_vector(values)
-        rows = [own for own in self._source.rows if own.setting == part.setting]
-        return np.concatenate([own.of(model.force(own.measurement.kinematics.block)) for own in rows])
+        rows = [recording for recording in self._source.rows if recording.setting == part.setting]
+        return np.concatenate([recording.of(model.force(recording.measurement.kinematics.block)) for recording in rows])
 
 
 class _Part:
@@ -226,13 +230,13 @@ class _Part:
 
     Attributes:
         span: of the residual.
-        slots: positions in the problem's slots of the term's.
-        searched: those on which it depends otherwise than linearly.
+        slots: positions of the term's slots in the problem's.
+        searched: those on which it depends nonlinearly.
         linear: those in which it is linear.
     """
 
     def __init__(self, term: Term, setting: int, places: np.ndarray, span: slice):
-        """``places``: where the setting's values stand, by position in ``model.slots``."""
+        """``places``: positions of the setting's values, by position in ``model.slots``."""
         self.term, self.setting, self.span = term, setting, span
         self.slots = places[list(term.slots)]
         self.searched = places[list(term.searched)]

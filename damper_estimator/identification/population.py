@@ -55,7 +55,7 @@ def evolve(
     start: np.ndarray,
     generations: int,
     seed: int,
-    told: Callable[[int, np.ndarray], None],
+    report: Callable[[int, np.ndarray], None],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Final non-dominated shares (k, p) and their objectives (k, g).
 
@@ -85,7 +85,7 @@ def evolve(
             break
         offspring.set("F", objectives(offspring.get("X")))
         algorithm.tell(infills=offspring)
-        told(generation, algorithm.pop.get("F"))
+        report(generation, algorithm.pop.get("F"))
     shares, found = algorithm.pop.get("X"), algorithm.pop.get("F")
     kept = NonDominatedSorting().do(found, only_non_dominated_front=True)
     return shares[kept], found[kept]

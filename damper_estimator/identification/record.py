@@ -1,4 +1,4 @@
-"""What a fit leaves in the model file: where it comes from, how well it agrees, where it is valid."""
+"""The record of a fit in the model file: its origin, its error, and its region of validity."""
 
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
@@ -12,7 +12,9 @@ from damper_estimator.signals import Measurement
 
 REGION = (0.1, 99.9)  # percentiles of the judged samples
 SIGMAS = 3.0  # standard deviations that must cover the errors
-COVERED = 99.999  # per cent of the errors on the recordings; a glitch of the gauge now and then is not the model's
+COVERED = (
+    99.999  # per cent of the errors on the recordings; occasional glitches of the gauge are not errors of the model
+)
 
 
 def fit_record(
@@ -69,6 +71,6 @@ def record_of(
 
 
 def region_of(channels: Channels) -> dict[str, list[float]]:
-    """Lowest and highest value of each channel that was there, less the outermost thousandth on either side."""
+    """Lowest and highest value of each recorded channel, without the outermost thousandth on either side."""
     values = {name: channels(row) for name, row in REGION_ROWS.items()}
-    return {name: own.percentiles(REGION) for name, own in values.items() if own.size}
+    return {name: channel.percentiles(REGION) for name, channel in values.items() if channel.size}

@@ -15,11 +15,11 @@ from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
 
 ROWS_PER_BAND = 4.0  # rows per second over the band's frequency
-SAMPLES_PER_BAND = 10.0  # samples per second over it, at least, with which a model is run while it is searched
+SAMPLES_PER_BAND = 10.0  # least samples per second over it with which a model runs during a search
 SLOW_CHANNELS = {COMMAND: "command", TEMPERATURE: "temperature", PRESSURE: "pressure"}
-_PROBE = 50  # samples at the end of a recording on which a model must give a force
-_TRIAL = 2000  # samples on which it is tried whether a channel matters
-_SHORTEST = 0.5  # s; what is left of a recording between holes must last at least this long
+_PROBE = 50  # samples at the end of a recording on which a model must return a force
+_TRIAL = 2000  # samples on which the influence of a channel is tested
+_SHORTEST = 0.5  # s; least length of a part of a recording between holes
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,14 @@ class Rows:
         return rows_of(measurement.thinned(stride), weight, self.setting, self.blind.size > 0)
 
     def part(self, part: slice) -> "Rows":
-        """The rows of a part of the measurement, as a recording of its own."""
+        """The rows of a part of the measurement, as a separate recording."""
         cut = self.measurement.part(part.start, part.stop)
         return rows_of(cut, self.weight[part], self.setting, self.blind.size > 0)
 
 
 def split(rows: Sequence[Rows], values: np.ndarray) -> list[np.ndarray]:
     """The part (r_i, ...) of each measurement of values (r, ...) over all rows."""
-    return np.split(values, np.cumsum([own.picks.size for own in rows])[:-1]) if rows else []
+    return np.split(values, np.cumsum([recording.picks.size for recording in rows])[:-1]) if rows else []
 
 
 def rows_of(
@@ -101,7 +101,7 @@ def _targeted(rows: Rows, zero_free: bool) -> Rows:
 
 
 def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
-    """The parts of a measurement that a model can be fitted to; most often one, the whole.
+    """The parts of a measurement that a model can be fitted to; usually one, the whole.
 
     Where a slow channel that the model uses begins late (its first message comes some seconds into the recording),
     the samples before are left out: without it, effects give no force, which is right live but would be fitted as
@@ -129,9 +129,7 @@ def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
     # The force before the first and after the last sample of the gauge need not be a number.
     good = np.isfinite(measurement.force) & np.isfinite(block[used]).all(axis=0)
     if not np.isfinite(model.force(np.ascontiguousarray(block[:, good][:, -_PROBE:]))).all():
-        raise InputError(
-            f"{where}: model {model.name} gives no finite force with the values it has; correct its values"
-        )
+        raise InputError(f"{where}: model {model.name} returns no finite force with its values; correct its values")
     if good.all():
         return [slice(0, good.size)]
     edges = np.flatnonzero(np.diff(good, prepend=False, append=False)).reshape(-1, 2).tolist()
@@ -140,7 +138,7 @@ def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
 
 
 def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
-    """Whether the model's force changes with a slow channel, tried in the middle of a recording."""
+    """Whether the model's force changes with a slow channel, tested in the middle of a recording."""
     first = max(0, block.shape[1] // 2 - _TRIAL // 2)
     low, high = (np.array(block[:, first : first + _TRIAL], order="C") for _ in range(2))
     low[row], high[row] = 0.3, 1.7
@@ -148,7 +146,7 @@ def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
 
 
 def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> list[slice]:
-    """Parts of ``length`` seconds, evenly spread, of about ``samples`` in all; the whole where it is shorter."""
+    """Parts of ``length`` seconds, evenly spread, of about ``samples`` in total; the whole where it is shorter."""
     size = len(measurement.kinematics)
     each = max(int(length * measurement.kinematics.rate), 2)
     if size <= max(samples, 2 * each):
@@ -160,7 +158,7 @@ def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> lis
 
 def natural_sizes(spreads: Sequence[np.ndarray]) -> tuple[float, float, float]:
     """Force (N), length (m) and time (s) of recordings, from the ``motion_moments`` of each."""
-    together = [pooled(own) for own in np.stack(spreads, axis=1)]
+    together = [pooled(parts) for parts in np.stack(spreads, axis=1)]
     force, length, velocity = (float(np.sqrt(deviations / count)) for count, _, deviations in together)
     return force, length, length / velocity if velocity > 0.0 else float("nan")
 
@@ -169,7 +167,7 @@ def motion_moments(measurement: Measurement) -> np.ndarray:
     """(3, 3) ``moments`` of force, displacement and velocity at the judged samples."""
     judged, kinematics = measurement.judged, measurement.kinematics
     values = (measurement.force, kinematics.displacement, kinematics.velocity)
-    return np.array([moments(own[judged]) for own in values])
+    return np.array([moments(channel[judged]) for channel in values])
 
 
 def moments(values: np.ndarray) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""Where the rows of a problem are, and what is asked of them: sums, whatever their number.
+"""Sources of a problem's rows, and the sums that a fit asks of them, whatever the number of rows.
 
 A least-squares search needs of its rows only what a QR decomposition keeps of them. So each recording is reduced, where
 it lies, to triangles (``numerics.triangle``): k + 1 numbers square for k parameters. The triangles of all recordings,
@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from damper_estimator.identification.excitations import Split
+from damper_estimator.identification.excitations import ExcitationSplit
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.signals.cycles import Cycle
 
@@ -28,7 +28,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Totals:
-    """What recordings add up to, whatever the model.
+    """Totals over recordings, for any model.
 
     Attributes:
         samples: at full rate.
@@ -46,25 +46,25 @@ class Totals:
 def added_up(parts: Sequence[Totals]) -> Totals:
     """The totals of all parts together."""
     return Totals(
-        sum(own.samples for own in parts),
-        sum(own.rows for own in parts),
-        float(sum(own.power for own in parts)),
-        tuple(moments for own in parts for moments in own.moments),
+        sum(part.samples for part in parts),
+        sum(part.rows for part in parts),
+        float(sum(part.power for part in parts)),
+        tuple(moments for part in parts for moments in part.moments),
     )
 
 
 class RowSums(Protocol):
-    """What the rows of a source add up to with given unknowns, of which q are searched and p solved for."""
+    """Sums over the rows of a source with given unknowns, of which q are searched and p solved for."""
 
     def columns(self, searched: np.ndarray) -> np.ndarray:
-        """Triangles (.., p + 1): what one unit of each solved parameter adds, and the target less what is there without
-        them; not finite where the model gives no finite force.
+        """Triangles (.., p + 1): the force of one unit of each solved parameter, and the target less the force without
+        them; not finite where the model's force is not finite.
         """
         ...
 
     def linearised(self, place: Place) -> np.ndarray:
         """Triangles (.., q + p + 1): derivatives by all parameters, those by the searched ones as one-sided differences
-        with the solved ones held, and the residual, modelled less measured.
+        with the solved ones kept, and the residual, modelled less measured.
         """
         ...
 
@@ -93,7 +93,7 @@ class RowSource(Protocol):
         ...
 
     def sums(self, unknowns: Unknowns) -> RowSums:
-        """What the rows add up to with these unknowns."""
+        """The sums over the rows with these unknowns."""
         ...
 
     def excerpts(self, samples: int, total: int) -> "RowSource":
@@ -108,7 +108,7 @@ class RowSource(Protocol):
         """Whole judged cycles of each recording."""
         ...
 
-    def excitations(self, given: Mapping[str, Sequence[str]], split: Split) -> "RowSource":
+    def excitations(self, given: Mapping[str, Sequence[str]], split: ExcitationSplit) -> "RowSource":
         """The rows of the excitations alone; see ``excitations.excitations_in``."""
         ...
 

@@ -1,4 +1,4 @@
-"""Where a search begins: the model's own values, values of the data's size, and points spread evenly around them.
+"""Where a search begins: the model's values, values of the data's size, and points spread evenly around them.
 
 A parameter's size follows from its unit: a force is measured by the recording's rms force, a length by its rms
 displacement and a time by the ratio of that to the rms velocity, so ``N s/m`` becomes rms force over rms velocity.
@@ -14,8 +14,8 @@ from damper_estimator.identification.problem import Problem
 from damper_estimator.model import Slot
 
 SPREAD = 6  # points around the start per searched parameter
-MOST = 40  # points in all
-_DECADE = 10.0  # factor up and down in which a parameter of known size is looked for
+MOST = 40  # points in total
+_DECADE = 10.0  # factor up and down in which a parameter of known size is searched
 _NARROW = 5.0  # the same for one that keeps the model's value
 _LEAST = 1e-4  # of the distance of the bounds: no parameter is smaller
 _UNIT = re.compile(r"([A-Za-z]+)(?:\^(-?[0-9.]+))?")
@@ -30,29 +30,29 @@ _BASE = {
 
 
 def candidates(problem: Problem, seed: int, count: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Start points (s, q), the model's own values first, and the size (q,) of each searched parameter.
+    """Start points (s, q), the model's values first, and the size (q,) of each searched parameter.
 
     ``count`` points are spread with low discrepancy (by default six per parameter, at most 40); ``seed`` shifts
-    them. With ``count`` 0 the model's values are all there is.
+    them. With ``count`` 0 the model's values are the only point.
     """
     natural = problem.natural_sizes()
-    own = problem.start
+    start = problem.start
     slots = [problem.slots[i] for i in problem.searched]
     if not slots:
-        return own[None, :], own
+        return start[None, :], start
     sized = np.array([_from_unit(slot.parameter.unit, natural) for slot in slots])
     spans = np.array([slot.parameter.upper - slot.parameter.lower for slot in slots])
-    size = np.fmax(np.maximum(np.abs(own), _LEAST * spans), sized)
+    size = np.fmax(np.maximum(np.abs(start), _LEAST * spans), sized)
     if count == 0:
-        return own[None, :], size
-    # The sign of a parameter that may have either is not told by its size.
+        return start[None, :], size
+    # The size of a parameter that can have either sign does not determine its sign.
     signs = np.array([-1.0 if slot.parameter.upper <= 0.0 else 1.0 for slot in slots])
-    told = np.isfinite(sized) & np.array([not _either_sign(slot) for slot in slots])
-    centre = problem.clipped(np.where(told, signs * np.nan_to_num(sized), own))
+    signed = np.isfinite(sized) & np.array([not _either_sign(slot) for slot in slots])
+    centre = problem.clipped(np.where(signed, signs * np.nan_to_num(sized), start))
     count = min(SPREAD * len(slots), MOST) if count is None else count
     shares = _low_discrepancy(count, len(slots), seed)
-    spread = np.array([_placed(slot, own[j], sized[j], shares[:, j]) for j, slot in enumerate(slots)]).T
-    return np.vstack([own, centre, problem.clipped(spread)]), size
+    spread = np.array([_placed(slot, start[j], sized[j], shares[:, j]) for j, slot in enumerate(slots)]).T
+    return np.vstack([start, centre, problem.clipped(spread)]), size
 
 
 def _either_sign(slot: Slot) -> bool:
@@ -60,7 +60,7 @@ def _either_sign(slot: Slot) -> bool:
 
 
 def _from_unit(unit: str, natural: tuple[float, float, float]) -> float:
-    """Size of a parameter from its unit; NaN where the recording does not tell it."""
+    """Size of a parameter from its unit; NaN where the recording does not determine it."""
     top, _, bottom = unit.partition("/")
     exponents, factor = np.zeros(3), 1.0
     for text, sign in ((top, 1.0), (bottom, -1.0)):
@@ -87,16 +87,16 @@ def _low_discrepancy(count: int, dimensions: int, seed: int) -> np.ndarray:
     return (shift + np.outer(np.arange(1, count + 1), steps)) % 1.0
 
 
-def _placed(slot: Slot, own: float, sized: float, shares: np.ndarray) -> np.ndarray:
-    """Values of a parameter at shares (s,) of the range in which it is looked for; by ratio where it has one sign."""
+def _placed(slot: Slot, value: float, sized: float, shares: np.ndarray) -> np.ndarray:
+    """Values of a parameter at shares (s,) of the range in which it is searched; by ratio where it has one sign."""
     lower, upper = slot.parameter.lower, slot.parameter.upper
     known = np.isfinite(sized)
     if _either_sign(slot):
-        reach = max(5.0 * abs(own), 3.0 * sized if known else 0.2 * min(-lower, upper))
+        reach = max(5.0 * abs(value), 3.0 * sized if known else 0.2 * min(-lower, upper))
         low, high = max(lower, -reach), min(upper, reach)
         return low + shares * (high - low)
     smallest, largest = sorted((abs(lower), abs(upper)))
-    middle = sized if known else abs(own) if own != 0.0 else max(smallest, 0.01 * largest)
+    middle = sized if known else abs(value) if value != 0.0 else max(smallest, 0.01 * largest)
     factor = _DECADE if known else _NARROW
     middle = min(max(middle, smallest, _LEAST * largest), largest)
     low, high = max(middle / factor, smallest), min(middle * factor, largest)

@@ -17,7 +17,7 @@ class Term:
     """One part of a model; the model's force is the sum of its terms' forces.
 
     Attributes:
-        model: the entries that make this part, and those that act on it, as a model of their own.
+        model: the entries that make this part, and those that act on it, as a separate model.
         slots: positions in the whole model's ``slots`` of this part's slots, in the same order.
         linear: those of ``slots`` to which the part's force is proportional, taken together; empty where there are
             none.
@@ -29,7 +29,7 @@ class Term:
 
     @property
     def searched(self) -> tuple[int, ...]:
-        """Positions of the slots on which the part depends otherwise than linearly."""
+        """Positions of the slots on which the part depends nonlinearly."""
         return tuple(slot for slot in self.slots if slot not in self.linear)
 
 
@@ -49,7 +49,7 @@ class _Node:
 @dataclass(frozen=True)
 class _Part:
     kept: frozenset[int]
-    source: _Node | None = None  # the one entry that makes the force, where all that acts on it is linear
+    source: _Node | None = None  # the entry that makes the force, where all entries acting on it are linear
 
 
 def terms(model: DamperModel) -> tuple[Term, ...]:
@@ -68,7 +68,7 @@ def _numbered(elements: Sequence[Element], first: int) -> tuple[tuple[_Node, ...
 
 
 def adds(effect: Effect) -> bool:
-    """Whether an effect adds a force of its own; else it acts on the force or on the motion.
+    """Whether an effect adds a force; otherwise it acts on the force or on the motion.
 
     A channel effect with linear parameters (an offset, a spring rate) adds, one without (a gain, a skew) rewrites.
     """
@@ -112,8 +112,8 @@ def _term(model: DamperModel, part: _Part) -> Term:
         linear = tuple(
             i for i in slots if model.slots[i].entry == part.source.position and model.slots[i].parameter.linear
         )
-    own = replace(model, effects=_pruned(model.effects, part.kept, [0]), fixed=(), fit={})
-    return Term(own, slots, linear)
+    part = replace(model, effects=_pruned(model.effects, part.kept, [0]), fixed=(), fit={})
+    return Term(part, slots, linear)
 
 
 def _pruned(elements: tuple[Element, ...], kept: frozenset[int], counter: list[int]) -> tuple[Element, ...]:

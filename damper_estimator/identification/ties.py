@@ -1,4 +1,4 @@
-"""Table points that the data do not determine follow those that they do; see ``model.continuation`` for how.
+"""Ties table points that the data do not determine to those that they do; see ``model.continuation`` for how.
 
 With G = J'J over the points of one curve or surface, each of which adds its share phi of its value to the force, the
 data reach point k as far as
@@ -9,10 +9,10 @@ because the shares of a sample add up to one: 1 where the samples lie at the poi
 of the way from its neighbour. An error of the force there, of whatever origin, comes back 1 / r times in the point,
 so it is tied where
 
-    r_k < 2 e,        e = rms of what the fit leaves over rms of the force,
+    r_k < 2 e,        e = rms of the fit's residual over rms of the force,
 
-and 2 e not below ``LEAST`` nor above ``MOST``, unless to tie it would cost a fifth of the residual's square: then many
-samples agree on where the force goes. Data that are there twice change nothing of it. On simulated dampers
+and 2 e between ``LEAST`` and ``MOST``, unless tying it would cost a fifth of the residual's square: then many samples
+agree on the force there. Duplicate data do not change this. On simulated dampers
 an outer point was as wrong free as continued at about that reach; below, free points soon had any sign.
 """
 
@@ -56,7 +56,7 @@ class Table:
         return continuation(self.axes, known.reshape(shape), values.reshape(shape))
 
     def rises(self, point: int, known: np.ndarray, values: np.ndarray) -> bool:
-        """Whether the force goes on in the direction of damping from the known points to one outside them."""
+        """Whether the force continues in the direction of damping from the known points to one outside them."""
         level = continuation(
             [replace(axis, straight=False) for axis in self.axes],
             known.reshape(self.places.shape),
@@ -84,38 +84,38 @@ def tables(model: DamperModel) -> list[Table]:
             names = parameter.axes
             if names and all(name in rising for name in names):
                 axes = tuple(_axis(rising[name], element.settings[name]) for name in names)
-                places = np.reshape(slots[entry, parameter.name], [own.knots.size for own in axes])
+                places = np.reshape(slots[entry, parameter.name], [axis.knots.size for axis in axes])
                 found.append(Table(places, axes))
     return found
 
 
 def _axis(setting: Setting, knots: tuple[float, ...]) -> Axis:
-    """Only along the velocity, with its sign, is it known which way a force goes on."""
+    """Only along the velocity, with its sign, is it known which way a force continues."""
     return Axis(np.asarray(knots), AXES.get(setting.unit) == V and setting.lower < 0.0)
 
 
 @dataclass(frozen=True)
 class Ties:
-    """What follows what.
+    """Which slots follow which others.
 
     Attributes:
         tied: positions in a problem's slots.
-        weights: (slots, slots): all values = weights @ values; the unit matrix but for the rows of ``tied``.
+        weights: (slots, slots): all values = weights @ values; the unit matrix except for the rows of ``tied``.
     """
 
     tied: tuple[int, ...]
     weights: np.ndarray
 
 
-def rested(problem: Problem, point: Point, linear: Linearised) -> Point:
-    """The point with the model's own value of every parameter that has no influence: a search that draws at random
-    leaves it anywhere. Where the force does depend on it after all, the point stays.
+def with_inert_at_start(problem: Problem, point: Point, linear: Linearised) -> Point:
+    """The point with the model's value of every parameter that has no influence, since a random search leaves an
+    arbitrary one. Where the force does depend on it, the point is returned unchanged.
     """
     order = np.concatenate([problem.searched, problem.solved])
     values = problem.vector(point.searched, point.solved)
     silent = order[~linear.reduced[:, :-1].any(axis=0)]
-    own = [problem.slots[slot].value for slot in problem.solved]
-    start = np.clip(problem.vector(problem.start, np.array(own)), problem.lower, problem.upper)
+    model_values = [problem.slots[slot].value for slot in problem.solved]
+    start = np.clip(problem.vector(problem.start, np.array(model_values)), problem.lower, problem.upper)
     if (values[silent] == start[silent]).all():
         return point
     values[silent] = start[silent]
@@ -124,14 +124,14 @@ def rested(problem: Problem, point: Point, linear: Linearised) -> Point:
 
 
 def tied(problem: Problem, point: Point, linear: Linearised) -> Ties:
-    """The points of tables that the data leave open at the end of a search; ``linear`` is there."""
+    """The points of tables that the data leave open at the end of a search; ``linear`` at that point."""
     order = np.concatenate([problem.searched, problem.solved])
     jacobian = linear.reduced[:, :-1]
     values = problem.vector(point.searched, point.solved)
-    return ties_among(_tables_of(problem), values, order, jacobian.T @ jacobian, problem.power, point.cost)
+    return find_ties(_tables_of(problem), values, order, jacobian.T @ jacobian, problem.power, point.cost)
 
 
-def ties_among(
+def find_ties(
     every: Sequence[Table],
     values: np.ndarray,
     free: Sequence[int] | np.ndarray,
@@ -143,10 +143,10 @@ def ties_among(
 
     Args:
         values: (slots,).
-        free: (f,) positions that were identified; no other is tied, but those tell as well.
+        free: (f,) positions that were identified; no other is tied.
         influence: (f, f) J'J.
         power: sum of the squares of the measured force.
-        cost: half of that of the residual.
+        cost: half of the sum of squares of the residual.
     """
     left = np.sqrt(2.0 * cost / power) if power > 0.0 else 0.0
     place = np.full(values.size, -1)
@@ -155,12 +155,12 @@ def ties_among(
     weights, found = np.eye(values.size), set()
     for table in every:
         flat = table.places.ravel()
-        own = np.flatnonzero(place[flat] >= 0)
-        columns = place[flat[own]]
+        free_points = np.flatnonzero(place[flat] >= 0)
+        columns = place[flat[free_points]]
         part = influence[np.ix_(columns, columns)]
         known = np.ones(flat.size, bool)
-        known[own] = _reach(table, own, part) >= least
-        known[own] |= _objecting(table, values[flat], known, own, part, _DEAR * 2.0 * cost)
+        known[free_points] = _reach(table, free_points, part) >= least
+        known[free_points] |= _objecting(table, values[flat], known, free_points, part, _DEAR * 2.0 * cost)
         if known.any() and not known.all():
             weights[np.ix_(flat, flat)] = table.continued(known, values[flat])
             found |= set(flat[~known].tolist())
@@ -168,39 +168,44 @@ def ties_among(
 
 
 def _objecting(
-    table: Table, values: np.ndarray, known: np.ndarray, own: np.ndarray, influence: np.ndarray, dear: float
+    table: Table, values: np.ndarray, known: np.ndarray, free: np.ndarray, influence: np.ndarray, dear: float
 ) -> np.ndarray:
-    """(k,) bool: points ``own`` out of reach to which the data still object being tied: it would cost more than
-    ``dear`` in squares, all known points adapting, and what they want instead does not fall.
+    """(k,) bool: points ``free`` out of reach to which the data still object being tied: it would cost more than
+    ``dear`` in squares, all known points adapting, and the force that they ask for does not fall.
     """
-    objecting = np.zeros(own.size, bool)
+    objecting = np.zeros(free.size, bool)
     if not known.any():
         return objecting
     away = values - table.continued(known, values) @ values
-    told = known[own]
-    for k in np.flatnonzero(~told):
-        shared = influence[told, k]
-        alone = influence[k, k] - shared @ np.linalg.lstsq(influence[np.ix_(told, told)], shared, rcond=1e-10)[0]
-        objecting[k] = away[own[k]] ** 2 * alone > dear and table.rises(int(own[k]), known, values)
+    determined = known[free]
+    for k in np.flatnonzero(~determined):
+        shared = influence[determined, k]
+        alone = (
+            influence[k, k]
+            - shared @ np.linalg.lstsq(influence[np.ix_(determined, determined)], shared, rcond=1e-10)[0]
+        )
+        objecting[k] = away[free[k]] ** 2 * alone > dear and table.rises(int(free[k]), known, values)
     return objecting
 
 
 def _tables_of(problem: Unknowns) -> list[Table]:
     """In the problem's slots; of a table that differs between the settings of a joint fit one for each."""
-    own = {}
+    found = {}
     for table in tables(problem.model):
         for places in problem.places:
-            own[places[table.places].tobytes()] = Table(places[table.places], table.axes)
-    return list(own.values())
+            found[places[table.places].tobytes()] = Table(places[table.places], table.axes)
+    return list(found.values())
 
 
-def followed(problem: Problem, point: Point, linear: Linearised, ties: Ties, reach: np.ndarray | None) -> Point:
-    """The point with all that is tied in its place.
+def with_ties_applied(
+    problem: Problem, point: Point, linear: Linearised, ties: Ties, reach: np.ndarray | None
+) -> Point:
+    """The point with the ties applied.
 
     Args:
         linear: the rows near the point.
-        reach: (q,) how far the searched parameters may move to make the best of it, the solved ones with them; None
-            moves nothing else.
+        reach: (q,) how far the searched parameters may move to reduce the cost, together with the solved ones;
+            None moves nothing else.
     """
     values = problem.vector(point.searched, point.solved)
     start = ties.weights @ values
@@ -219,13 +224,15 @@ def followed(problem: Problem, point: Point, linear: Linearised, ties: Ties, rea
             jacobian @ ties.weights[np.ix_(order, kept)], -residual, low, high, np.clip(np.zeros(kept.size), low, high)
         )
         found.append(ties.weights @ (values + step))
-    found = [np.clip(own, problem.lower, problem.upper) for own in found]
-    return min((problem.point(own[problem.searched], own[problem.solved]) for own in found), key=lambda own: own.cost)
+    found = [np.clip(candidate, problem.lower, problem.upper) for candidate in found]
+    return min(
+        (problem.point(values[problem.searched], values[problem.solved]) for values in found), key=lambda end: end.cost
+    )
 
 
-def _reach(table: Table, own: np.ndarray, influence: np.ndarray) -> np.ndarray:
-    """(k,) how far the data reach the table's points ``own`` (k,), given their J'J (k, k)."""
-    where = np.array(np.unravel_index(own, table.places.shape))
+def _reach(table: Table, free: np.ndarray, influence: np.ndarray) -> np.ndarray:
+    """(k,) how far the data reach the table's points ``free`` (k,), given their J'J (k, k)."""
+    where = np.array(np.unravel_index(free, table.places.shape))
     near = (np.abs(where[:, :, None] - where[:, None, :]) <= 1).all(axis=0)
     amount = np.diag(influence)
     touched = (influence * near).sum(axis=1)

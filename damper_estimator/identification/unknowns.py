@@ -1,4 +1,4 @@
-"""The unknowns of a fit: which numbers are identified, where they stand, their bounds, which are solved for."""
+"""The unknowns of a fit: which numbers are identified, their positions and bounds, and which are solved for."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,11 +11,11 @@ from damper_estimator.model import DamperModel, Slot
 
 @dataclass(frozen=True)
 class Settings:
-    """What differs between the recordings of a joint fit.
+    """The parameters that differ between the recordings of a joint fit.
 
     Attributes:
         names: of the settings.
-        each: positions in ``model.slots`` of the parameters that have a value of their own in each.
+        each: positions in ``model.slots`` of the parameters that have a separate value in each setting.
     """
 
     names: tuple[str, ...]
@@ -23,18 +23,18 @@ class Settings:
 
 
 class Unknowns:
-    """A model's free parameters; what holds the data they are identified on builds on this.
+    """A model's free parameters; classes that hold the data of the identification inherit from it.
 
     Attributes:
         model: with the start values.
         settings: of a joint fit, None for another.
         slots: the model's, and for a joint fit one per setting of those that differ.
-        places: (settings, model slots) int, where in ``slots`` each setting finds its own.
+        places: (settings, model slots) int, positions in ``slots`` of each setting's values.
         free: positions in ``slots`` of all that is identified.
         searched, solved: those of ``free`` that are searched, and solved for.
         lower, upper: (slots,) bounds of all slots.
-        start_vector: (slots,) the model's own values.
-        terms: the model's, whose forces add up to its own.
+        start_vector: (slots,) the model's values.
+        terms: the model's terms, whose forces add up to its force.
         given_free, given_slots: as given.
     """
 
@@ -61,7 +61,7 @@ class Unknowns:
 
     @property
     def start(self) -> np.ndarray:
-        """(q,) the model's own values of the searched parameters, between their bounds."""
+        """(q,) the model's values of the searched parameters, between their bounds."""
         return self.clipped(self.start_vector[self.searched])
 
     def clipped(self, searched: np.ndarray) -> np.ndarray:
@@ -80,7 +80,7 @@ class Unknowns:
 
 
 def _laid_out(given: tuple[Slot, ...], settings: Settings | None) -> tuple[tuple[Slot, ...], np.ndarray]:
-    """The slots of a problem, and (settings, model slots) int where each setting finds its own."""
+    """The slots of a problem, and (settings, model slots) int the positions of each setting's values."""
     if settings is None:
         return given, np.arange(len(given))[None, :]
     slots: list[Slot] = []

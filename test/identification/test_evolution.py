@@ -7,7 +7,7 @@ import pytest
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification import Front, LocalRows, Problem, Wishes, fit, load_front
-from damper_estimator.identification.excited import Excited
+from damper_estimator.identification.excitation_problem import ExcitationProblem
 from damper_estimator.identification.population import Scale, first_generation
 from damper_estimator.identification.rows import rows_of
 from damper_estimator.model import load_model
@@ -102,7 +102,7 @@ def displaced():
 
 def excited(rows, given):
     """The excitations of rows by group, and for each group the positions of the rows of each."""
-    found = Excited(Problem(load_model("linear_viscous"), LocalRows(rows), (0,)), given)
+    found = ExcitationProblem(Problem(load_model("linear_viscous"), LocalRows(rows), (0,)), given)
     return found, found.problem.source.members
 
 

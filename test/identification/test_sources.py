@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.identification import LocalRows, Problem, rows_of
-from damper_estimator.identification.excited import Excited
+from damper_estimator.identification.excitation_problem import ExcitationProblem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.samples import samples_of
 from damper_estimator.identification.sources import Place, added_up
@@ -115,7 +115,7 @@ def test_excerpts_of_rows_apart_are_those_of_all(pair):
 
 
 def test_excitations_of_rows_apart_are_those_of_all(pair):
-    one, apart = (Excited(own, {}) for own in pair)
+    one, apart = (ExcitationProblem(own, {}) for own in pair)
     assert one.groups == apart.groups
     assert [own.tolist() for own in one.sizes] == [own.tolist() for own in apart.sizes]
     vectors = np.array([own.value for own in one.problem.slots]) * np.array([[1.0], [1.3]])
@@ -128,7 +128,7 @@ def test_excitations_of_rows_apart_are_those_of_all(pair):
 
 
 def test_a_weight_counts_each_squared_row_so_often(pair):
-    excited = Excited(pair[0], {})
+    excited = ExcitationProblem(pair[0], {})
     vector = np.array([slot.value for slot in pair[0].slots])
     searched, solved = vector[pair[0].searched], vector[pair[0].solved]
     (errors,) = excited.errors(vector[None, :])

@@ -39,7 +39,7 @@ def _silent(text: str) -> None:
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a caller may want of a search; a method takes what concerns it.
+    """A caller's requests to a search; a method uses those that concern it.
 
     Attributes:
         seed: of what is drawn at random; equal seeds give equal results.
@@ -47,7 +47,7 @@ class Wishes:
         groups: objectives by name, each the recordings that it judges; empty forms them from the recordings.
         pick: which point of a front becomes the model: ``knee``, a group's name, or a number.
         front: points found before, among which one is picked without a search.
-        generations, population: of evolutionary methods; None for the method's own.
+        generations, population: of evolutionary methods; None for the method's default.
     """
 
     seed: int = 0
@@ -68,9 +68,9 @@ class Method:
 
     Attributes:
         search: (problem, sketch, candidates, size, wishes) to solution: the problem; the same on excerpts of the
-            data, to try out cheaply; start candidates (s, q), the model's own values first; magnitudes (q,) of the
+            data, to try out cheaply; start candidates (s, q), the model's values first; magnitudes (q,) of the
             searched parameters; wishes.
-        several: whether it has several objectives, and so takes groups and a choice from its front.
+        several: whether it has several objectives, and so accepts groups and a choice from its front.
     """
 
     search: Search

@@ -37,11 +37,11 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
         every = np.array([[sketch.point(values).cost] for values in scale.values(shares)])
         return np.where(np.isfinite(every), every, worst)
 
-    def told(generation: int, best: np.ndarray) -> None:
+    def report(generation: int, best: np.ndarray) -> None:
         if generation % _REPORT == 0:
             wishes.progress(f"generation {generation} of {generations}: best cost {best.min():.4g}")
 
-    shares, found = evolve("ga", costs, start, generations, wishes.seed, told)
+    shares, found = evolve("ga", costs, start, generations, wishes.seed, report)
     best = scale.values(shares)[int(np.argmin(found[:, 0]))]
     point, converged = refine(problem, problem.clipped(best), size)
     share = sketch.samples / problem.samples

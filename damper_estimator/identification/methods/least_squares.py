@@ -32,39 +32,39 @@ _SKETCH_ITERATIONS = 25
 
 
 def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
-    """See the module; deterministic: the seed has done its work in the candidates."""
+    """See the module; deterministic: the seed acts on the candidates only."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
     thinned = problem.thinned()
-    parts = {id(own): own for own in (sketch, thinned, problem)}.values()
+    parts = {id(part): part for part in (sketch, thinned, problem)}.values()
     remaining, each = Remaining(wishes.progress), problem.searched.size + 2
 
-    def told(text: str, left: float) -> None:
-        """``left``: iterations on all data, or their equal, that will probably still be made."""
-        remaining(text, sum(own.evaluations * own.samples for own in parts), left * each * problem.samples)
+    def report(text: str, left: float) -> None:
+        """``left``: expected remaining iterations, in iterations on all data."""
+        remaining(text, sum(part.evaluations * part.samples for part in parts), left * each * problem.samples)
 
-    start = _best_start(sketch, candidates, size, lambda text: told(text, _USUAL))
+    start = _best_start(sketch, candidates, size, lambda text: report(text, _USUAL))
     near = start if thinned is problem else refine(thinned, start, size, gain=_THINNED_GAIN)[0].searched
     if problem.point(near).cost > problem.point(start).cost:
-        near = start  # what happens between the samples decides
+        near = start  # the samples between the thinned ones decide
     gain = _GAIN if thinned is problem else _THINNED_GAIN
     point, converged = refine(
-        problem, near, size, gain=gain, told=lambda k: told(f"iteration {k + 1} on all samples", max(_USUAL - k, 1))
+        problem, near, size, gain=gain, report=lambda k: report(f"iteration {k + 1} on all samples", max(_USUAL - k, 1))
     )
-    shorter = [own for own in (sketch, thinned) if own is not problem]
-    elsewhere = sum(own.evaluations * own.samples / problem.samples for own in shorter)
+    shorter = [part for part in (sketch, thinned) if part is not problem]
+    elsewhere = sum(part.evaluations * part.samples / problem.samples for part in shorter)
     return Solution(point, converged, problem.evaluations + round(elsewhere))
 
 
-def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray, told: Callable[[str], None]) -> np.ndarray:
-    """Where the best of several searches on the excerpts ended; the model's own values are always tried."""
+def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray, report: Callable[[str], None]) -> np.ndarray:
+    """The end of the best of several searches on the excerpts; the model's values are always tried."""
     if len(candidates) == 1:
         return candidates[0]
     costs = np.array([sketch.point(candidate).cost for candidate in candidates])
     order = [0, *(int(i) for i in np.argsort(costs, kind="stable") if i != 0)]
     ends: list[Point] = []
     for number, i in enumerate(order[:_STARTS], 1):
-        told(f"start {number} of at most {_STARTS}")
+        report(f"start {number} of at most {_STARTS}")
         if np.isfinite(costs[i]):
             ends.append(refine(sketch, candidates[i], size, _SKETCH_ITERATIONS, _SKETCH_GAIN)[0])
         ends.sort(key=lambda end: end.cost)
@@ -79,7 +79,7 @@ def refine(
     size: np.ndarray,
     iterations: int = _ITERATIONS,
     gain: float = _GAIN,
-    told: Callable[[int], None] = lambda iteration: None,
+    report: Callable[[int], None] = lambda iteration: None,
 ) -> tuple[Point, bool]:
     """The local minimum that is reached from ``start``, and whether it was.
 
@@ -87,7 +87,7 @@ def refine(
         start: (q,) between the bounds.
         size: (q,) magnitude of each parameter; below a tenth of it a parameter moves as if it were that large.
         gain: share of the cost; the search ends where a step promises less.
-        told: is called with the number of each iteration.
+        report: is called with the number of each iteration.
     """
     point = problem.point(start)
     if not np.isfinite(point.cost):
@@ -95,7 +95,7 @@ def refine(
     perfect = _PERFECT * problem.power
     radius, passed = 1.0, [point]
     for iteration in range(iterations):
-        told(iteration)
+        report(iteration)
         passed = _leap(problem, passed)
         point = passed[-1]
         own_size = np.maximum(np.abs(point.searched), 0.1 * size)

@@ -2,9 +2,9 @@
 
     e_g(x) = mean over the excitations i of group g of e_i(x) / e_i(x_0),    e_i = (1/N) sum (F(x, t) - F_measured)^2
 
-with x_0 the model's own values, so each objective is 1 at the start. All free parameters are searched between
+with x_0 the model's values, so each objective is 1 at the start. All free parameters are searched between
 their bounds, the linear ones as well: solving for them would settle the trade between the groups. The first
-generation holds the model's own values, the least-squares solution over all groups and over each, values of
+generation holds the model's values, the least-squares solution over all groups and over each, values of
 the data's size, and points between the bounds. The point that becomes the model is chosen by ``wishes.pick``;
 the default is the front's knee.
 
@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification.excited import Excited
+from damper_estimator.identification.excitation_problem import ExcitationProblem
 from damper_estimator.identification.front import Front, non_dominated
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.methods.least_squares import refine
@@ -25,7 +25,7 @@ from damper_estimator.identification.problem import Problem
 
 _POPULATION, _GENERATIONS = 100, 100
 _REPORT = 10  # generations between two lines of progress
-_WORST = 100.0  # objective from which on worse is not told apart; also where there is no finite force
+_WORST = 100.0  # largest objective, above which all are equal; also where there is no finite force
 _LEAD_ITERATIONS, _LEAD_GAIN = 15, 1e-4  # of the least-squares solutions that the first generation holds
 
 
@@ -61,13 +61,13 @@ def _checked(front: Front, problem: Problem) -> Front:
 
 
 def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> tuple[Front, int]:
-    """The front, and the runs of the model over all data that it took, or their equal."""
-    chosen = Excited(problem, wishes.groups)
+    """The front, and its cost in runs of the model over all data."""
+    chosen = ExcitationProblem(problem, wishes.groups)
     small = chosen.problem
     free = np.array(small.free)
     start = _whole(small, small.start)
-    before = [np.maximum(own, np.finfo(float).tiny) for own in chosen.errors(start[None, :])[0]]
-    counts = ", ".join(f"{group} {len(own)}" for group, own in zip(chosen.groups, chosen.sizes, strict=True))
+    before = [np.maximum(errors, np.finfo(float).tiny) for errors in chosen.errors(start[None, :])[0]]
+    counts = ", ".join(f"{group} {len(sizes)}" for group, sizes in zip(chosen.groups, chosen.sizes, strict=True))
     wishes.progress(f"excitations by group: {counts}")
     scale = Scale(small.lower[free], small.upper[free])
     generations = wishes.generations or _GENERATIONS
@@ -76,21 +76,23 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
     def objectives(shares: np.ndarray) -> np.ndarray:
         nonlocal runs
         runs += len(shares)
-        own = _objectives(chosen, before, scale.values(shares))
-        # Ratios are spread over the front by their logarithms; that leaves alone which is better.
-        return np.log(np.maximum(own, np.finfo(float).tiny))
+        ratios = _objectives(chosen, before, scale.values(shares))
+        # Logarithms spread the ratios over the front and keep their order.
+        return np.log(np.maximum(ratios, np.finfo(float).tiny))
 
-    def told(generation: int, found: np.ndarray) -> None:
+    def report(generation: int, found: np.ndarray) -> None:
         if generation % _REPORT == 0:
             best = ", ".join(f"{g} {np.exp(e):.3g}" for g, e in zip(chosen.groups, found.min(axis=0), strict=True))
             wishes.progress(f"generation {generation} of {generations}: best errors relative to the start: {best}")
 
     known = np.array([start[free], *_leads(chosen, before, candidates, size)])
-    spread = np.array([_whole(small, own, projected=True)[free] for own in candidates[1:]]).reshape(-1, free.size)
+    spread = np.array([_whole(small, candidate, projected=True)[free] for candidate in candidates[1:]]).reshape(
+        -1, free.size
+    )
     population = wishes.population or _POPULATION
     first = first_generation(scale, np.vstack([known, spread]), population, wishes.seed)
-    shares, found = evolve("nsga2", objectives, first, generations, wishes.seed, told)
-    # A crowded front drops inner points: what was known before comes back where nothing is better.
+    shares, found = evolve("nsga2", objectives, first, generations, wishes.seed, report)
+    # A crowded front drops inner points: the solutions known before return where nothing is better.
     shares = np.unique(np.vstack([shares, scale.shares(known)]), axis=0)
     found = np.exp(objectives(shares))
     kept = non_dominated(found)
@@ -101,44 +103,46 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
         groups=chosen.groups,
         values=scale.values(shares)[order],
         objectives=found[order],
-        excitations=tuple(len(own) for own in chosen.sizes),
+        excitations=tuple(len(sizes) for sizes in chosen.sizes),
     )
     share = small.size / problem.size
     return front, round((runs + small.evaluations) * share)
 
 
 def _whole(problem: Problem, searched: np.ndarray, projected: bool = False) -> np.ndarray:
-    """(slots,) with the model's own linear parameters, or those that suit the searched ones best."""
-    own = np.array([problem.slots[i].value for i in problem.solved])
-    return problem.vector(searched, problem.point(searched).solved if projected else own)
+    """(slots,) with the model's linear parameters, or those that suit the searched ones best."""
+    linear = np.array([problem.slots[i].value for i in problem.solved])
+    return problem.vector(searched, problem.point(searched).solved if projected else linear)
 
 
-def _objectives(chosen: Excited, before: list[np.ndarray], values: np.ndarray) -> list[list[float]]:
+def _objectives(chosen: ExcitationProblem, before: list[np.ndarray], values: np.ndarray) -> list[list[float]]:
     """For each set of the free parameters (n, p) the objectives."""
     problem = chosen.problem
     vectors = np.tile(problem.vector(problem.start, np.zeros(problem.solved.size)), (len(values), 1))
     vectors[:, list(problem.free)] = values
-    return [_relative(own, before) for own in chosen.errors(vectors)]
+    return [_relative(errors, before) for errors in chosen.errors(vectors)]
 
 
 def _relative(errors: list[np.ndarray], before: list[np.ndarray]) -> list[float]:
-    if not all(np.isfinite(own).all() for own in errors):
+    if not all(np.isfinite(group).all() for group in errors):
         return [_WORST] * len(errors)
-    return [min(float(np.mean(own / reference)), _WORST) for own, reference in zip(errors, before, strict=True)]
+    return [min(float(np.mean(group / reference)), _WORST) for group, reference in zip(errors, before, strict=True)]
 
 
-def _leads(chosen: Excited, before: list[np.ndarray], candidates: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
+def _leads(
+    chosen: ExcitationProblem, before: list[np.ndarray], candidates: np.ndarray, size: np.ndarray
+) -> list[np.ndarray]:
     """Free parameters of the least-squares solutions over all groups and over each, with the objectives' weights."""
     problem = chosen.problem
     free = np.array(problem.free)
-    start = min(candidates, key=lambda own: problem.point(own).cost)
+    start = min(candidates, key=lambda candidate: problem.point(candidate).cost)
     found = []
     for wanted in [range(len(chosen.groups)), *([k] for k in range(len(chosen.groups)))]:
-        weights = [np.zeros(own.size) for own in chosen.sizes]
+        weights = [np.zeros(sizes.size) for sizes in chosen.sizes]
         for k in wanted:
             weights[k] = 1.0 / (before[k] * chosen.sizes[k] * chosen.sizes[k].size)
-        total = sum(float(own @ sizes) for own, sizes in zip(weights, chosen.sizes, strict=True))
-        weighted = chosen.weighted([own * (problem.size / total) for own in weights])
+        total = sum(float(counts @ sizes) for counts, sizes in zip(weights, chosen.sizes, strict=True))
+        weighted = chosen.weighted([counts * (problem.size / total) for counts in weights])
         point = weighted.point(start)
         if start.size:
             point, _ = refine(weighted, start, size, _LEAD_ITERATIONS, _LEAD_GAIN)

@@ -12,9 +12,9 @@ _EVERY = 2.0  # s between two lines
 class Remaining:
     """Turns the evaluations that are still expected into a time, by those that were made; final."""
 
-    def __init__(self, tell: Callable[[str], None], clock: Callable[[], float] = perf_counter) -> None:
+    def __init__(self, report: Callable[[str], None], clock: Callable[[], float] = perf_counter) -> None:
         """``tell`` receives lines; ``clock`` gives s."""
-        self._tell, self._clock = tell, clock
+        self._tell, self._clock = report, clock
         self._begun, self._told = clock(), -float("inf")
 
     def __call__(self, text: str, done: float, left: float) -> None:

@@ -1,14 +1,14 @@
-"""A problem on its excitations: what a search with several objectives asks of the recordings."""
+"""A problem restricted to excitations, as a search with several objectives needs it."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from damper_estimator.identification.excitations import filled, split_of
+from damper_estimator.identification.excitations import excitation_split, groups_with_excitations
 from damper_estimator.identification.problem import Problem
 
 
-class Excited:
+class ExcitationProblem:
     """The excitations of a problem's recordings by group; final.
 
     Attributes:
@@ -23,10 +23,10 @@ class Excited:
         Raises:
             InputError: for a recording in no group, a group without recordings, or no whole cycle anywhere.
         """
-        split = split_of(problem.source.cycles())
-        source = problem.source.excitations({name: tuple(own) for name, own in given.items()}, split)
+        split = excitation_split(problem.source.cycles())
+        source = problem.source.excitations({name: tuple(recordings) for name, recordings in given.items()}, split)
         self._sizes, groups = source.group_sizes(), tuple(given) or split.names
-        self._kept = filled([own.size for own in self._sizes], groups, given)
+        self._kept = groups_with_excitations([sizes.size for sizes in self._sizes], groups, given)
         self.groups = tuple(groups[k] for k in self._kept)
         self.sizes = [self._sizes[k] for k in self._kept]
         self.problem = problem.on(source)
@@ -37,7 +37,7 @@ class Excited:
 
     def weighted(self, weights: Sequence[np.ndarray]) -> Problem:
         """The problem with the rows of each excitation counted so much (e,), for each group."""
-        every = [np.zeros(own.size) for own in self._sizes]
-        for k, own in zip(self._kept, weights, strict=True):
-            every[k] = own
+        every = [np.zeros(sizes.size) for sizes in self._sizes]
+        for k, counted in zip(self._kept, weights, strict=True):
+            every[k] = counted
         return self.problem.on(self.problem.source.weighted(every))
