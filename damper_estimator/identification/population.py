@@ -1,4 +1,4 @@
-"""Evolution of a population of parameter sets between bounds: what the genetic methods share."""
+"""Evolution of a population of parameter sets between bounds, shared by the genetic methods."""
 
 from collections.abc import Callable
 
@@ -6,13 +6,13 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 
-_DECADES = 30.0  # upper over lower bound: from here on a parameter is looked for by ratio
+_DECADES = 30.0  # upper over lower bound: from which a parameter is searched by ratio
 _OPEN_BELOW = 1e-4  # of the upper bound, stands for a lower bound of zero on a ratio scale
 _MISSING = "this method needs pymoo, which is not installed; install it: pip install 'pymoo>=0.6.1'"
 
 
 class Scale:
-    """Maps parameters between their bounds to shares from 0 to 1: by ratio where bounds are far apart, else evenly."""
+    """Maps parameters between their bounds to shares from 0 to 1: by ratio between distant bounds, otherwise evenly."""
 
     def __init__(self, lower: np.ndarray, upper: np.ndarray):
         """``lower`` and ``upper`` (p,)."""
@@ -63,7 +63,7 @@ def evolve(
         kind: ``ga`` for one objective, ``nsga2`` for several.
         objectives: shares (n, p) to (n, g), finite.
         start: (n, p), whose length is the population's.
-        told: called after each generation with its number and its objectives (n, g).
+        report: called after each generation with its number and its objectives (n, g).
 
     Raises:
         InputError: where pymoo is missing; says how to install it.

@@ -1,4 +1,4 @@
-"""The least-squares problem of a fit: parameters that are searched or solved for, and the error they leave.
+"""The least-squares problem of a fit: parameters that are searched or solved for, and the remaining error.
 
 For given searched parameters q the force in band is c(q) + Phi(q) p with the linear parameters p, which are
 solved for between their bounds (variable projection). The rows stay with their source: what the problem has of them
@@ -21,7 +21,7 @@ _SILENT = 1e-7  # of the measured force
 
 @dataclass(frozen=True)
 class Point:
-    """Where a search is.
+    """The position of a search.
 
     Attributes:
         searched: (q,) values.
@@ -37,9 +37,9 @@ class Point:
 
 @dataclass(frozen=True)
 class Linearised:
-    """The rows near a point: their derivative by searched and solved parameters, and what is left.
+    """The rows near a point: their derivative by searched and solved parameters, and the residual.
 
-    A parameter that changes the force by less than a ten-millionth over its own size has a derivative of zero: the
+    A parameter that changes the force by less than a ten-millionth over its size has a derivative of zero: the
     rest is rounding.
 
     Attributes:
@@ -86,7 +86,7 @@ class Problem(Unknowns):
         self.size, self.power = source.totals.rows, source.totals.power
         self.samples = source.totals.samples
         self.evaluations = 0
-        # Not of itself: a circle would keep the columns that are remembered alive.
+        # Not of itself: a reference cycle would keep the cached columns alive.
         self._sums = source.sums(Unknowns(model, free, settings, slots))
 
     def on(self, source: RowSource) -> "Problem":
@@ -112,7 +112,7 @@ class Problem(Unknowns):
         return self.on(part) if part.totals.rows and part.totals.samples < self.samples else self
 
     def point(self, searched: np.ndarray, solved: np.ndarray | None = None) -> Point:
-        """The best that can be done with these searched parameters; with ``solved`` given, how it is with those."""
+        """The point of least cost with these searched parameters; with ``solved`` given, the point with those."""
         self.evaluations += 1
         rows = self._sums.columns(searched)
         start = self.start_vector[self.solved]

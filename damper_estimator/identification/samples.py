@@ -1,4 +1,4 @@
-"""The values of a channel over all judged samples, as far as knots and regions need them: ranges and counts."""
+"""The values of a channel over all judged samples, reduced to the ranges and counts that knots and regions need."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from damper_estimator.signals import Measurement
 
 @dataclass(frozen=True)
 class Samples:
-    """Finite values in order, wherever they are.
+    """Finite values in order, in this process or elsewhere.
 
     Attributes:
         size: how many.
@@ -40,7 +40,7 @@ Channels = Callable[[int], Samples]
 
 
 def samples_of(values: np.ndarray) -> Samples:
-    """Those of values (n,) that are finite."""
+    """The finite ones of values (n,)."""
     ordered = np.sort(values[np.isfinite(values)])
     low, high = ordered[[0, -1]].tolist() if ordered.size else (np.nan, np.nan)
     return Samples(
@@ -53,5 +53,5 @@ def samples_of(values: np.ndarray) -> Samples:
 
 
 def channels_of(measurements: Sequence[Measurement]) -> Channels:
-    """The judged samples of measurements together."""
+    """The judged samples of all measurements."""
     return lambda row: samples_of(np.concatenate([m.kinematics.block[row, m.judged] for m in measurements]))

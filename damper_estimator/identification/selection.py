@@ -1,4 +1,4 @@
-"""Which numbers of a model a fit may change: the model file's own word, then ``--fix``, then ``--free``."""
+"""Selects the parameters of a model that a fit may change: the model file's choice, then ``--fix``, then ``--free``."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -16,7 +16,7 @@ def free_slots(model: DamperModel, free: Iterable[str] = (), fix: Iterable[str] 
 
     Args:
         free, fix: addresses (``bouc_wen#2.alpha``, ``viscous_curve.force[3]``), a whole vector
-            (``viscous_curve.force``), a whole effect (``bouc_wen#2``), a parameter's bare name, or a pattern of
+            (``viscous_curve.force``), a whole effect (``bouc_wen#2``), a parameter's name, or a pattern of
             these with ``*`` and ``?``.
 
     Raises:
@@ -49,7 +49,7 @@ def narrowed(model: DamperModel, limits: Mapping[str, tuple[float, float]]) -> t
     """The model's slots with narrower bounds, by names as in ``free_slots``; none becomes wider than declared.
 
     Raises:
-        InputError: for an unknown name, and where nothing is left between the bounds.
+        InputError: for an unknown name, and where no value is left between the bounds.
     """
     _check_names(model, list(limits))
     slots = list(model.slots)

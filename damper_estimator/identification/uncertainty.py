@@ -13,9 +13,9 @@ from damper_estimator.identification.problem import Linearised, Point, Problem
 from damper_estimator.identification.ties import Ties
 from damper_estimator.numerics import Directions, directions
 
-_WEAK = 0.1  # directions below this are asked whether the noise hides them
+_WEAK = 0.1  # directions below this are tested for whether the noise hides them
 _HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
-_TAKES_PART = 0.2  # of the largest share in a direction, or of what is hidden: enough to be named
+_TAKES_PART = 0.2  # of the largest share in a direction, or of what is hidden: enough to be listed
 _LINKED = 0.1  # correlation of two parameters in the directions without influence
 _FLOOR = 0.02  # of the force: a contribution is not taken as smaller
 _AT_BOUND = 1e-9  # of the distance of the bounds
@@ -23,7 +23,7 @@ _AT_BOUND = 1e-9  # of the distance of the bounds
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What the data say about the free parameters.
+    """How well the data determine the free parameters.
 
     Attributes:
         standard_error: (free,) in order of ``Problem.free``; NaN at a bound, where the data say nothing or it is
@@ -40,7 +40,7 @@ class Uncertainty:
 
 
 def uncertainty(problem: Problem, point: Point, linear: Linearised, ties: Ties) -> Uncertainty:
-    """Standard errors and trade-offs at the end of a search, of what follows nothing else; ``linear`` is there."""
+    """Standard errors and trade-offs of untied parameters at the end of a search; ``linear`` at that point."""
     every = np.array(problem.free)
     kept = ~np.isin(every, ties.tied)
     free = every[kept]
@@ -53,11 +53,11 @@ def uncertainty(problem: Problem, point: Point, linear: Linearised, ties: Ties) 
     error = np.full(free.size, np.nan)
     blind = inner.undetermined | (inner.spread > (high - low)[~at_bound])
     error[~at_bound] = np.where(blind, np.nan, inner.spread)
-    # A parameter may stand at its bound only because another takes its part, so both are asked here.
+    # A parameter may be at its bound only because another replaces it, so both are tested here.
     contributions = np.maximum(np.abs(values) * whole.norms, _FLOOR * np.sqrt(problem.power))
     groups = [group for group in _undetermined(whole, contributions) if len(group) > 1 or not at_bound[group[0]]]
     for group in groups:
-        if at_bound[group].any():  # the bound alone holds the others of its group
+        if at_bound[group].any():  # only the bound fixes the others of its group
             error[group] = np.nan
     addresses = [problem.slots[slot].address for slot in free]
     following = tuple(problem.slots[slot].address for slot in ties.tied)
@@ -73,7 +73,7 @@ def _directions(linear: Linearised, basis: np.ndarray) -> Directions:
 
 
 def _undetermined(known: Directions, contributions: np.ndarray) -> list[list[int]]:
-    """Groups of parameters about whose common direction the data say nothing, or less than the noise."""
+    """Groups of parameters whose common direction the data do not determine, or less than the noise hides."""
     silent = np.isinf(known.deviation)
     groups = _connected(known.vectors[silent], contributions) if silent.any() else []
     weak = ~silent & (known.singular < _WEAK * known.singular.max(initial=0.0))
@@ -87,7 +87,7 @@ def _undetermined(known: Directions, contributions: np.ndarray) -> list[list[int
 
 
 def _connected(silent: np.ndarray, contributions: np.ndarray) -> list[list[int]]:
-    """Parameters that move together in the space (s, k) of which the data say nothing, whatever its basis."""
+    """Parameters that move together in the space (s, k) that the data do not determine, whatever its basis."""
     projector = silent.T @ silent
     amount = np.diag(projector)
     share = amount / contributions**2

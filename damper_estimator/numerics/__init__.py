@@ -1,4 +1,4 @@
-"""Numerical rules that fits and judgements share, one of each; they know nothing of dampers."""
+"""Numerical methods shared by fits and validation, one of each; independent of dampers."""
 
 from damper_estimator.numerics.bootstrap import block_draws
 from damper_estimator.numerics.bounded import bounded_least_squares

@@ -1,4 +1,4 @@
-"""Bootstrap of blocks: what else could have been measured, where neighbouring samples are no independent witnesses."""
+"""Bootstrap of blocks: other possible outcomes of a measurement whose neighbouring samples are not independent."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ REPLICATES = 500
 
 
 def block_draws(count: int, replicates: int = REPLICATES, seed: int = 0) -> np.ndarray:
-    """(replicates, count) int, how often each of ``count`` blocks is drawn with replacement.
+    """(replicates, count) int, the number of times each of ``count`` blocks is drawn with replacement.
 
-    A statistic of sums over blocks (count,) has the replicates ``draws @ sums``; the same draws for everything that is
-    compared pair it. Blocks must be longer than the memory of what is summed. Source: Kuensch 1989.
+    A statistic of sums over blocks (count,) has the replicates ``draws @ sums``; using the same draws for all compared
+    statistics pairs them. Blocks must be longer than the memory of the summed series. Source: Kuensch 1989.
     """
     picks = np.random.default_rng(seed).integers(0, count, (replicates, count))
     return np.stack([np.bincount(row, minlength=count) for row in picks])

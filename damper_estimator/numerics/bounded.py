@@ -1,10 +1,10 @@
-"""Linear least squares between bounds, safe where columns are missing or alike."""
+"""Linear least squares between bounds, robust where columns are zero or alike."""
 
 import numpy as np
 
 from damper_estimator.numerics.triangle import triangle
 
-_RIDGE = 1e-7  # of a column's norm: far below what data tell, enough where they tell nothing
+_RIDGE = 1e-7  # of a column's norm: far below the influence of data, enough where there is none
 _SILENT = 1e-12  # of the largest column: such a column has no influence at all
 
 
@@ -13,7 +13,7 @@ def bounded_least_squares(
 ) -> np.ndarray:
     """The p that minimises |columns p - target|^2 with lower <= p <= upper.
 
-    Where the data do not determine p, it stays next to ``reference``: a ridge of 1e-7 of each column's norm holds
+    Where the data do not determine p, it stays next to ``reference``: a ridge of 1e-7 of each column's norm keeps
     it there.
 
     Args:
@@ -41,7 +41,7 @@ def bounded_least_squares(
 
 
 def _between(matrix: np.ndarray, target: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    # Imported when needed: most problems have no bound in the way, and the import takes a third of a second.
+    # Imported when needed: bounds are seldom active, and the import takes a third of a second.
     from scipy.optimize import lsq_linear
 
     # Bounds that coincide leave nothing to choose.

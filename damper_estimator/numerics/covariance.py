@@ -1,10 +1,10 @@
-"""Standard errors of a least-squares fit whose residual repeats itself, and directions that the data do not tell.
+"""Standard errors of a least-squares fit whose residual repeats itself, and directions that the data do not determine.
 
     C = (J'J)^-1 (J' R J) (J'J)^-1 m_e / (m_e - k)
 
 with J (m, k) the derivatives, R the residual's autocovariance, and m_e the effective number of samples; see
 ``long_run``. The last factor is the usual correction for k fitted parameters. J is scaled to columns of unit norm
-and taken apart into directions (singular vectors): one without influence has no finite error.
+and decomposed into directions (singular vectors): one without influence has no finite error.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ Noise = Callable[[np.ndarray], tuple[np.ndarray, float]]
 
 @dataclass(frozen=True)
 class Directions:
-    """Directions in the space of k parameters, each in units of its column's norm, and what the data say along them.
+    """Directions in the space of k parameters, each in units of its column's norm, and their influence on the data.
 
     Attributes:
         norms: (k,) of the Jacobian's columns.
@@ -44,8 +44,8 @@ class Directions:
     def undetermined(self) -> np.ndarray:
         """(k,) bool: parameters without influence, or that take part in a direction without influence."""
         silent = np.abs(self.vectors[np.isinf(self.deviation)])
-        taking = silent > _INCIDENTAL * silent.max(axis=1, keepdims=True, initial=0.0)
-        return taking.any(axis=0) | (self.norms == 0.0)
+        involved = silent > _INCIDENTAL * silent.max(axis=1, keepdims=True, initial=0.0)
+        return involved.any(axis=0) | (self.norms == 0.0)
 
 
 def directions(jacobian: np.ndarray, noise: Noise) -> Directions:
@@ -79,7 +79,7 @@ def standard_errors(
     """
 
     def noise(weights: np.ndarray) -> tuple[np.ndarray, float]:
-        return score_covariance(residuals, [own @ weights for own in jacobians], rates)
+        return score_covariance(residuals, [jacobian @ weights for jacobian in jacobians], rates)
 
-    found = directions(np.concatenate([triangle(own) for own in jacobians]), noise)
+    found = directions(np.concatenate([triangle(jacobian) for jacobian in jacobians]), noise)
     return np.where(found.undetermined, np.nan, found.spread)

@@ -1,4 +1,4 @@
-"""One-sided finite differences: which way, and how far."""
+"""One-sided finite differences: direction and size of the step."""
 
 import numpy as np
 
@@ -12,10 +12,10 @@ ROUGH = 2e-3
 def stepped(
     vector: np.ndarray, position: int, size: float, lower: float, upper: float, share: float = SMOOTH
 ) -> tuple[np.ndarray, float]:
-    """A vector (n,) with one entry moved by ``share`` of ``size``, and by how much it was moved after rounding.
+    """A vector (n,) with one entry moved by ``share`` of ``size``, and the actual size of the step after rounding.
 
-    The step goes up; it goes down where it would pass ``upper``, and is cut to the wider side where the bounds leave
-    no more.
+    The step goes up; it goes down where it would pass ``upper``, and is shortened to the distance of the farther
+    bound where both are too near.
     """
     value = vector[position]
     above, below = upper - value, value - lower

@@ -1,4 +1,4 @@
-"""How much chance there is in a residual that repeats itself: variances of sums, not of single samples.
+"""The randomness of an autocorrelated residual: variances of sums, not of single samples.
 
 A sum of n samples of a stationary residual e has the variance n s^2 with the long-run variance
 
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-MEMORY = 1.0  # s, longest correlation of the residual that is looked at
+MEMORY = 1.0  # s, longest correlation of the residual that is considered
 
 
 def score_covariance(
@@ -23,7 +23,7 @@ def score_covariance(
     number of samples, those over the correlation length; both are sums over the recordings.
 
     Args:
-        residuals: (n,) of each recording; one with fewer than two samples counts nothing.
+        residuals: (n,) of each recording; one with fewer than two samples is ignored.
         scores: (n, d) of each.
         rates: Hz of each.
     """
@@ -34,7 +34,7 @@ def score_covariance(
             continue
         spectrum, correlation = _spectrum(residual, rate)
         transformed = np.fft.rfft(score, 2 * residual.size, axis=0)
-        # The half spectrum stands for both halves; its two ends are there once.
+        # The half spectrum stands for both halves; its two ends count once.
         weight = np.full(spectrum.size, 2.0)
         weight[0] = weight[-1] = 1.0
         total += ((transformed.conj() * (weight * spectrum)[:, None]).T @ transformed).real / (2 * residual.size)

@@ -1,4 +1,4 @@
-"""Least squares by normal equations, for columns that are scaled alike: regularised, or held back."""
+"""Least squares by normal equations, for columns of similar scale: regularised, or damped."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def normal_equations(columns: np.ndarray, target: np.ndarray) -> tuple[np.ndarra
 def least_squares(columns: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Solution (k,) of columns (r, k), each of about unit mean square, and the inverse (k, k) of the normal equations.
 
-    A ridge of 1e-9 per row holds what the columns do not tell apart.
+    A ridge of 1e-9 per row determines combinations that the columns leave open.
     """
     normal, right = normal_equations(columns, target)
     normal[np.diag_indices_from(normal)] += _RIDGE * target.size
@@ -33,14 +33,14 @@ def least_squares(columns: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, 
 
 
 def damped_step(columns: np.ndarray, residual: np.ndarray, reach: float) -> np.ndarray:
-    """A Gauss-Newton step (k,) that is held back beyond about ``reach`` in each entry.
+    """A Gauss-Newton step (k,) that is damped beyond about ``reach`` in each entry.
 
         minimise  |r + C s|^2 + mean(r^2) |s|^2 / reach^2
 
     Args:
         columns: (r, k) derivatives, each times its parameter's size.
         residual: (r,).
-        reach: share of a parameter's size as far as which derivatives are believed.
+        reach: share of a parameter's size up to which derivatives are trusted.
     """
     normal, right = normal_equations(columns, residual)
     normal[np.diag_indices_from(normal)] += float(np.mean(residual**2)) / reach**2

@@ -1,7 +1,7 @@
-"""Exact order statistics of values that nobody holds together: all that is known is how many lie below a number.
+"""Exact order statistics of values that are spread over several places, found by counting the values below a number.
 
-The r-th smallest value is the smallest number that at least r + 1 values do not exceed. Its bits are found by asking,
-round after round, how many values lie below 1023 numbers between what is too small and what is large enough.
+The r-th smallest value is the smallest number that at least r + 1 values do not exceed. Its bits are found by counting,
+round after round, the values below 1023 numbers between one that is too small and one that is large enough.
 """
 
 import struct
@@ -19,7 +19,7 @@ def order_statistics(
     """The values of these ranks, 0 for the smallest.
 
     Args:
-        below: edges (k,) to how many values are smaller than each (k,).
+        below: edges (k,) to the number of values below each (k,).
         low, high: the smallest and the largest value.
     """
     lowest, highest = [_ordinal(low)] * len(ranks), [_ordinal(high)] * len(ranks)
@@ -28,14 +28,14 @@ def order_statistics(
             sorted({a + (b - a) * k // (_PROBES + 1) for k in range(_PROBES + 1)}) if a < b else []
             for a, b in zip(lowest, highest, strict=True)
         ]
-        edges = sorted({probe for own in probes for probe in own})
+        edges = sorted({probe for candidates in probes for probe in candidates})
         counts = dict(zip(edges, below(np.array([_number(edge + 1) for edge in edges])).tolist(), strict=True))
-        for i, (rank, own) in enumerate(zip(ranks, probes, strict=True)):
-            enough = [probe for probe in own if counts[probe] > rank]
-            short = [probe for probe in own if counts[probe] <= rank]
+        for i, (rank, candidates) in enumerate(zip(ranks, probes, strict=True)):
+            enough = [probe for probe in candidates if counts[probe] > rank]
+            short = [probe for probe in candidates if counts[probe] <= rank]
             highest[i] = min(enough, default=highest[i])
             lowest[i] = max(short, default=lowest[i] - 1) + 1
-    return [_number(own) for own in highest]
+    return [_number(ordinal) for ordinal in highest]
 
 
 def _ordinal(value: float) -> int:

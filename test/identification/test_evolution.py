@@ -111,8 +111,10 @@ def test_a_series_of_sines_is_split_into_excitations_and_groups(lagging):
     apart = excited([rows_of(sines(lagging, one)) for one in SERIES], {})
     for found, members in (together, apart):
         assert dict(zip(found.groups, map(len, found.sizes), strict=True)) == GAO
-        assert [[own.size for own in group] for group in members if group] == [own.tolist() for own in found.sizes]
-        every = np.concatenate([own for group in members for own in group])
+        assert [[positions.size for positions in group] for group in members if group] == [
+            sizes.tolist() for sizes in found.sizes
+        ]
+        every = np.concatenate([positions for group in members for positions in group])
         assert np.unique(every).size == every.size
 
 
@@ -124,7 +126,7 @@ def test_irregular_motion_gives_one_excitation_per_group(measured):
 
 def test_given_groups_hold_the_recordings_that_they_name(lagging):
     rows = [rows_of(sines(lagging, one)) for one in SERIES]
-    names = [own.measurement.recording for own in rows]
+    names = [recorded.measurement.recording for recorded in rows]
     found, _ = excited(rows, {"slow": names[:2], "fast": [n.removesuffix(".mcap") for n in names[2:]]})
     assert found.groups == ("slow", "fast") and list(map(len, found.sizes)) == [2, 4]
     with pytest.raises(InputError, match="no group"):
@@ -150,11 +152,11 @@ def test_groups_that_contradict_each_other_have_best_points_of_their_own(fronted
 def test_the_parameters_of_the_best_solutions_are_summarised_per_group(fronted):
     regimes = fronted.front.regimes(count=5)
     assert set(regimes) == set(GAO)
-    for group, own in regimes.items():
+    for group, summary in regimes.items():
         best = np.argsort(fronted.front.objectives[:, fronted.front.groups.index(group)], kind="stable")[:5]
         column = fronted.front.values[best, fronted.front.names.index("bouc_wen.alpha")]
-        assert own["bouc_wen.alpha"]["mean"] == pytest.approx(column.mean())
-        assert own["bouc_wen.alpha"]["stddev"] == pytest.approx(column.std())
+        assert summary["bouc_wen.alpha"]["mean"] == pytest.approx(column.mean())
+        assert summary["bouc_wen.alpha"]["stddev"] == pytest.approx(column.std())
 
 
 def test_a_point_is_picked_later_from_the_file_of_the_front(fronted, lagging, tmp_path):
@@ -197,7 +199,7 @@ def test_shares_and_values_are_each_others_inverse():
 @pytest.mark.parametrize("method", ["genetic", "nsga2"])
 def test_without_pymoo_the_methods_say_what_to_install(method, lagging, monkeypatch):
     monkeypatch.setitem(sys.modules, "pymoo", None)
-    for name in [own for own in sys.modules if own.startswith("pymoo.")]:
+    for name in [module for module in sys.modules if module.startswith("pymoo.")]:
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(InputError, match="pip install 'pymoo>=0.6.1'"):
         fit(load_model("bouc_wen"), [sines(lagging, *SERIES[:3])], method=method)

@@ -1,4 +1,4 @@
-"""A fit gives back what the data were made with, says how sure it is, and keeps to what it was told."""
+"""A fit finds the parameters that the data were made with, states its uncertainty, and obeys its settings."""
 
 from dataclasses import replace
 
@@ -122,7 +122,7 @@ def test_equal_seeds_give_equal_results(baseline, measured):
 
 def test_the_same_recording_twice_gives_the_same_values(baseline, measured):
     one, two = measured(baseline), [measured(baseline)] * 2
-    single, double = (fit(load_model("memoryless_baseline"), own) for own in ([one], two))
+    single, double = (fit(load_model("memoryless_baseline"), recorded) for recorded in ([one], two))
     for name, value in values(single).items():
         assert values(double)[name] == pytest.approx(value, rel=EXACT)
         assert errors(double)[name] == pytest.approx(errors(single)[name] / np.sqrt(2.0), rel=0.05)
@@ -205,23 +205,25 @@ def test_a_parameter_without_influence_is_named_alone_and_keeps_its_value(entry,
 
 
 def test_the_error_is_the_documented_one(baseline, measured):
-    own = measured(baseline)
-    result = fit(load_model("memoryless_baseline"), [own])
-    error = (own.in_band(result.model.force(own.kinematics.block)) - own.in_band(own.force))[own.judged]
+    recorded = measured(baseline)
+    result = fit(load_model("memoryless_baseline"), [recorded])
+    error = (recorded.in_band(result.model.force(recorded.kinematics.block)) - recorded.in_band(recorded.force))[
+        recorded.judged
+    ]
     assert result.rmse_n == pytest.approx(np.sqrt(np.mean(error**2)))
-    assert result.esr == pytest.approx(error.var() / own.in_band(own.force)[own.judged].var())
+    assert result.esr == pytest.approx(error.var() / recorded.in_band(recorded.force)[recorded.judged].var())
     assert (result.rmse_before_n, result.esr_before, result.samples) == pooled_error(
-        load_model("memoryless_baseline"), [own]
+        load_model("memoryless_baseline"), [recorded]
     )
 
 
 def test_the_model_remembers_what_it_was_fitted_to(baseline, measured):
-    own = [measured(baseline, 0), measured(baseline, 1)]
-    record = fit(load_model("memoryless_baseline"), own).model.fit
+    recorded = [measured(baseline, 0), measured(baseline, 1)]
+    record = fit(load_model("memoryless_baseline"), recorded).model.fit
     assert record["bags"] == ["recording_0", "recording_1"] and record["cutoff"] == 60.0
     assert set(record["region"]) == {"displacement", "velocity", "acceleration"}
     low, high = record["region"]["velocity"]
-    velocity = np.concatenate([m.kinematics.velocity[m.judged] for m in own])
+    velocity = np.concatenate([m.kinematics.velocity[m.judged] for m in recorded])
     assert velocity.min() <= low < np.percentile(velocity, 1) and np.percentile(velocity, 99) < high <= velocity.max()
     assert set(record["standard_errors"]) == {slot.address for slot in load_model("memoryless_baseline").slots}
     assert 0.0 < record["residual_stddev"] < 20.0
@@ -238,28 +240,28 @@ def test_three_standard_deviations_of_the_force_cover_the_errors_on_recordings_t
 
 
 def test_a_model_that_contains_another_never_fits_worse(baseline, measured):
-    own = [measured(baseline, noise=0.1)]
-    smaller = fit(load_model("linear_viscous"), own)
-    larger = fit(smaller.model.with_effect(load_model("memoryless_baseline").effects[0]), own)
+    recorded = [measured(baseline, noise=0.1)]
+    smaller = fit(load_model("linear_viscous"), recorded)
+    larger = fit(smaller.model.with_effect(load_model("memoryless_baseline").effects[0]), recorded)
     assert larger.rmse_n <= smaller.rmse_n * (1.0 + EXACT)
 
 
 def test_a_command_that_begins_late_costs_only_what_came_before(entry, model_of, measured):
     model = model_of(entry("viscous", rate=800.0), entry("semi_active_squash"))
     command = np.where(np.arange(4000) < 500, np.nan, 1.0 + 0.5 * np.sin(np.arange(4000) / 300.0))
-    own = measured(model, command=command)
-    result = fit(model, [own], starts=0)
-    assert result.samples < own.judged.sum() - 400
+    recorded = measured(model, command=command)
+    result = fit(model, [recorded], starts=0)
+    assert result.samples < recorded.judged.sum() - 400
     assert any("samples were left out" in warning for warning in result.warnings)
     assert max(abs(d) for d in deviations(result, model).values() if np.isfinite(d)) < FAR
 
 
 def test_without_filters_every_sample_counts(baseline, measured):
-    own = replace(measured(baseline), cutoff=0.0, band=0.0)
-    result = fit(load_model("memoryless_baseline"), [own])
-    assert result.samples == own.judged.sum()
+    recorded = replace(measured(baseline), cutoff=0.0, band=0.0)
+    result = fit(load_model("memoryless_baseline"), [recorded])
+    assert result.samples == recorded.judged.sum()
     assert max(map(abs, deviations(result, baseline).values())) < FAR
-    assert result.rmse_n == pytest.approx(0.01 * own.force.std(), rel=0.1)
+    assert result.rmse_n == pytest.approx(0.01 * recorded.force.std(), rel=0.1)
 
 
 def refusal(*arguments, **options):
@@ -269,16 +271,16 @@ def refusal(*arguments, **options):
 
 
 def test_what_cannot_be_fitted_is_refused_with_the_reason(baseline, entry, model_of, measured):
-    model, own = load_model("memoryless_baseline"), measured(baseline)
-    broken = own.force.copy()
+    model, recorded = load_model("memoryless_baseline"), measured(baseline)
+    broken = recorded.force.copy()
     broken[1000] = np.nan
-    assert "no measured force" in refusal(model, [replace(own, force=None)])
-    assert "not a number" in refusal(model, [replace(own, force=broken)])
-    assert "fixed" in refusal(model, [own], fix=["*"])
-    assert "no parameter coulomb" in refusal(model, [own], fix=["coulomb"])
-    assert "viscous.rate" in refusal(model, [own], free=["viscous.rat"])
-    assert "samples" in refusal(model, [own.part(0, 80)])
-    assert "no sample can be judged" in refusal(model, [own.part(0, 20)])
+    assert "no measured force" in refusal(model, [replace(recorded, force=None)])
+    assert "not a number" in refusal(model, [replace(recorded, force=broken)])
+    assert "fixed" in refusal(model, [recorded], fix=["*"])
+    assert "no parameter coulomb" in refusal(model, [recorded], fix=["coulomb"])
+    assert "viscous.rate" in refusal(model, [recorded], free=["viscous.rat"])
+    assert "samples" in refusal(model, [recorded.part(0, 80)])
+    assert "no sample can be judged" in refusal(model, [recorded.part(0, 20)])
     assert "no recordings" in refusal(model, [])
-    assert "least_squares" in refusal(model, [own], method="guessing")
-    assert "no command" in refusal(model_of(entry("semi_active_squash")), [own])
+    assert "least_squares" in refusal(model, [recorded], method="guessing")
+    assert "no command" in refusal(model_of(entry("semi_active_squash")), [recorded])

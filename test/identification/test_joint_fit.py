@@ -40,18 +40,18 @@ def joint(adjusted):
 def test_adjuster_positions_are_recovered_with_what_they_share(joint, adjusted):
     truths, _, _ = adjusted
     assert set(joint.fits) == set(ADJUSTED) and set(joint.each) == set(VALVES)
-    for position, own in joint.fits.items():
+    for position, fitted in joint.fits.items():
         true = {slot.address: slot.value for slot in truths[position].slots}
-        assert len(own.parameters) == 14 and own.esr < 1e-4
-        told = [p for p in own.parameters if np.isfinite(p.standard_error)]
-        assert len(told) >= 8
-        assert max(abs(p.value - true[p.name]) / p.standard_error for p in told) < FAR
+        assert len(fitted.parameters) == 14 and fitted.esr < 1e-4
+        known = [p for p in fitted.parameters if np.isfinite(p.standard_error)]
+        assert len(known) >= 8
+        assert max(abs(p.value - true[p.name]) / p.standard_error for p in known) < FAR
 
 
 def test_shared_parameters_are_equal_in_all_models_and_listed_once(joint):
-    values = [{p.name: p.value for p in own.parameters} for own in joint.fits.values()]
+    values = [{p.name: p.value for p in fitted.parameters} for fitted in joint.fits.values()]
     for address in values[0]:
-        assert (len({own[address] for own in values}) == 1) == (address not in VALVES)
+        assert (len({by_name[address] for by_name in values}) == 1) == (address not in VALVES)
     names = [p.name for p in joint.parameters]
     assert len(names) == 10 + 3 * len(VALVES) == len(set(names))
     assert f"{VALVES[0]}@2" in names and "static_force.force" in names
@@ -59,7 +59,9 @@ def test_shared_parameters_are_equal_in_all_models_and_listed_once(joint):
 
 def test_shared_parameters_are_known_better_than_from_one_setting_alone(joint, adjusted):
     _, data, settings = adjusted
-    alone = fit(load_model("carrera_akutain"), [own for own, s in zip(data, settings, strict=True) if s == "1"])
+    alone = fit(
+        load_model("carrera_akutain"), [recorded for recorded, s in zip(data, settings, strict=True) if s == "1"]
+    )
     errors = {p.name: p.standard_error for p in alone.parameters}
     shared = [p for p in joint.parameters if "@" not in p.name]
     better = [p.standard_error < errors[p.name] for p in shared if np.isfinite(errors[p.name])]
@@ -70,8 +72,8 @@ def test_with_everything_per_setting_a_joint_fit_is_the_separate_fits(measured):
     start = load_model("linear_viscous")
     data = [measured(start.with_values({"linear_viscous.rebound": r}), k) for k, r in enumerate((900.0, 2600.0))]
     together = fit_joint(start, data, ["a", "b"], ["*"])
-    for name, own in zip(("a", "b"), data, strict=True):
-        separate = fit(start, [own])
+    for name, recorded in zip(("a", "b"), data, strict=True):
+        separate = fit(start, [recorded])
         for joint, single in zip(together.fits[name].parameters, separate.parameters, strict=True):
             assert joint.value == pytest.approx(single.value, rel=1e-6)
             assert joint.standard_error == pytest.approx(single.standard_error, rel=0.02)
@@ -84,7 +86,7 @@ def test_other_methods_fit_jointly_as_well(method, measured):
     truths = [start.with_values({"tanh_hysteresis.force": force, **common}) for force in (200.0, 500.0)]
     data = [measured(truth, k, seconds=6.0) for k, truth in enumerate(truths)]
     found = fit_joint(start, data, ["low", "high"], ["tanh_hysteresis.force"], method=method)
-    forces = [own.parameters[0].value for own in found.fits.values()]
+    forces = [fitted.parameters[0].value for fitted in found.fits.values()]
     assert forces == pytest.approx([200.0, 500.0], rel=0.02)
 
 
@@ -106,7 +108,7 @@ def test_what_cannot_be_a_joint_fit_is_refused_with_the_reason(measured):
     assert "setting a; a joint fit needs two" in refusal(fit_joint, start, data, ["a", "a"], ["static_force"])
     assert "no parameter coulomb" in refusal(fit_joint, start, data, ["a", "b"], ["coulomb"])
     assert "not steady" in refusal(settings_by_channel, data, COMMAND, "command")
-    bare = [replace(own, kinematics=measured(start, 0, seconds=4.0).kinematics) for own in data]
+    bare = [replace(recorded, kinematics=measured(start, 0, seconds=4.0).kinematics) for recorded in data]
     assert "has no command" in refusal(settings_by_channel, bare, COMMAND, "command")
     brief = data[1].part(0, 20)
     assert "setting b" in refusal(fit_joint, start, [data[0], brief], ["a", "b"], ["static_force"])

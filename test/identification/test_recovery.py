@@ -19,7 +19,7 @@ EXCITATION = {
     **dict.fromkeys(("semi_active_yield", "semi_active_gap"), VIOLENT),  # their curves go to 1.2 m/s
     **{f"his_{kind}": VIOLENT for kind in ("piecewise", "non_hysteresis", "permanent_hysteresis")},
 }
-# What cannot be told, by the model's own nature.
+# Parameters that no data determine, by the model's structure.
 SILENT = {
     # Without a delay in front of the limits, the force never lags so far that it meets the level of C-D.
     "his_non_hysteresis": {"his_saturation.level_rebound"},
@@ -77,7 +77,7 @@ def test_a_model_is_recovered_from_its_own_data(name, measured):
         # A value that truly lies at a bound comes back exactly there, where no standard error can be given.
         exact = {p.name for p in result.parameters if p.at_bound and p.value == true[p.name]}
         assert {p.name for p in result.parameters} - set(known) - exact == SILENT.get(name, set())
-        assert {own for group in result.undetermined for own in group} == SILENT.get(name, set())
+        assert {address for group in result.undetermined for address in group} == SILENT.get(name, set())
     assert {address: d for address, d in known.items() if abs(d) > FAR} == {}
 
 
@@ -103,7 +103,7 @@ REDUNDANT = {
 
 
 @pytest.mark.parametrize("name", REDUNDANT)
-def test_freeing_a_redundant_parameter_names_what_cannot_be_told_apart(name, measured):
+def test_freeing_a_redundant_parameter_names_the_inseparable_parameters(name, measured):
     model, freed, cannot, fix, levels = REDUNDANT[name]
     data = [measured(load_model(model), seed, rms=rms) for seed, rms in enumerate(levels, 1)]
     plain, redundant = (fit(load_model(model), data, free, fix, starts=0) for free in ([], [freed]))

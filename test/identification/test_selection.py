@@ -38,7 +38,7 @@ def test_the_later_word_wins(model, free, fix, expected):
     assert chosen(model, free, fix) == expected
 
 
-def test_every_unknown_name_is_told_with_what_it_may_have_been(model):
+def test_every_unknown_name_is_reported_with_a_likely_one(model):
     with pytest.raises(InputError, match=r"coulomb\.forse, dahl\*; did you mean coulomb\.force"):
         free_slots(model, ["coulomb.forse"], ["dahl*", "gas_spring"])
 

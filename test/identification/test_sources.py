@@ -18,38 +18,38 @@ SIZE = np.array([30.0, 0.01])
 
 
 class Apart:
-    """Rows of recordings each of which answers by itself, as if it lay elsewhere."""
+    """Rows of recordings each of which answers separately, as if it were elsewhere."""
 
     def __init__(self, parts):
         self.parts = parts
-        self.recordings = tuple(name for own in parts for name in own.recordings)
-        self.totals = added_up([own.totals for own in parts])
+        self.recordings = tuple(name for source in parts for name in source.recordings)
+        self.totals = added_up([source.totals for source in parts])
 
     def sums(self, unknowns):
-        return ApartSums([own.sums(unknowns) for own in self.parts])
+        return ApartSums([source.sums(unknowns) for source in self.parts])
 
     def thinned(self):
-        return Apart([own.thinned() for own in self.parts])
+        return Apart([source.thinned() for source in self.parts])
 
     def excerpts(self, samples, total):
-        return Apart([own.excerpts(samples, total) for own in self.parts])
+        return Apart([source.excerpts(samples, total) for source in self.parts])
 
     def cycles(self):
-        return [part for own in self.parts for part in own.cycles()]
+        return [part for source in self.parts for part in source.cycles()]
 
     def excitations(self, given, split):
-        return Apart([own.excitations(given, split) for own in self.parts])
+        return Apart([source.excitations(given, split) for source in self.parts])
 
     def group_sizes(self):
-        return [np.concatenate(group) for group in zip(*(own.group_sizes() for own in self.parts), strict=True)]
+        return [np.concatenate(group) for group in zip(*(source.group_sizes() for source in self.parts), strict=True)]
 
     def weighted(self, weights):
         parts, taken = [], [0 for _ in weights]
-        for own in self.parts:
-            counts = [sizes.size for sizes in own.group_sizes()]
+        for source in self.parts:
+            counts = [sizes.size for sizes in source.group_sizes()]
             mine = [w[t : t + n] for w, t, n in zip(weights, taken, counts, strict=True)]
             taken = [t + n for t, n in zip(taken, counts, strict=True)]
-            parts.append(own.weighted(mine))
+            parts.append(source.weighted(mine))
         return Apart(parts)
 
 
@@ -58,17 +58,17 @@ class ApartSums:
         self.parts = parts
 
     def columns(self, searched):
-        return np.concatenate([own.columns(searched) for own in self.parts])
+        return np.concatenate([sums.columns(searched) for sums in self.parts])
 
     def linearised(self, place):
-        return np.concatenate([own.linearised(place) for own in self.parts])
+        return np.concatenate([sums.linearised(place) for sums in self.parts])
 
     def noise(self, place, weights):
-        parts = [own.noise(place, weights) for own in self.parts]
+        parts = [sums.noise(place, weights) for sums in self.parts]
         return sum(total for total, _ in parts), sum(effective for _, effective in parts)
 
     def errors(self, vectors):
-        parts = [own.errors(vectors) for own in self.parts]
+        parts = [sums.errors(vectors) for sums in self.parts]
         return [[np.concatenate(group) for group in zip(*each, strict=True)] for each in zip(*parts, strict=True)]
 
 
@@ -91,23 +91,23 @@ def rows(entry, model_of, measured):
 @pytest.fixture
 def pair(model, rows):
     """The same problem with all rows in one source, and with a source for each."""
-    sources = LocalRows(rows), Apart([LocalRows([own]) for own in rows])
+    sources = LocalRows(rows), Apart([LocalRows([recording]) for recording in rows])
     return [Problem(model, source, range(len(model.slots))) for source in sources]
 
 
 def test_a_search_over_rows_apart_ends_where_one_over_all_of_them_does(pair):
-    one, apart = (refine(own, own.start, SIZE)[0] for own in pair)
+    one, apart = (refine(problem, problem.start, SIZE)[0] for problem in pair)
     assert apart.cost == pytest.approx(one.cost, rel=1e-10)
     np.testing.assert_allclose(apart.searched, one.searched, rtol=1e-9)
     np.testing.assert_allclose(apart.solved, one.solved, rtol=1e-9)
     free = Ties((), np.eye(len(pair[0].slots)))
-    known = [uncertainty(own, one, own.linearised(one, SIZE), free) for own in pair]
+    known = [uncertainty(problem, one, problem.linearised(one, SIZE), free) for problem in pair]
     np.testing.assert_allclose(known[1].standard_error, known[0].standard_error, rtol=1e-6)
     assert pair[0].size == pair[1].size and pair[0].natural_sizes() == pytest.approx(pair[1].natural_sizes())
 
 
 def test_excerpts_of_rows_apart_are_those_of_all(pair):
-    one, apart = (own.excerpts(3000) for own in pair)
+    one, apart = (problem.excerpts(3000) for problem in pair)
     assert one.size == apart.size < pair[0].size
     searched = np.array([44.0, 0.001])
     assert apart.point(searched).cost == pytest.approx(one.point(searched).cost, rel=1e-10)
@@ -115,15 +115,15 @@ def test_excerpts_of_rows_apart_are_those_of_all(pair):
 
 
 def test_excitations_of_rows_apart_are_those_of_all(pair):
-    one, apart = (ExcitationProblem(own, {}) for own in pair)
+    one, apart = (ExcitationProblem(problem, {}) for problem in pair)
     assert one.groups == apart.groups
-    assert [own.tolist() for own in one.sizes] == [own.tolist() for own in apart.sizes]
-    vectors = np.array([own.value for own in one.problem.slots]) * np.array([[1.0], [1.3]])
+    assert [sizes.tolist() for sizes in one.sizes] == [sizes.tolist() for sizes in apart.sizes]
+    vectors = np.array([slot.value for slot in one.problem.slots]) * np.array([[1.0], [1.3]])
     for mine, theirs in zip(one.errors(vectors), apart.errors(vectors), strict=True):
         for a, b in zip(mine, theirs, strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-12)
-    weights = [np.linspace(1.0, 2.0, own.size) for own in one.sizes]
-    costs = [own.weighted(weights).point(np.array([44.0, 0.001])).cost for own in (one, apart)]
+    weights = [np.linspace(1.0, 2.0, sizes.size) for sizes in one.sizes]
+    costs = [problem.weighted(weights).point(np.array([44.0, 0.001])).cost for problem in (one, apart)]
     assert costs[1] == pytest.approx(costs[0], rel=1e-10)
 
 
@@ -132,7 +132,7 @@ def test_a_weight_counts_each_squared_row_so_often(pair):
     vector = np.array([slot.value for slot in pair[0].slots])
     searched, solved = vector[pair[0].searched], vector[pair[0].solved]
     (errors,) = excited.errors(vector[None, :])
-    weights = [np.full(own.size, k + 1.0) for k, own in enumerate(excited.sizes)]
+    weights = [np.full(sizes.size, k + 1.0) for k, sizes in enumerate(excited.sizes)]
     expected = sum(float(w @ (e * n)) for w, e, n in zip(weights, errors, excited.sizes, strict=True))
     assert 2.0 * excited.weighted(weights).point(searched, solved).cost == pytest.approx(expected)
 
@@ -148,8 +148,8 @@ def test_a_source_without_rows_answers_nothing(model):
 
 
 def test_where_a_model_gives_no_finite_force_the_cost_is_infinite(pair):
-    for own in pair:
-        assert own.point(np.array([np.nan, 0.0])).cost == np.inf
+    for problem in pair:
+        assert problem.point(np.array([np.nan, 0.0])).cost == np.inf
 
 
 def test_what_was_linearised_last_is_not_run_again(pair, monkeypatch):

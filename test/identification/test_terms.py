@@ -11,7 +11,7 @@ from damper_estimator.model import DamperModel, make_element
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
 
 TOLERANCE = 1e-9  # of the force
-SOLVED = 1e-6  # of the force, behind a compliance, which is solved to a tolerance of its own
+SOLVED = 1e-6  # of the force, behind a compliance, which is solved to a separate tolerance
 LEAVES = st.sampled_from(["linear_viscous", "coulomb", "gas_spring", "static_force", "tanh_hysteresis", "bouc_wen"])
 ACTING = st.sampled_from(
     ["force_lag", "position_gain", "cavitation_limit", "force_offset", "force_gain_error", "channel_skew"]

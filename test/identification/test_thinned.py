@@ -60,7 +60,7 @@ def test_finds_what_a_search_on_all_samples_finds_within_the_standard_errors(fas
     start = truth().with_values({"rubber_mount.stiffness": 2e6, "viscous.rate": 1500.0})
     free = ["rubber_mount", "viscous", "semi_active_squash.gain", "command_lag", "static_force"]
     quick = fit(start, [fast], free=free, fix=["*"], starts=0)
-    monkeypatch.setattr(Rows, "thinned", lambda own: own)
+    monkeypatch.setattr(Rows, "thinned", lambda rows: rows)
     whole = fit(start, [fast], free=free, fix=["*"], starts=0)
     assert quick.converged and whole.converged
     for one, other in zip(quick.parameters, whole.parameters, strict=True):
@@ -69,7 +69,7 @@ def test_finds_what_a_search_on_all_samples_finds_within_the_standard_errors(fas
     assert quick.rmse_n == pytest.approx(whole.rmse_n, rel=1e-4)
 
 
-def test_remaining_time_is_told_after_some_seconds_and_in_proportion():
+def test_remaining_time_is_reported_after_some_seconds_and_in_proportion():
     lines, now = [], [0.0]
     remaining = Remaining(lines.append, lambda: now[0])
     remaining("start 1", 10.0, 90.0)

@@ -21,7 +21,7 @@ SLIGHT = 0.005  # of the largest force that is determined: such a move matters t
 
 @pytest.fixture
 def damper(entry, model_of):
-    """A damper that goes on straight beyond 0.2 m/s."""
+    """A damper that continues straight beyond 0.2 m/s."""
     return model_of(entry("viscous_curve", velocity=[-0.2, 0.0, 0.2], force=[-700.0, 10.0, 500.0]))
 
 
@@ -32,7 +32,7 @@ def curve(entry, model_of):
 
 
 def steady(model, velocities):
-    """Forces of a memoryless model, each velocity a start of its own."""
+    """Forces of a memoryless model, each velocity a separate start."""
     block = np.zeros((ROWS, len(velocities)))
     block[V] = velocities
     return model.force(block)
@@ -60,32 +60,32 @@ def test_a_knot_that_the_data_do_not_reach_continues_those_that_they_do(
     entry, model_of, damper, measured, method, effect
 ):
     if method == "nsga2":
-        own = [measured(damper, seed, rms=0.006 + 0.002 * seed, noise=0.02) for seed in (1, 2)]
+        recorded = [measured(damper, seed, rms=0.006 + 0.002 * seed, noise=0.02) for seed in (1, 2)]
     else:
-        own = [measured(damper, 1, rms=0.008, noise=0.02)]
+        recorded = [measured(damper, 1, rms=0.008, noise=0.02)]
     model = model_of(entry(effect, velocity=KNOTS, force=[300.0] * len(KNOTS)))
     wishes = (
         METHODS[method]
         if method != "nsga2"
-        else replace(METHODS[method], groups={"a": (own[0].recording,), "b": (own[1].recording,)})
+        else replace(METHODS[method], groups={"a": (recorded[0].recording,), "b": (recorded[1].recording,)})
     )
-    result = fit(model, own, method=method, wishes=wishes)
+    result = fit(model, recorded, method=method, wishes=wishes)
     outer = [0, len(KNOTS) - 1]
-    assert speed(*own) < 0.7
+    assert speed(*recorded) < 0.7
     assert {f"{effect}.force[{k}]" for k in outer} <= tied(result)
     force = [p.value for p in result.parameters]
     for k, inner in ((0, 1), (outer[1], outer[1] - 1)):
         slope = (force[k] - force[inner]) / (KNOTS[k] - KNOTS[inner])
         before = (force[inner] - force[2 * inner - k]) / (KNOTS[inner] - KNOTS[2 * inner - k])
         assert slope == pytest.approx(max(before, 0.0), rel=1e-6, abs=1e-6)
-    wide = FAR * speed(*own) * np.array([-1.0, -0.6, 0.6, 1.0])
+    wide = FAR * speed(*recorded) * np.array([-1.0, -0.6, 0.6, 1.0])
     assert (steady(result.model, wide) * wide > 0.0).all()
 
 
 def test_the_straight_damper_is_found_far_outside(curve, damper, measured):
-    own = measured(damper, 1, rms=0.01, noise=0.02)
-    result = fit(curve, [own])
-    wide = FAR * speed(own) * np.array([-1.0, -0.7, 0.7, 1.0])
+    recorded = measured(damper, 1, rms=0.01, noise=0.02)
+    result = fit(curve, [recorded])
+    wide = FAR * speed(recorded) * np.array([-1.0, -0.7, 0.7, 1.0])
     assert steady(result.model, wide) == pytest.approx(steady(damper, wide), rel=0.25)
 
 
@@ -100,9 +100,9 @@ def test_what_is_tied_has_no_standard_error_and_is_said(curve, damper, measured)
 
 
 def test_start_values_of_points_out_of_reach_do_not_matter(curve, damper, measured):
-    own = measured(damper, 1, rms=0.01)
+    recorded = measured(damper, 1, rms=0.01)
     values = [
-        [p.value for p in fit(start, [own]).parameters] for start in (curve, curve.with_vector(np.full(11, -3e3)))
+        [p.value for p in fit(start, [recorded]).parameters] for start in (curve, curve.with_vector(np.full(11, -3e3)))
     ]
     assert values[0] == pytest.approx(values[1], rel=1e-4, abs=0.1)
 
@@ -140,8 +140,8 @@ def test_a_surface_keeps_damping_where_no_sample_came(entry, model_of, damper, m
 def test_a_parameter_without_influence_keeps_the_models_value_in_a_random_search(entry, model_of, damper, measured):
     model = model_of(entry("viscous", rate=2000.0), entry("end_stop", bump_position=-0.11, top_out_position=0.12))
     limits = {"end_stop.bump_position": (-0.5, -0.1), "end_stop.top_out_position": (0.1, 0.5)}
-    own = measured(damper, 1, rms=0.003)
-    result = fit(model, [own], method="genetic", wishes=METHODS["genetic"], limits=limits)
+    recorded = measured(damper, 1, rms=0.003)
+    result = fit(model, [recorded], method="genetic", wishes=METHODS["genetic"], limits=limits)
     values = {slot.address: slot.value for slot in model.slots}
     silent = {p.name: p.value for p in result.parameters if p.name.startswith("end_stop")}
     assert silent and silent == pytest.approx({name: values[name] for name in silent})
@@ -166,24 +166,24 @@ def test_random_knots_obey_the_laws_of_ties(entry, model_of, measured, knots, rm
     force = np.concatenate([[0.0], np.cumsum(steps)])
     truth = model_of(entry("viscous_curve", velocity=velocity, force=(force - force[velocity.index(0.0)]).tolist()))
     model = model_of(entry("viscous_curve", velocity=velocity, force=[start] * len(velocity)))
-    own = measured(truth, seed, seconds=8.0, rms=rms, noise=0.02)
-    result = fit(model, [own])
+    recorded = measured(truth, seed, seconds=8.0, rms=rms, noise=0.02)
+    result = fit(model, [recorded])
 
     # Far outside the force still resists the motion.
     known = [k for k, p in enumerate(result.parameters) if p.name not in tied(result)]
     if len(known) > 2 and velocity[known[0]] < 0.0 < velocity[known[-1]]:
-        wide = FAR * max(speed(own), *map(abs, velocity)) * np.array([-1.0, -0.7, 0.7, 1.0])
+        wide = FAR * max(speed(recorded), *map(abs, velocity)) * np.array([-1.0, -0.7, 0.7, 1.0])
         assert (steady(result.model, wide) * wide > 0.0).all()
 
     # The same data twice change nothing.
-    twice = fit(model, [own, replace(own, recording="again")])
+    twice = fit(model, [recorded, replace(recorded, recording="again")])
     assert tied(twice) == tied(result)
     assert [p.value for p in twice.parameters] == pytest.approx(
         [p.value for p in result.parameters], rel=1e-5, abs=1e-2
     )
 
     # What the data determine stays where they put it.
-    problem = Problem(model, LocalRows([rows_of(own)]), range(len(model.slots)))
+    problem = Problem(model, LocalRows([rows_of(recorded)]), range(len(model.slots)))
     plain = problem.point(np.zeros(0))
     free = Ties((), np.eye(len(velocity)))
     error = uncertainty(problem, plain, problem.linearised(plain, np.zeros(0)), free).standard_error
@@ -194,16 +194,16 @@ def test_random_knots_obey_the_laws_of_ties(entry, model_of, measured, knots, rm
 
 
 def test_a_speed_axis_is_laid_over_the_speeds_that_were_driven(entry, model_of, damper, measured):
-    own = measured(damper, 1, rms=0.01)
-    fitted = fit(model_of(entry("viscous", rate=2000.0), entry("direction_curve")), [own]).model
+    recorded = measured(damper, 1, rms=0.01)
+    fitted = fit(model_of(entry("viscous", rate=2000.0), entry("direction_curve")), [recorded]).model
     knots = fitted.effects[1].settings["speed"]
-    assert 0.0 < knots[0] and knots[-1] <= speed(own)
+    assert 0.0 < knots[0] and knots[-1] <= speed(recorded)
 
 
 def test_the_library_model_does_not_reverse_beyond_the_recording(damper, measured):
     for seed in range(4):
-        own = measured(damper, seed, rms=0.007 + 0.001 * seed, noise=0.05, command=0.0)
-        fitted = fit(load_model("semi_active_yield"), [own], fix=["command_yield", "force_lag"]).model
+        recorded = measured(damper, seed, rms=0.007 + 0.001 * seed, noise=0.05, command=0.0)
+        fitted = fit(load_model("semi_active_yield"), [recorded], fix=["command_yield", "force_lag"]).model
         wide = np.array([-1.2, -0.7, 0.7, 1.2])
         curve = fitted.effects[0]
         assert (np.interp(wide, curve.settings["velocity"], curve.parameters["force"]) * wide > 0.0).all()

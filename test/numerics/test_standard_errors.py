@@ -22,9 +22,9 @@ def test_the_long_run_variance_is_that_of_the_closed_form(memory):
     series = autoregressive(np.random.default_rng(1), 20000, memory, (20,))
     exact = 1.0 / (1.0 - memory) ** 2
     # The taper over a second takes 7 % from a memory of a tenth of it.
-    assert np.mean([long_run_variance(own, RATE) for own in series]) == pytest.approx(exact, rel=0.1)
+    assert np.mean([long_run_variance(residual, RATE) for residual in series]) == pytest.approx(exact, rel=0.1)
     blocks = np.arange(20000) // 200
-    assert np.mean([block_variance(own, blocks) for own in series]) == pytest.approx(exact, rel=0.12)
+    assert np.mean([block_variance(residual, blocks) for residual in series]) == pytest.approx(exact, rel=0.12)
 
 
 def test_fitted_parameters_take_degrees_of_freedom_from_blocks():

@@ -224,7 +224,7 @@ def test_what_is_said_of_parts_of_a_recording_is_said_once(recorded):
     assert kinds(m.part(0, half), m.part(half, 2 * half)) == ["saturation"]
 
 
-def test_compare_tells_the_findings_with_the_quality_of_the_data(viscous, recorded):
+def test_compare_reports_the_findings_with_the_quality_of_the_data(viscous, recorded):
     record = compare(viscous, recorded(saturation=700.0)).record()["data_quality"]
     assert [finding["kind"] for finding in record["findings"]] == ["saturation"] and record["saturated"] > 0
-    assert set(record["findings"][0]) == {"kind", "sentence", "correct", "recording", "share"}
+    assert set(record["findings"][0]) == {"kind", "sentence", "remedy", "recording", "share"}

@@ -20,7 +20,7 @@ class Solution:
 
     Attributes:
         point: the best one found.
-        converged: whether the method's own criterion was met.
+        converged: whether the method's criterion was met.
         evaluations: runs of the model over all measurements of the problem, or their equal in samples.
         remark: what the user should know of the search, "" for nothing.
         front: what a method with several objectives found; the point is one of it.

@@ -3,7 +3,7 @@
     minimise  G = sum over recordings of (1/N) sum (F(t) - F_measured(t))^2,      lower <= q <= upper
 
 Tournament selection, simulated binary crossover, polynomial mutation, and the best always survive (pymoo's
-``GA``). The first generation holds the model's own values, values of the data's size, and points spread over
+``GA``). The first generation contains the model's values, values of the data's size, and points spread over
 the bounds. Bounds far apart of one sign are crossed by ratio, others evenly. Parameters in which the force is
 linear are solved for in each individual. A population finds the right valley and creeps in it, so its best is
 led to the valley's floor by the trust-region steps of ``least_squares``; the evolution runs on excerpts of

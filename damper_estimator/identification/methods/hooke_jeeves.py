@@ -22,19 +22,19 @@ from damper_estimator.identification.problem import Problem
 
 _STARTS = 3
 _FIRST_STEP = 0.25  # of a parameter's size
-_SKETCH_STEP = 1e-3  # where the trial of a start ends
+_SKETCH_STEP = 1e-3  # at which the trial of a start ends
 _LAST_STEP = 1e-6  # where the search ends
 _FIRST_PENALTY = 10.0  # per square of a size beyond the bound
-_PENALTY_GROWTH = 10.0  # per halving of the steps: a bound that the cost presses against is met in the end
+_PENALTY_GROWTH = 10.0  # per halving of the steps: a bound that the cost presses against is met at the end
 _MOST = 400  # evaluations per searched parameter
 
 
 def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
-    """See the module; deterministic: the seed has done its work in the candidates."""
+    """See the module; deterministic: the seed acts on the candidates only."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
     costs = np.array([sketch.point(candidate).cost for candidate in candidates])
-    # The model's own values are always tried.
+    # The model's values are always tried.
     order = [0, *(int(i) for i in np.argsort(costs, kind="stable") if i != 0)][:_STARTS]
     ends = []
     for number, i in enumerate(i for i in order if np.isfinite(costs[i])):
@@ -51,14 +51,14 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
 
 def descend(problem: Problem, start: np.ndarray, size: np.ndarray, step: float, last: float) -> tuple[np.ndarray, bool]:
     """The end (q,) of one search, and whether its steps shrank to ``last``; steps are shares of ``size`` (q,)."""
-    own_size = np.maximum(np.abs(start), 0.1 * size)
+    scale = np.maximum(np.abs(start), 0.1 * size)
     lower, upper = problem.lower[problem.searched], problem.upper[problem.searched]
     reference = max(problem.point(problem.clipped(start)).cost, np.finfo(float).tiny)
     penalty, budget = _FIRST_PENALTY, problem.evaluations + _MOST * start.size
 
     def objective(u: np.ndarray) -> float:
-        values = start + own_size * u
-        beyond = np.maximum(0.0, np.maximum(lower - values, values - upper)) / own_size
+        values = start + scale * u
+        beyond = np.maximum(0.0, np.maximum(lower - values, values - upper)) / scale
         cost = problem.point(np.clip(values, lower, upper)).cost
         # The logarithm keeps the penalty in proportion to the cost, however far the search has come.
         return float(np.log(max(cost, 1e-30 * reference) / reference) + penalty * (beyond @ beyond))
@@ -72,7 +72,7 @@ def descend(problem: Problem, start: np.ndarray, size: np.ndarray, step: float, 
         else:
             step, penalty = 0.5 * step, penalty * _PENALTY_GROWTH
             value = objective(base)
-    return np.clip(start + own_size * base, lower, upper), step <= last
+    return np.clip(start + scale * base, lower, upper), step <= last
 
 
 def _explored(

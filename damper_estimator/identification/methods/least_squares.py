@@ -4,7 +4,7 @@
 
 Each step solves the linearised problem in q and p together inside a box: the bounds, cut by a trust region that is
 proportional to each parameter's size; p is then solved for exactly at the new q. Several starts are tried on
-excerpts of the data, at the rate that the band asks for, until two of them agree; the best is followed on all of it at
+excerpts of the data, at the rate that the band asks for, until two of them agree; the best is refined on all of it at
 that rate, and finished on all samples. Source: Golub and Pereyra 2003
 (variable projection), Kaufman 1975 (the step); Lozoya-Santos et al. identify by the trust region as well.
 """
@@ -81,7 +81,7 @@ def refine(
     gain: float = _GAIN,
     report: Callable[[int], None] = lambda iteration: None,
 ) -> tuple[Point, bool]:
-    """The local minimum that is reached from ``start``, and whether it was.
+    """The local minimum reached from ``start``, and whether the search converged.
 
     Args:
         start: (q,) between the bounds.
@@ -98,13 +98,13 @@ def refine(
         report(iteration)
         passed = _leap(problem, passed)
         point = passed[-1]
-        own_size = np.maximum(np.abs(point.searched), 0.1 * size)
-        reduced = problem.linearised(point, own_size).reduced
+        scale = np.maximum(np.abs(point.searched), 0.1 * size)
+        reduced = problem.linearised(point, scale).reduced
         if not np.isfinite(reduced).all():
             return point, False
         while True:
-            step, promised = _step(problem, point, reduced, radius * own_size)
-            length = float(np.max(np.abs(step) / own_size))
+            step, promised = _step(problem, point, reduced, radius * scale)
+            length = float(np.max(np.abs(step) / scale))
             if promised <= gain * point.cost or point.cost <= perfect or length <= _MOVE:
                 return point, True
             trial = problem.point(problem.clipped(point.searched + step))
