@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from damper_estimator.identification import Fit, FittedParameter, Front, JointFit
-from damper_estimator.identification.front import BEST
+from damper_estimator.identification.pareto_front import BEST
 
 
 def table(damper: str, result: Fit, target: Path) -> str:

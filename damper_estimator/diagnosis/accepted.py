@@ -13,7 +13,7 @@ from damper_estimator.diagnosis.scene import Scene
 from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.methods.least_squares import refine
-from damper_estimator.identification.start import candidates as start_sizes
+from damper_estimator.identification.start_points import candidates as start_sizes
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import walk
 

@@ -14,7 +14,7 @@ from damper_estimator.diagnosis.scene import Scene, force_rows, targets
 from damper_estimator.identification import LocalRows, Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.rows import Rows
-from damper_estimator.identification.start import candidates as start_sizes
+from damper_estimator.identification.start_points import candidates as start_sizes
 from damper_estimator.model import Element
 from damper_estimator.model.element import walk
 

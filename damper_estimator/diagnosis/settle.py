@@ -14,7 +14,7 @@ from damper_estimator.diagnosis.null import near_derivatives, slot_size
 from damper_estimator.diagnosis.scene import force_rows, targets, weights
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
-from damper_estimator.identification.record import fit_record
+from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.identification.rows import Rows, split
 from damper_estimator.identification.ties import find_ties, tables
 from damper_estimator.model import DamperModel

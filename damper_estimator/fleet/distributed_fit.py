@@ -12,8 +12,8 @@ from damper_estimator.fleet.remote_rows import RemoteRows
 from damper_estimator.fleet.worker_recordings import Source, error_bound, error_sums
 from damper_estimator.identification import Fit, Problem, Wishes, free_slots
 from damper_estimator.identification.fit import identified, parameters_of, warnings_of
+from damper_estimator.identification.fit_record import record_of, region_of
 from damper_estimator.identification.knots import with_knots_over
-from damper_estimator.identification.record import record_of, region_of
 from damper_estimator.identification.rows import pooled
 from damper_estimator.identification.selection import narrowed
 from damper_estimator.model import DamperModel

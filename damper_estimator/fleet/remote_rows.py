@@ -1,4 +1,4 @@
-"""The rows of recordings on workers: forwards the calls of ``identification.sources`` to them.
+"""The rows of recordings on workers: forwards the calls of ``identification.row_sources`` to them.
 
 Each recording answers for itself, and the answers are combined in the order of the recordings, so the result does not
 depend on which worker has which recording. Only parameters and triangular factors of the recordings' rows are sent
@@ -14,14 +14,14 @@ import numpy as np
 from damper_estimator.fleet.distributed_recordings import DistributedRecordings
 from damper_estimator.fleet.worker_recordings import ByRecording, Parameters, View, evaluate, totals
 from damper_estimator.identification.excitations import ExcitationSplit
-from damper_estimator.identification.sources import Place, Totals, added_up
+from damper_estimator.identification.row_sources import Place, Totals, added_up
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model.model_files import model_yaml
 from damper_estimator.signals.cycles import Cycle
 
 
 class RemoteRows:
-    """Implements ``identification.sources.RowSource``; final."""
+    """Implements ``identification.row_sources.RowSource``; final."""
 
     def __init__(self, recordings: DistributedRecordings, view: View | None = None) -> None:
         """``view``: the rows to use; None for all."""
@@ -75,7 +75,7 @@ class RemoteRows:
 
 
 class RemoteSums:
-    """Implements ``identification.sources.RowSums``; final."""
+    """Implements ``identification.row_sources.RowSums``; final."""
 
     def __init__(self, recordings: DistributedRecordings, view: View) -> None:
         self._recordings, self._view = recordings, view

@@ -2,10 +2,10 @@
 
 from damper_estimator.identification.excitations import named
 from damper_estimator.identification.fit import Fit, FittedParameter, fit
-from damper_estimator.identification.front import Front, load_front
 from damper_estimator.identification.joint import JointFit, fit_joint, settings_by_channel
-from damper_estimator.identification.local import LocalRows
+from damper_estimator.identification.local_rows import LocalRows
 from damper_estimator.identification.methods.contract import Wishes, all_methods
+from damper_estimator.identification.pareto_front import Front, load_front
 from damper_estimator.identification.problem import Point, Problem
 from damper_estimator.identification.rows import pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots

@@ -8,15 +8,15 @@ from typing import NoReturn
 import numpy as np
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification.front import Front
+from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.identification.knots import moved_knots, with_placed_knots
-from damper_estimator.identification.local import LocalRows
+from damper_estimator.identification.local_rows import LocalRows
 from damper_estimator.identification.methods.contract import Solution, Wishes, find_method
+from damper_estimator.identification.pareto_front import Front
 from damper_estimator.identification.problem import Problem
-from damper_estimator.identification.record import fit_record
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
-from damper_estimator.identification.start import candidates
+from damper_estimator.identification.start_points import candidates
 from damper_estimator.identification.ties import tied, with_inert_at_start, with_ties_applied
 from damper_estimator.identification.uncertainty import Uncertainty, uncertainty
 from damper_estimator.identification.unknowns import Unknowns

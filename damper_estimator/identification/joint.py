@@ -1,7 +1,7 @@
 """Joint identification: some parameters are shared by all recordings, others have a value per setting.
 
-A setting is what the user changes on a damper: adjuster position, current, gas pressure. All recordings are
-fitted together, so that what is shared is determined by all of them; for another adjuster position of the
+The user changes the setting of a damper: adjuster position, current, gas pressure. All recordings are
+fitted together, so that all of them determine the shared values; for another adjuster position of the
 track paper's damper, for example, only K_leak and K_port change.
 
 Source: Carrera Akutain et al., section 4.
@@ -25,7 +25,7 @@ from damper_estimator.identification.fit import (
     warnings_of,
 )
 from damper_estimator.identification.knots import with_placed_knots
-from damper_estimator.identification.local import LocalRows
+from damper_estimator.identification.local_rows import LocalRows
 from damper_estimator.identification.methods.contract import Wishes
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.selection import free_slots, named_slots, narrowed

@@ -1,8 +1,8 @@
 """The least-squares problem of a fit: parameters that are searched or solved for, and the remaining error.
 
 For given searched parameters q the force in band is c(q) + Phi(q) p with the linear parameters p, which are
-solved for between their bounds (variable projection). The rows stay with their source: what the problem has of them
-are sums.
+solved for between their bounds (variable projection). The rows stay with their source; the problem has only their
+sums.
 """
 
 from collections.abc import Sequence
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from damper_estimator.identification.row_sources import Place, RowSource, RowSums
 from damper_estimator.identification.rows import natural_sizes
-from damper_estimator.identification.sources import Place, RowSource, RowSums
 from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot
 from damper_estimator.numerics import bounded_least_squares, triangle

@@ -1,7 +1,7 @@
 """Turns forces over a recording into the rows of the least-squares problem: in the comparison band, judged, thinned.
 
 The error is compared behind a zero-phase low-pass at ``band``, so neighbouring samples repeat each other: about four
-rows per period of the band carry all there is. The reported error measures use every sample.
+rows per period of the band contain all information. The reported error measures use every sample.
 """
 
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ class Rows:
         picks: (r,) int, the samples that are rows.
         target: (r,) measured force in band, N times root weight.
         rate: Hz, rows per second.
-        setting: in a joint fit, which of its settings was in place.
+        setting: index of its setting in a joint fit.
         blind: (r, k) orthonormal directions in which nothing is compared; k is 0, or 2 where the gauge's zero and its
             drift are left out.
     """

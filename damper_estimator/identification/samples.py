@@ -14,7 +14,7 @@ class Samples:
 
     Attributes:
         size: how many.
-        low, high: the smallest and the largest; NaN where there is none.
+        low, high: the smallest and the largest; NaN without values.
         below: edges (k,) to (k,) int, how many values are smaller than each.
         smallest: ranks to the values that have them, 0 for the smallest.
     """

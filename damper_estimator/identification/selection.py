@@ -11,7 +11,7 @@ from damper_estimator.model import DamperModel, Slot
 def free_slots(model: DamperModel, free: Iterable[str] = (), fix: Iterable[str] = ()) -> tuple[int, ...]:
     """Positions in ``model.slots`` of the parameters that are identified.
 
-    The later word wins: what the model file fixes, then ``fix``, then ``free``; so ``fix=["*"], free=["coulomb"]``
+    The later choice wins: what the model file fixes, then ``fix``, then ``free``; so ``fix=["*"], free=["coulomb"]``
     identifies friction alone.
 
     Args:

@@ -1,8 +1,8 @@
 """How well the data determine the parameters: standard errors, and parameters that trade off against each other.
 
-See ``numerics.covariance``. Band-limited residuals repeat themselves: only what is new counts. The residual is taken as
-stationary within each recording; where a model lacks an effect, it is not noise alone, and the errors are those of
-this excitation.
+See ``numerics.covariance``. Band-limited residuals are autocorrelated: only independent samples count. The residual is
+taken as stationary within each recording; where a model lacks an effect, it is not noise alone, and the errors are
+those of this excitation.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from damper_estimator.numerics import Directions, directions
 
 _WEAK = 0.1  # directions below this are tested for whether the noise hides them
 _HIDDEN = 0.5  # of a parameter's contribution: more uncertain than this, and the direction is not determined
-_TAKES_PART = 0.2  # of the largest share in a direction, or of what is hidden: enough to be listed
+_TAKES_PART = 0.2  # of the largest share in a direction, or of the hidden part: enough to be listed
 _LINKED = 0.1  # correlation of two parameters in the directions without influence
 _FLOOR = 0.02  # of the force: a contribution is not taken as smaller
 _AT_BOUND = 1e-9  # of the distance of the bounds
@@ -29,7 +29,7 @@ class Uncertainty:
         standard_error: (free,) in order of ``Problem.free``; NaN at a bound, where the data say nothing or it is
             wider than the bounds, and for the points of a table that follow others.
         at_bound: (free,) bool.
-        undetermined: groups of addresses that these data cannot tell apart; a group of one has no influence.
+        undetermined: groups of addresses that these data cannot separate; a group of one has no influence.
         tied: addresses of the points of tables that follow others; each is a group of one in ``undetermined`` too.
     """
 

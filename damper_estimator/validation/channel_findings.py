@@ -171,7 +171,7 @@ def _saturation(m: Measurement) -> Iterator[DataFinding]:
         m,
         "saturation",
         f"the gauge clips at {at}: {np.count_nonzero(cut)} samples, {100.0 * cut.mean():.2g} % of the recording",
-        "they and the filters' response to them are left out; widen the amplifier's range",
+        "they and the filtered samples around them are left out; widen the amplifier's range",
         float(cut.mean()),
     )
 

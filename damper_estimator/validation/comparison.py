@@ -40,7 +40,7 @@ class Comparison:
         coherence: of measured and modelled force.
         data_quality: of the recordings.
         noise_floor_n: N, error that a perfect model would still show; NaN where it cannot be estimated.
-        warnings: what the user should know about these numbers.
+        warnings: notes for the user on these numbers.
         grouping: recordings (paths) by the user's groups; empty: groups are formed by velocity and frequency.
     """
 

@@ -1,4 +1,4 @@
-"""What the error is made of: the gauge's zero, its drift, a gain, and scatter.
+"""The parts of an error: the gauge's zero, its drift, a gain, and scatter.
 
     e = zero + drift(t) + gain F_model + rest
 
@@ -202,5 +202,5 @@ def _gain_in_words(share: float, part: float) -> str:
     size = 100.0 * abs(share / (1.0 - share)) if share < 1.0 else np.inf
     return (
         f"the model's force is {size:.2g} % too {'large' if share > 0.0 else 'small'} as a whole: that alone is "
-        f"{100.0 * part:.0f} % of what zero and drift leave of the squared error"
+        f"{100.0 * part:.0f} % of the squared error without zero and drift"
     )

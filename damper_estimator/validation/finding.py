@@ -12,8 +12,8 @@ class DataFinding:
     Attributes:
         kind: ``gaps``, ``stamps``, ``saturation``, ``dead_channel``, ``held``, ``quantisation``, ``rate``, ``sign``,
             ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
-        sentence: what is wrong, with numbers.
-        remedy: what to do; what to write in the signal map, where that corrects it.
+        sentence: the mistake, with numbers.
+        remedy: the action, or the entry of the signal map that corrects it.
         recording: path of the bag; "" for several together.
         share: 0 to 1, of the recording that is affected, or of the force's rms that it causes (drift, spring).
     """

@@ -12,7 +12,7 @@ from damper_estimator.validation.force_findings import force_findings
 def data_findings(model: DamperModel | None, measurements: Sequence[Measurement]) -> tuple[DataFinding, ...]:
     """The mistakes in the recordings of one damper, whatever a model lacks.
 
-    A model, where there is one, only helps to decide which of two channels has the wrong sign. Skew, gain, offset and
+    A model only helps to decide which of two channels has the wrong sign. Skew, gain, offset and
     spring rate that show against a model alone are candidates of the diagnosis.
     """
     found = [finding for m in measurements for finding in channel_findings(m)]

@@ -126,10 +126,10 @@ def white_density(value: np.ndarray, rate: float) -> float:
 
 @dataclass(frozen=True)
 class _Channel:
-    """A channel taken apart: (n,) signal without noise and steps, standard deviation of its white part, quantum.
+    """The parts of a channel: (n,) signal without noise and steps, standard deviation of its white part, quantum.
 
-    ``level`` is any of the values that quantisation leaves. They are set a quarter of a step off: what rests on one of
-    them, or half-way between two where the signal turned round, is then off the edge of a step by a quarter.
+    ``level`` is any of the values that quantisation leaves. They are set a quarter of a step off, so that a value at
+    rest on one of them, or half-way between two at a reversal, is a quarter of a step away from an edge.
     """
 
     smooth: np.ndarray
@@ -151,7 +151,7 @@ class _Channel:
 
 
 def _channel(stamp: np.ndarray, value: np.ndarray, band: float) -> _Channel | None:
-    """A channel taken apart; None where too little is known of it."""
+    """The parts of a channel; None where too little is known of it."""
     density = noise_density(stamp, value)
     if not np.isfinite(density):
         return None

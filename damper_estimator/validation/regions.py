@@ -99,8 +99,8 @@ def find_regions(pool: Pool) -> tuple[Region, ...]:
     """Regions whose error is concentrated beyond chance, worst (largest excess) first.
 
     Neighbouring bands that are both concentrated are one region. A band counts where its mean square exceeds the
-    whole's by more than what independent samples of its number would scatter (2 band independent samples a second),
-    so noise alone gives none. A passage after reversals must stand out within its own direction, too. The worst region
+    whole's by more than the scatter of as many independent samples (2 band independent samples a second), so noise
+    alone has no regions. A passage after reversals must stand out within its direction, too. The worst region
     is narrowed down by other quantities where most of its error is in few of its samples; the next one is searched
     among the remaining samples: the same samples under another name are not reported again. An error that consists of
     zero and drift alone has no regions.

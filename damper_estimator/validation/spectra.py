@@ -79,7 +79,7 @@ def _large_curves(
 def additive_curves(inputs: Mapping[str, np.ndarray], force: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """The mean force over each input, given the others: knots (b,) and values (b,) by input.
 
-    F = mean + sum_i c_i(u_i), each c_i in turn the binned mean of what the others leave.
+    F = mean + sum_i c_i(u_i), each c_i in turn the binned mean of the others' residual.
     """
     places, centres = {}, {}
     for name, values in inputs.items():

@@ -94,7 +94,7 @@ def _frequencies(measurement: Measurement) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a damper can be identified, why not, and what would help.
+    """Whether a damper can be identified, the reasons against it, and tests that would help.
 
     Attributes:
         good: whether there is no fault.
@@ -152,7 +152,7 @@ def _judge_motion(e: Excitation, displacement: ChannelQuality, faults: list, rem
     elif speed < 0.3:
         remarks.append(
             f"speeds reach {-e.velocity[0]:.2g} m/s in compression and {e.velocity[1]:.2g} m/s in rebound; "
-            "nothing is known beyond"
+            "nothing is known above that"
         )
         drive.append("faster strokes, to see the valves open")
     if stroke < LEAST_STROKE:

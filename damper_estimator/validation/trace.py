@@ -64,7 +64,7 @@ def trace(model: DamperModel, measurement: Measurement) -> Trace:
         where = f"{measurement.recording}: damper {measurement.damper}"
         if measurement.judged.any():
             raise InputError(
-                f"{where}: model {model.name} gives no finite force; give it the channels and ranges that it needs"
+                f"{where}: model {model.name} returns no finite force; provide the channels and ranges that it needs"
             )
         raise InputError(
             f"{where}: nothing to judge; wants more than {WARM_UP:g} s without a gap in which force and "
@@ -89,7 +89,7 @@ def _settled(finite: np.ndarray, measurement: Measurement) -> np.ndarray:
 def _since_reversal(measurement: Measurement) -> np.ndarray:
     kinematics = measurement.kinematics
     since = np.full(len(kinematics), np.nan)
-    # Wobble around standstill is no reversal: the speed must reach a twentieth of its rms on both sides.
+    # Small motion around standstill is no reversal: the speed must reach a twentieth of its rms on both sides.
     least = 0.05 * float(np.sqrt(np.mean(kinematics.velocity**2)))
     if least <= 0.0:
         return since

@@ -15,8 +15,8 @@ from damper_estimator.fleet.distributed_recordings import DistributedRecordings
 from damper_estimator.fleet.remote_rows import RemoteRows
 from damper_estimator.fleet.worker_recordings import Source
 from damper_estimator.identification import Wishes, fit
+from damper_estimator.identification.row_sources import Place
 from damper_estimator.identification.samples import channels_of
-from damper_estimator.identification.sources import Place
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.model import load_model, parse_model
 from damper_estimator.recordings import open_bag

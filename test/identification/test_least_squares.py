@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 from damper_estimator.identification import LocalRows, Problem, rows_of
 from damper_estimator.identification.methods.least_squares import refine
-from damper_estimator.identification.sources import Place
+from damper_estimator.identification.row_sources import Place
 from damper_estimator.identification.unknowns import Unknowns
 
 SAME = 1e-5  # of a parameter: two searches ended in the same place

@@ -114,7 +114,7 @@ def test_mistakes_of_the_data_come_before_the_numbers():
     body = re.sub(r"<script.*?</script>", "", page, flags=re.S)
     assert body.index("Data before physics") < body.index("rms error")
     assert f"the gauge clips at {limit:.4g} N" in body and "The measurement comes first" in body
-    assert "what to do: they and the filters' response to them are left out" in body
+    assert "what to do: they and the filtered samples around them are left out" in body
 
 
 def test_what_the_error_is_made_of_is_shown():

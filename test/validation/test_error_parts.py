@@ -1,4 +1,4 @@
-"""What the error is made of: zero, drift, gain and scatter, none mistaken for another."""
+"""The parts of the error: zero, drift, gain and scatter, none mistaken for another."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def test_a_drift_is_reported_with_its_time_and_is_no_region(viscous, motion, mea
 
 
 @pytest.mark.parametrize("gain", [0.8, 1.25])
-def test_a_gain_is_told_in_percent(gain, viscous, motion, measured):
+def test_a_gain_is_reported_in_percent(gain, viscous, motion, measured):
     parts = parts_of(viscous, measured(*motion(), lambda k: gain * TRUE * k.velocity))
     assert parts.gain == pytest.approx(1.0 / gain - 1.0, rel=1e-6) and parts.scatter_n < 1e-6
     assert f"{100 * abs(1 / gain - 1):.2g} % too {'large' if gain < 1 else 'small'} as a whole" in parts.sentences[0]
@@ -56,7 +56,7 @@ def test_an_error_of_the_operation_is_neither_zero_nor_drift_nor_gain(error, vis
     assert not any("as a whole" in text or "standstill" in text for text in parts.sentences)
 
 
-def test_friction_is_told_as_the_same_against_every_motion(viscous, motion, measured):
+def test_friction_is_reported_as_the_same_against_every_motion(viscous, motion, measured):
     parts = parts_of(viscous, measured(*motion(), with_(ERRORS["friction"])))
     assert len(parts.sentences) == 1 and "N too soft both ways, whatever the speed" in parts.sentences[0]
 

@@ -1,1 +1,1 @@
-"""The methods of identification: one file each, found by itself; ``--method`` takes the file's name."""
+"""The methods of identification: one file each, discovered automatically; ``--method`` accepts the file's name."""

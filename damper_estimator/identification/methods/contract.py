@@ -10,7 +10,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification import methods
-from damper_estimator.identification.front import Front
+from damper_estimator.identification.pareto_front import Front
 from damper_estimator.identification.problem import Point, Problem
 
 
@@ -22,8 +22,8 @@ class Solution:
         point: the best one found.
         converged: whether the method's criterion was met.
         evaluations: runs of the model over all measurements of the problem, or their equal in samples.
-        remark: what the user should know of the search, "" for nothing.
-        front: what a method with several objectives found; the point is one of it.
+        remark: a note on the search for the user, "" for none.
+        front: the front of a method with several objectives; it contains the point.
     """
 
     point: Point
@@ -42,7 +42,7 @@ class Wishes:
     """A caller's requests to a search; a method uses those that concern it.
 
     Attributes:
-        seed: of what is drawn at random; equal seeds give equal results.
+        seed: of random draws; equal seeds return equal results.
         progress: receives a line from time to time.
         groups: objectives by name, each the recordings that it judges; empty forms them from the recordings.
         pick: which point of a front becomes the model: ``knee``, a group's name, or a number.

@@ -17,15 +17,15 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification.excitation_problem import ExcitationProblem
-from damper_estimator.identification.front import Front, non_dominated
 from damper_estimator.identification.methods.contract import Method, Solution, Wishes
 from damper_estimator.identification.methods.least_squares import refine
+from damper_estimator.identification.pareto_front import Front, non_dominated
 from damper_estimator.identification.population import Scale, evolve, first_generation
 from damper_estimator.identification.problem import Problem
 
 _POPULATION, _GENERATIONS = 100, 100
 _REPORT = 10  # generations between two lines of progress
-_WORST = 100.0  # largest objective, above which all are equal; also where there is no finite force
+_WORST = 100.0  # largest objective, above which all are equal; also without a finite force
 _LEAD_ITERATIONS, _LEAD_GAIN = 15, 1e-4  # of the least-squares solutions that the first generation holds
 
 

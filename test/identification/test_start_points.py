@@ -7,7 +7,7 @@ import pytest
 
 from damper_estimator.identification import LocalRows, Problem, rows_of
 from damper_estimator.identification.knots import FEWEST, moved_knots, with_placed_knots
-from damper_estimator.identification.start import MOST, SPREAD, candidates
+from damper_estimator.identification.start_points import MOST, SPREAD, candidates
 from damper_estimator.model import load_model
 from damper_estimator.signals.layout import A, V
 

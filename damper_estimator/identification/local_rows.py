@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from damper_estimator.identification.excitations import ExcitationSplit, cycles_of, excitations_in
+from damper_estimator.identification.row_sources import Place, Totals
 from damper_estimator.identification.rows import Rows, excerpts, motion_moments, split
-from damper_estimator.identification.sources import Place, Totals
 from damper_estimator.identification.terms import Term
 from damper_estimator.identification.unknowns import Unknowns
 from damper_estimator.numerics import score_covariance, stepped, triangle
@@ -20,7 +20,7 @@ _KEPT = 4  # settings of the parameters for which a term's columns are remembere
 
 
 class LocalRows:
-    """As ``sources.RowSource``, in this process; final.
+    """As ``row_sources.RowSource``, in this process; final.
 
     Attributes:
         rows: of every measurement; in a joint fit in order of their ``setting``.
@@ -89,7 +89,7 @@ class LocalRows:
 
 
 class LocalSums:
-    """As ``sources.RowSums``, of rows in this process; final."""
+    """As ``row_sources.RowSums``, of rows in this process; final."""
 
     def __init__(self, source: LocalRows, unknowns: Unknowns):
         self._source, self._unknowns = source, unknowns

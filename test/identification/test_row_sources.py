@@ -6,8 +6,8 @@ import pytest
 from damper_estimator.identification import LocalRows, Problem, rows_of
 from damper_estimator.identification.excitation_problem import ExcitationProblem
 from damper_estimator.identification.methods.least_squares import refine
+from damper_estimator.identification.row_sources import Place, added_up
 from damper_estimator.identification.samples import samples_of
-from damper_estimator.identification.sources import Place, added_up
 from damper_estimator.identification.ties import Ties
 from damper_estimator.identification.uncertainty import uncertainty
 from damper_estimator.identification.unknowns import Unknowns

@@ -1,7 +1,7 @@
 """Sources of a problem's rows, and the sums that a fit asks of them, whatever the number of rows.
 
-A least-squares search needs of its rows only what a QR decomposition keeps of them. So each recording is reduced, where
-it lies, to triangles (``numerics.triangle``): k + 1 numbers square for k parameters. The triangles of all recordings,
+A least-squares search needs only the triangle of a QR decomposition of its rows. So each recording is reduced, in its
+place, to triangles (``numerics.triangle``): k + 1 numbers square for k parameters. The triangles of all recordings,
 one below the other in their order, are a problem of a few rows per recording with the same solution. Nothing is
 squared, so it is as exact as with all rows, and the same wherever the rows are.
 """
