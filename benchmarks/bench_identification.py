@@ -13,7 +13,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from damper_estimator.identification import Wishes, fit
+from damper_estimator.identification import MethodOptions, fit
 from damper_estimator.identification.rows import rows_of
 from damper_estimator.model import DamperModel, load_model, parse_model
 from damper_estimator.plant import DAMPERS, Damper, Drive, bench_drive, current_steps, simulate
@@ -113,8 +113,8 @@ def front(generations: int) -> None:
     model = load_model("renault_modified_bouc_wen")
 
     def run(count: int) -> object:
-        wishes = Wishes(groups=groups, generations=count, population=100)
-        return fit(model, series, method="nsga2", wishes=wishes, limits=DESIGN_SPACE)
+        method_options = MethodOptions(groups=groups, generations=count, population=100)
+        return fit(model, series, method="nsga2", method_options=method_options, limits=DESIGN_SPACE)
 
     run(1)
     seconds, result = timed(lambda: run(generations))

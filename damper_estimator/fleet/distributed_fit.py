@@ -10,7 +10,7 @@ from distributed import Client
 from damper_estimator.fleet.distributed_recordings import DistributedRecordings
 from damper_estimator.fleet.remote_rows import RemoteRows
 from damper_estimator.fleet.worker_recordings import Source, error_bound, error_sums
-from damper_estimator.identification import Fit, Problem, Wishes, free_slots
+from damper_estimator.identification import Fit, MethodOptions, Problem, free_slots
 from damper_estimator.identification.fit import identified, parameters_of, warnings_of
 from damper_estimator.identification.fit_record import record_of, region_of
 from damper_estimator.identification.knots import with_knots_over
@@ -27,7 +27,7 @@ def fit_distributed(
     free: Iterable[str] = (),
     fix: Iterable[str] = (),
     method: str = "least_squares",
-    wishes: Wishes = Wishes(),
+    method_options: MethodOptions = MethodOptions(),
     limits: Mapping[str, tuple[float, float]] | None = None,
     starts: int | None = None,
 ) -> tuple[Fit, dict[Source, str]]:
@@ -44,7 +44,7 @@ def fit_distributed(
     placed = with_knots_over(model, recordings.channel)
     chosen, slots = free_slots(placed, free, fix), narrowed(placed, limits or {})
     problem = Problem(placed, RemoteRows(recordings), chosen, slots=slots)
-    solution, known = identified(problem, method, starts, wishes)
+    solution, known = identified(problem, method, starts, method_options)
     fitted = problem.model_at(problem.vector(solution.point.searched, solution.point.solved))
     parameters = parameters_of(problem, solution, known)
     before, after = (_errors(recordings, each) for each in (model, fitted))

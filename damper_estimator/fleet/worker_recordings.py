@@ -14,10 +14,10 @@ from distributed import get_worker
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification.fit import judged_rows
-from damper_estimator.identification.local_rows import LocalRows, LocalSums
 from damper_estimator.identification.fit_record import force_stddev
-from damper_estimator.identification.rows import moments
+from damper_estimator.identification.local_rows import LocalRows, LocalSums
 from damper_estimator.identification.row_sources import Totals
+from damper_estimator.identification.rows import moments
 from damper_estimator.identification.unknowns import Settings, Unknowns
 from damper_estimator.model import DamperModel, Slot, parse_model
 from damper_estimator.signals import Measurement

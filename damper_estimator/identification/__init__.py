@@ -4,7 +4,7 @@ from damper_estimator.identification.excitations import named
 from damper_estimator.identification.fit import Fit, FittedParameter, fit
 from damper_estimator.identification.joint import JointFit, fit_joint, settings_by_channel
 from damper_estimator.identification.local_rows import LocalRows
-from damper_estimator.identification.methods.contract import Wishes, all_methods
+from damper_estimator.identification.methods.contract import MethodOptions, all_methods
 from damper_estimator.identification.pareto_front import Front, load_front
 from damper_estimator.identification.problem import Point, Problem
 from damper_estimator.identification.rows import pooled_error, rows_of, usable
@@ -16,9 +16,9 @@ __all__ = [
     "Front",
     "JointFit",
     "LocalRows",
+    "MethodOptions",
     "Point",
     "Problem",
-    "Wishes",
     "all_methods",
     "fit",
     "fit_joint",

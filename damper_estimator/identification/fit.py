@@ -11,7 +11,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.identification.knots import moved_knots, with_placed_knots
 from damper_estimator.identification.local_rows import LocalRows
-from damper_estimator.identification.methods.contract import Solution, Wishes, find_method
+from damper_estimator.identification.methods.contract import MethodOptions, Solution, find_method
 from damper_estimator.identification.pareto_front import Front
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
@@ -89,7 +89,7 @@ def fit(
     seed: int = 0,
     weights: Sequence[float | np.ndarray] | None = None,
     starts: int | None = None,
-    wishes: Wishes = Wishes(),
+    method_options: MethodOptions = MethodOptions(),
     limits: Mapping[str, tuple[float, float]] | None = None,
     zero_free: bool = False,
 ) -> Fit:
@@ -100,7 +100,7 @@ def fit(
         seed: of random draws; equal seeds return equal results.
         weights: of the squared error, per measurement a number or (n,); equal for all samples where left out.
         starts: start points spread around the model's values; 0 to begin at these alone.
-        wishes: further settings of the method; its seed is ``seed``.
+        method_options: further settings of the method; its seed is ``seed``.
         limits: lowest and highest value by name, narrower than the declared bounds.
         zero_free: leave the gauge's zero and drift of each recording out of the comparison.
 
@@ -113,12 +113,14 @@ def fit(
     rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero_free=zero_free)
     placed = with_placed_knots(model, [recording.measurement for recording in rows])
     problem = Problem(placed, LocalRows(rows), free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
-    solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
+    solution, known = identified(problem, method, starts, replace(method_options, seed=seed))
     warnings = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
     return result(model, problem, rows, solution, known, perf_counter() - began, warnings)
 
 
-def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes) -> tuple[Solution, Uncertainty]:
+def identified(
+    problem: Problem, method: str, starts: int | None, method_options: MethodOptions
+) -> tuple[Solution, Uncertainty]:
     """The method's solution of the problem, and its uncertainty.
 
     Raises:
@@ -126,9 +128,9 @@ def identified(problem: Problem, method: str, starts: int | None, wishes: Wishes
     """
     chosen = find_method(method)
     _check_enough(problem)
-    starts_at, size = candidates(problem, wishes.seed, starts)
+    starts_at, size = candidates(problem, method_options.seed, starts)
     sketch = problem.thinned().excerpts(SKETCH_SAMPLES)
-    solution = chosen.search(problem, sketch, starts_at, size, wishes)
+    solution = chosen.search(problem, sketch, starts_at, size, method_options)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name
         raise InputError(

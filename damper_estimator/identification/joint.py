@@ -26,7 +26,7 @@ from damper_estimator.identification.fit import (
 )
 from damper_estimator.identification.knots import with_placed_knots
 from damper_estimator.identification.local_rows import LocalRows
-from damper_estimator.identification.methods.contract import Wishes
+from damper_estimator.identification.methods.contract import MethodOptions
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.selection import free_slots, named_slots, narrowed
 from damper_estimator.identification.unknowns import Settings
@@ -66,7 +66,7 @@ def fit_joint(
     method: str = "least_squares",
     seed: int = 0,
     starts: int | None = None,
-    wishes: Wishes = Wishes(),
+    method_options: MethodOptions = MethodOptions(),
     limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> JointFit:
     """Identifies a model on all measurements together, with a separate value of some parameters for each setting.
@@ -74,7 +74,7 @@ def fit_joint(
     Args:
         settings: name of the setting of each measurement.
         each: parameters that differ, named as in ``selection.free_slots``; all of them are identified.
-        free, fix, method, seed, starts, wishes, limits: as in ``fit``.
+        free, fix, method, seed, starts, method_options, limits: as in ``fit``.
 
     Raises:
         InputError: as ``fit``, and where there is only one setting.
@@ -95,7 +95,7 @@ def fit_joint(
     chosen = free_slots(placed, [*free, *each], fix)
     settled = Settings(names, frozenset(differing))
     problem = Problem(placed, LocalRows(rows), chosen, settled, narrowed(placed, limits or {}))
-    solution, known = identified(problem, method, starts, replace(wishes, seed=seed))
+    solution, known = identified(problem, method, starts, replace(method_options, seed=seed))
     warnings = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
     seconds = perf_counter() - began
     fits = {name: result(model, problem, rows, solution, known, seconds, warnings, k) for k, name in enumerate(names)}

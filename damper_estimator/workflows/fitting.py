@@ -9,7 +9,7 @@ from pathlib import Path
 from damper_estimator.diagnosis import with_misfit
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
-from damper_estimator.identification import Fit, FittedParameter, Front, Wishes
+from damper_estimator.identification import Fit, FittedParameter, Front, MethodOptions
 from damper_estimator.identification import fit as identified
 from damper_estimator.model import DamperModel, save_model
 from damper_estimator.signals import Measurement
@@ -47,9 +47,9 @@ class FitOptions:
     population: int | None = None
     generations: int | None = None
 
-    def method_options(self, progress: Callable[[str], None]) -> Wishes:
+    def method_options(self, progress: Callable[[str], None]) -> MethodOptions:
         """The options in the form that the methods accept."""
-        return Wishes(
+        return MethodOptions(
             seed=self.seed, progress=progress, groups=self.groups or {}, pick=self.pick, front=self.front,
             generations=self.generations, population=self.population,
         )  # fmt: skip
@@ -177,7 +177,7 @@ def fit_with(
         progress(f"{damper}: fitting {start.name} to {count} recording{'s' if count > 1 else ''}")
         fitted = identified(
             start, measurements, options.free, options.fix, options.method, options.seed,
-            wishes=options.method_options(progress), limits=options.limits,
+            method_options=options.method_options(progress), limits=options.limits,
         )  # fmt: skip
         fitted = replace(fitted, model=with_misfit(fitted.model, measurements))
         found[damper] = ModelFitted(start, fitted, measurements)

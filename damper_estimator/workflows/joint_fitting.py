@@ -70,7 +70,7 @@ def fit_jointly(
         )
         found[damper] = fit_joint(
             models[damper], measurements, chosen, each, options.free, options.fix, options.method, options.seed,
-            wishes=options.method_options(progress), limits=options.limits,
+            method_options=options.method_options(progress), limits=options.limits,
         )  # fmt: skip
     return JointlyFitted(found)
 

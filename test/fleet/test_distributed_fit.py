@@ -14,7 +14,7 @@ from damper_estimator.fleet.distributed_fit import fit_distributed
 from damper_estimator.fleet.distributed_recordings import DistributedRecordings
 from damper_estimator.fleet.remote_rows import RemoteRows
 from damper_estimator.fleet.worker_recordings import Source
-from damper_estimator.identification import Wishes, fit
+from damper_estimator.identification import MethodOptions, fit
 from damper_estimator.identification.row_sources import Place
 from damper_estimator.identification.samples import channels_of
 from damper_estimator.identification.unknowns import Unknowns
@@ -74,7 +74,7 @@ WIDE = {**CURVE, "effects": [{"viscous_curve": {"velocity": [-9.0, -0.1, 0.0, 0.
 def test_two_workers_fit_what_one_process_fits(client, bags, model):
     start = {"curve": parse_model(CURVE, "here"), "wide": parse_model(WIDE, "here")}.get(model) or load_model(model)
     spread, refused = fit_distributed(
-        client, start, [source(path) for path in bags[::-1]], starts=2, wishes=Wishes(seed=3)
+        client, start, [source(path) for path in bags[::-1]], starts=2, method_options=MethodOptions(seed=3)
     )
     assert not refused
     alike(spread, fit(start, [read_here(path) for path in bags], seed=3, starts=2))
@@ -124,9 +124,11 @@ def test_excerpts_are_the_same(client, bags, monkeypatch):
 def test_a_front_equals_that_of_one_process(client, bags):
     pytest.importorskip("pymoo")
     start, given = parse_model(CURVE, "here"), {"slow": ("0.mcap",), "fast": ("1.mcap", "2.mcap")}
-    wishes = Wishes(seed=2, generations=4, population=8, groups=given)
-    spread, _ = fit_distributed(client, start, [source(path) for path in bags], method="nsga2", wishes=wishes)
-    alone = fit(start, [read_here(path) for path in bags], method="nsga2", seed=2, wishes=wishes)
+    method_options = MethodOptions(seed=2, generations=4, population=8, groups=given)
+    spread, _ = fit_distributed(
+        client, start, [source(path) for path in bags], method="nsga2", method_options=method_options
+    )
+    alone = fit(start, [read_here(path) for path in bags], method="nsga2", seed=2, method_options=method_options)
     assert spread.front.groups == alone.front.groups == ("slow", "fast")
     assert spread.front.excitations == alone.front.excitations
     np.testing.assert_allclose(spread.front.objectives, alone.front.objectives, rtol=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.errors import InputError
-from damper_estimator.identification import Front, LocalRows, Problem, Wishes, fit, load_front
+from damper_estimator.identification import Front, LocalRows, MethodOptions, Problem, fit, load_front
 from damper_estimator.identification.excitation_problem import ExcitationProblem
 from damper_estimator.identification.population import Scale, first_generation
 from damper_estimator.identification.rows import rows_of
@@ -17,7 +17,7 @@ from damper_estimator.signals.kinematics import differentiate_recording
 FAR = 4.5  # standard errors: farther off, a value is wrong
 SERIES = [(1.5, 0.1), (1.5, 0.3), (12.0, 0.1), (12.0, 0.3), (12.0, 0.7), (12.0, 1.2)]  # Hz, m/s: Gao et al., Table 1
 GAO = {"LVLF": 2, "LVHF": 2, "HVHF": 2}
-BRIEF = Wishes(generations=12, population=24)
+BRIEF = MethodOptions(generations=12, population=24)
 
 
 def sines(model, *series, rate=400.0, cycles=8):
@@ -47,7 +47,7 @@ def test_a_model_is_recovered_without_derivatives(method, name, measured):
     truth = load_model(name)
     data = [measured(truth, 1, seconds=6.0, rms=0.005), measured(truth, 2, seconds=6.0, rms=0.012)]
     start = truth.with_values({slot.address: 1.4 * slot.value for slot in truth.slots if not slot.fixed})
-    result = fit(start, data, method=method, wishes=BRIEF)
+    result = fit(start, data, method=method, method_options=BRIEF)
     assert result.esr < 1e-4
     assert max(map(abs, deviations(result, truth))) < FAR
 
@@ -56,7 +56,7 @@ def test_a_model_is_recovered_without_derivatives(method, name, measured):
 def test_bounds_are_kept_and_seeds_repeat(method, entry, model_of, measured):
     pushing = measured(model_of(entry("viscous", rate=1000.0), entry("inertia", mass=20.0)), seconds=6.0)
     start = model_of(entry("viscous"), entry("tanh_hysteresis"), entry("acceleration_hysteresis"))
-    first, second = (fit(start, [pushing], method=method, seed=3, wishes=BRIEF) for _ in range(2))
+    first, second = (fit(start, [pushing], method=method, seed=3, method_options=BRIEF) for _ in range(2))
     assert [p.value for p in first.parameters] == [p.value for p in second.parameters]
     for slot in first.model.slots:
         assert slot.parameter.lower <= slot.value <= slot.parameter.upper
@@ -74,7 +74,7 @@ def test_his_is_identified_by_the_genetic_algorithm_from_data_of_table_3(measure
     truth = load_model("his_piecewise")
     data = [measured(truth, seed, rms=rms) for seed, rms in enumerate((0.03, 0.07), 1)]
     start = truth.with_values({s.address: 1.3 * s.value for s in truth.slots if s.parameter.name != "delay"})
-    result = fit(start, data, method="genetic", wishes=Wishes(generations=30, population=40))
+    result = fit(start, data, method="genetic", method_options=MethodOptions(generations=30, population=40))
     assert len(result.parameters) == 15
     assert result.esr < 1e-3
     values = {slot.address: slot.value for slot in result.model.slots}
@@ -91,8 +91,8 @@ def lagging(entry):
 
 @pytest.fixture(scope="module")
 def fronted(lagging):
-    wishes = Wishes(generations=15, population=40)
-    return fit(displaced(), [sines(lagging, *SERIES)], method="nsga2", wishes=wishes)
+    method_options = MethodOptions(generations=15, population=40)
+    return fit(displaced(), [sines(lagging, *SERIES)], method="nsga2", method_options=method_options)
 
 
 def displaced():
@@ -164,11 +164,13 @@ def test_a_point_is_picked_later_from_the_file_of_the_front(fronted, lagging, tm
     path.write_text(fronted.front.as_csv())
     again = load_front(path)
     assert np.array_equal(again.values, fronted.front.values) and again.names == fronted.front.names
-    other = fit(displaced(), [sines(lagging, *SERIES)], method="nsga2", wishes=Wishes(front=again, pick="HVHF"))
+    other = fit(
+        displaced(), [sines(lagging, *SERIES)], method="nsga2", method_options=MethodOptions(front=again, pick="HVHF")
+    )
     assert other.front.picked == again.row("HVHF")
     assert [p.value for p in other.parameters] == pytest.approx(again.values[again.row("HVHF")].tolist())
     with pytest.raises(InputError, match="options it was made with"):
-        fit(load_model("kwok"), [sines(lagging, *SERIES)], method="nsga2", wishes=Wishes(front=again))
+        fit(load_model("kwok"), [sines(lagging, *SERIES)], method="nsga2", method_options=MethodOptions(front=again))
 
 
 @pytest.mark.parametrize("pick", ["LVXF", "-1", "99999"])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper_estimator.identification import LocalRows, Problem, Wishes, fit, fit_joint, rows_of
+from damper_estimator.identification import LocalRows, MethodOptions, Problem, fit, fit_joint, rows_of
 from damper_estimator.identification.ties import Ties
 from damper_estimator.identification.uncertainty import uncertainty
 from damper_estimator.model import load_model
@@ -47,10 +47,10 @@ def speed(*measurements):
 
 
 METHODS = {
-    "least_squares": Wishes(),
-    "hooke_jeeves": Wishes(),
-    "genetic": Wishes(generations=2, population=8),
-    "nsga2": Wishes(generations=2, population=8),
+    "least_squares": MethodOptions(),
+    "hooke_jeeves": MethodOptions(),
+    "genetic": MethodOptions(generations=2, population=8),
+    "nsga2": MethodOptions(generations=2, population=8),
 }
 
 
@@ -64,12 +64,12 @@ def test_a_knot_that_the_data_do_not_reach_continues_those_that_they_do(
     else:
         recorded = [measured(damper, 1, rms=0.008, noise=0.02)]
     model = model_of(entry(effect, velocity=KNOTS, force=[300.0] * len(KNOTS)))
-    wishes = (
+    method_options = (
         METHODS[method]
         if method != "nsga2"
         else replace(METHODS[method], groups={"a": (recorded[0].recording,), "b": (recorded[1].recording,)})
     )
-    result = fit(model, recorded, method=method, wishes=wishes)
+    result = fit(model, recorded, method=method, method_options=method_options)
     outer = [0, len(KNOTS) - 1]
     assert speed(*recorded) < 0.7
     assert {f"{effect}.force[{k}]" for k in outer} <= tied(result)
@@ -141,7 +141,7 @@ def test_a_parameter_without_influence_keeps_the_models_value_in_a_random_search
     model = model_of(entry("viscous", rate=2000.0), entry("end_stop", bump_position=-0.11, top_out_position=0.12))
     limits = {"end_stop.bump_position": (-0.5, -0.1), "end_stop.top_out_position": (0.1, 0.5)}
     recorded = measured(damper, 1, rms=0.003)
-    result = fit(model, [recorded], method="genetic", wishes=METHODS["genetic"], limits=limits)
+    result = fit(model, [recorded], method="genetic", method_options=METHODS["genetic"], limits=limits)
     values = {slot.address: slot.value for slot in model.slots}
     silent = {p.name: p.value for p in result.parameters if p.name.startswith("end_stop")}
     assert silent and silent == pytest.approx({name: values[name] for name in silent})

@@ -47,9 +47,9 @@ class Estimates:
         from sensor_msgs.msg import JointState
         from std_msgs.msg import Float64
 
-        self.rig, self.wishes, self.commands, self.count = rig, [], [], 0
+        self.rig, self.method_options, self.commands, self.count = rig, [], [], 0
         self._types = DamperForces, AccelStamped, JointState
-        rig.node.create_subscription(JointState, topic, self.wishes.append, 100)
+        rig.node.create_subscription(JointState, topic, self.method_options.append, 100)
         rig.node.create_subscription(
             Float64, "/suspension/left/current_command", lambda m: self.commands.append(m.data), 100
         )
@@ -80,10 +80,10 @@ class Estimates:
 
     def answer(self, velocity: float, status: int = GOOD) -> float:
         """The desired force that answers an estimate."""
-        before = len(self.wishes)
+        before = len(self.method_options)
         self.tell(velocity, status)
-        self.rig.wait(lambda: len(self.wishes) > before, "a desired force")
-        return self.wishes[-1].effort[0]
+        self.rig.wait(lambda: len(self.method_options) > before, "a desired force")
+        return self.method_options[-1].effort[0]
 
 
 def test_the_desired_force_is_that_of_the_law_plus_added_forces_and_none_without_acceleration(start_controller, rig):
@@ -93,7 +93,7 @@ def test_the_desired_force_is_that_of_the_law_plus_added_forces_and_none_without
     estimator.feel(0.0)
     rig.listen(0.2)
     assert estimator.answer(0.2) == pytest.approx(REST + 200.0)  # the wheel goes down at 0.2 m/s
-    assert estimator.wishes[-1].name == ["left"]
+    assert estimator.method_options[-1].name == ["left"]
     estimator.add(50.0)
     rig.listen(0.2)
     assert estimator.answer(0.1) == pytest.approx(REST + 50.0 + 100.0)
@@ -196,8 +196,8 @@ def test_the_motion_of_the_body_is_damped(start_controller, rig):
     estimator = Estimates(rig)
     estimator.feel(2.0)
     rig.listen(0.2)
-    wishes = [estimator.answer(0.0) for _ in range(11)]
-    assert np.diff(wishes) == pytest.approx(np.full(10, 1000.0 * 2.0 * 0.01), rel=0.2)  # the body gains speed
+    method_options = [estimator.answer(0.0) for _ in range(11)]
+    assert np.diff(method_options) == pytest.approx(np.full(10, 1000.0 * 2.0 * 0.01), rel=0.2)  # the body gains speed
 
 
 @pytest.mark.parametrize(

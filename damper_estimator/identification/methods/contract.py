@@ -38,7 +38,7 @@ def _silent(text: str) -> None:
 
 
 @dataclass(frozen=True)
-class Wishes:
+class MethodOptions:
     """A caller's requests to a search; a method uses those that concern it.
 
     Attributes:
@@ -59,7 +59,7 @@ class Wishes:
     population: int | None = None
 
 
-Search = Callable[[Problem, Problem, np.ndarray, np.ndarray, Wishes], Solution]
+Search = Callable[[Problem, Problem, np.ndarray, np.ndarray, MethodOptions], Solution]
 
 
 @dataclass(frozen=True)
@@ -67,9 +67,9 @@ class Method:
     """A method of identification.
 
     Attributes:
-        search: (problem, sketch, candidates, size, wishes) to solution: the problem; the same on excerpts of the
+        search: (problem, sketch, candidates, size, options) to solution: the problem; the same on excerpts of the
             data, to try out cheaply; start candidates (s, q), the model's values first; magnitudes (q,) of the
-            searched parameters; wishes.
+            searched parameters; options of the method.
         several: whether it has several objectives, and so accepts groups and a choice from its front.
     """
 

@@ -14,7 +14,7 @@ Source: HIS piecewise model, section 4.4, eq. (6), Table 2; Deb and Agrawal 1995
 
 import numpy as np
 
-from damper_estimator.identification.methods.contract import Method, Solution, Wishes
+from damper_estimator.identification.methods.contract import Method, MethodOptions, Solution
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.population import Scale, evolve, first_generation
 from damper_estimator.identification.problem import Problem
@@ -23,14 +23,16 @@ _POPULATION, _GENERATIONS = 60, 60
 _REPORT = 10  # generations between two lines of progress
 
 
-def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
+def search(
+    problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, method_options: MethodOptions
+) -> Solution:
     """See the module; raises InputError where pymoo is not installed."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
     scale = Scale(problem.lower[problem.searched], problem.upper[problem.searched])
-    population = wishes.population or _POPULATION
-    start = first_generation(scale, candidates, population, wishes.seed)
-    generations = wishes.generations or _GENERATIONS
+    population = method_options.population or _POPULATION
+    start = first_generation(scale, candidates, population, method_options.seed)
+    generations = method_options.generations or _GENERATIONS
     worst = 1e3 * sketch.power
 
     def costs(shares: np.ndarray) -> np.ndarray:
@@ -39,9 +41,9 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
 
     def report(generation: int, best: np.ndarray) -> None:
         if generation % _REPORT == 0:
-            wishes.progress(f"generation {generation} of {generations}: best cost {best.min():.4g}")
+            method_options.progress(f"generation {generation} of {generations}: best cost {best.min():.4g}")
 
-    shares, found = evolve("ga", costs, start, generations, wishes.seed, report)
+    shares, found = evolve("ga", costs, start, generations, method_options.seed, report)
     best = scale.values(shares)[int(np.argmin(found[:, 0]))]
     point, converged = refine(problem, problem.clipped(best), size)
     share = sketch.samples / problem.samples

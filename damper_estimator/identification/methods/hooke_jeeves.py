@@ -17,7 +17,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from damper_estimator.identification.methods.contract import Method, Solution, Wishes
+from damper_estimator.identification.methods.contract import Method, MethodOptions, Solution
 from damper_estimator.identification.problem import Problem
 
 _STARTS = 3
@@ -29,7 +29,9 @@ _PENALTY_GROWTH = 10.0  # per halving of the steps: a bound that the cost presse
 _MOST = 400  # evaluations per searched parameter
 
 
-def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
+def search(
+    problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, method_options: MethodOptions
+) -> Solution:
     """See the module; deterministic: the seed acts on the candidates only."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
@@ -39,7 +41,9 @@ def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.n
     ends = []
     for number, i in enumerate(i for i in order if np.isfinite(costs[i])):
         ends.append(descend(sketch, candidates[i], size, _FIRST_STEP, _SKETCH_STEP))
-        wishes.progress(f"start {number + 1}: cost {sketch.point(sketch.clipped(ends[-1][0])).cost / costs[0]:.3g}")
+        method_options.progress(
+            f"start {number + 1}: cost {sketch.point(sketch.clipped(ends[-1][0])).cost / costs[0]:.3g}"
+        )
     if not ends:
         return Solution(problem.point(problem.start), False, problem.evaluations)
     best = min((end[0] for end in ends), key=lambda end: sketch.point(sketch.clipped(end)).cost)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from damper_estimator.identification.methods.contract import Method, Solution, Wishes
+from damper_estimator.identification.methods.contract import Method, MethodOptions, Solution
 from damper_estimator.identification.methods.remaining import Remaining
 from damper_estimator.identification.problem import Point, Problem
 from damper_estimator.numerics import bounded_least_squares
@@ -31,13 +31,15 @@ _AGREE = 1e-3  # of the cost: two ends are the same
 _SKETCH_ITERATIONS = 25
 
 
-def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
+def search(
+    problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, method_options: MethodOptions
+) -> Solution:
     """See the module; deterministic: the seed acts on the candidates only."""
     if problem.searched.size == 0:
         return Solution(problem.point(problem.start), True, problem.evaluations)
     thinned = problem.thinned()
     parts = {id(part): part for part in (sketch, thinned, problem)}.values()
-    remaining, each = Remaining(wishes.progress), problem.searched.size + 2
+    remaining, each = Remaining(method_options.progress), problem.searched.size + 2
 
     def report(text: str, left: float) -> None:
         """``left``: expected remaining iterations, in iterations on all data."""

@@ -5,7 +5,7 @@
 with x_0 the model's values, so each objective is 1 at the start. All free parameters are searched between
 their bounds, the linear ones as well: solving for them would settle the trade between the groups. The first
 generation holds the model's values, the least-squares solution over all groups and over each, values of
-the data's size, and points between the bounds. The point that becomes the model is chosen by ``wishes.pick``;
+the data's size, and points between the bounds. The point that becomes the model is chosen by ``method_options.pick``;
 the default is the front's knee.
 
 Source: Gao et al., eqs. (7), (9), section 3.2.2; Deb et al. 2000 (pymoo's ``NSGA2``).
@@ -17,7 +17,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.identification.excitation_problem import ExcitationProblem
-from damper_estimator.identification.methods.contract import Method, Solution, Wishes
+from damper_estimator.identification.methods.contract import Method, MethodOptions, Solution
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.pareto_front import Front, non_dominated
 from damper_estimator.identification.population import Scale, evolve, first_generation
@@ -29,23 +29,25 @@ _WORST = 100.0  # largest objective, above which all are equal; also without a f
 _LEAD_ITERATIONS, _LEAD_GAIN = 15, 1e-4  # of the least-squares solutions that the first generation holds
 
 
-def search(problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> Solution:
+def search(
+    problem: Problem, sketch: Problem, candidates: np.ndarray, size: np.ndarray, method_options: MethodOptions
+) -> Solution:
     """See the module; raises InputError where pymoo is missing, or the recordings cannot be grouped as asked."""
     free = np.array(problem.free)
-    if wishes.front is None:
-        front, evaluations = _evolved(problem, candidates, size, wishes)
+    if method_options.front is None:
+        front, evaluations = _evolved(problem, candidates, size, method_options)
         ran = ""
     else:
-        front, evaluations = _checked(wishes.front, problem), 0
+        front, evaluations = _checked(method_options.front, problem), 0
         ran = "no search was made; "
-    row = front.row(wishes.pick)
+    row = front.row(method_options.pick)
     vector = problem.vector(problem.start, np.zeros(problem.solved.size))
     vector[free] = np.clip(front.values[row], problem.lower[free], problem.upper[free])
     point = problem.point(vector[problem.searched], vector[problem.solved])
     errors = ", ".join(f"{g} {e:.3g}" for g, e in zip(front.groups, front.objectives[row], strict=True))
     remark = (
-        f"{ran}point {row} of {len(front.values)} on the front ({wishes.pick}) was taken, with errors relative to "
-        f"the start of {errors}; standard errors are those of the model there, as if all recordings counted alike"
+        f"{ran}point {row} of {len(front.values)} on the front ({method_options.pick}) was taken, with errors relative "
+        f"to the start of {errors}; standard errors are those of the model there, as if all recordings counted alike"
     )
     return Solution(point, True, evaluations + problem.evaluations, remark, replace(front, picked=row))
 
@@ -60,17 +62,19 @@ def _checked(front: Front, problem: Problem) -> Front:
     return front
 
 
-def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes: Wishes) -> tuple[Front, int]:
+def _evolved(
+    problem: Problem, candidates: np.ndarray, size: np.ndarray, method_options: MethodOptions
+) -> tuple[Front, int]:
     """The front, and its cost in runs of the model over all data."""
-    chosen = ExcitationProblem(problem, wishes.groups)
+    chosen = ExcitationProblem(problem, method_options.groups)
     small = chosen.problem
     free = np.array(small.free)
     start = _whole(small, small.start)
     before = [np.maximum(errors, np.finfo(float).tiny) for errors in chosen.errors(start[None, :])[0]]
     counts = ", ".join(f"{group} {len(sizes)}" for group, sizes in zip(chosen.groups, chosen.sizes, strict=True))
-    wishes.progress(f"excitations by group: {counts}")
+    method_options.progress(f"excitations by group: {counts}")
     scale = Scale(small.lower[free], small.upper[free])
-    generations = wishes.generations or _GENERATIONS
+    generations = method_options.generations or _GENERATIONS
     runs = 0
 
     def objectives(shares: np.ndarray) -> np.ndarray:
@@ -83,15 +87,17 @@ def _evolved(problem: Problem, candidates: np.ndarray, size: np.ndarray, wishes:
     def report(generation: int, found: np.ndarray) -> None:
         if generation % _REPORT == 0:
             best = ", ".join(f"{g} {np.exp(e):.3g}" for g, e in zip(chosen.groups, found.min(axis=0), strict=True))
-            wishes.progress(f"generation {generation} of {generations}: best errors relative to the start: {best}")
+            method_options.progress(
+                f"generation {generation} of {generations}: best errors relative to the start: {best}"
+            )
 
     known = np.array([start[free], *_leads(chosen, before, candidates, size)])
     spread = np.array([_whole(small, candidate, projected=True)[free] for candidate in candidates[1:]]).reshape(
         -1, free.size
     )
-    population = wishes.population or _POPULATION
-    first = first_generation(scale, np.vstack([known, spread]), population, wishes.seed)
-    shares, found = evolve("nsga2", objectives, first, generations, wishes.seed, report)
+    population = method_options.population or _POPULATION
+    first = first_generation(scale, np.vstack([known, spread]), population, method_options.seed)
+    shares, found = evolve("nsga2", objectives, first, generations, method_options.seed, report)
     # A crowded front drops inner points: the solutions known before return where nothing is better.
     shares = np.unique(np.vstack([shares, scale.shares(known)]), axis=0)
     found = np.exp(objectives(shares))
