@@ -130,10 +130,10 @@ def _chain(shown: BeforeAfter) -> str:
 
 
 def tied_notes(found: Diagnosis) -> dict[str, str]:
-    """For the hover: what the found phenomena cannot be told from."""
+    """For the hover: what the found phenomena cannot be distinguished from."""
     names = {name: finding.phenomenon for finding in found.findings for name in finding.tied_with}
     return {
-        judged.effect: f"cannot be told from {plain_name(names[judged.phenomenon])}"
+        judged.effect: f"cannot be distinguished from {plain_name(names[judged.phenomenon])}"
         for judged in found.ranking
         if judged.phenomenon in names
     }

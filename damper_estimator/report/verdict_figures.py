@@ -29,7 +29,7 @@ def error_bars(levels: Sequence[tuple[str, float]], floor_n: float, force_n: flo
         "orientation": "h",
         "y": names,
         "x": short(values),
-        "text": [f"<b>{number(v)} N</b>  {number(100.0 * v / force_n, 2)} %" for v in values],
+        "text": [f"<b>{number(v)} N</b><br>{number(100.0 * v / force_n, 2)} %" for v in values],
         "textposition": "outside",
         "cliponaxis": False,
         "marker": {"color": [BEFORE, *[AFTER] * (len(levels) - 1)]},
@@ -79,7 +79,7 @@ def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: 
         "hovertemplate": "%{y}: %{x:.3g} %<br>shows: %{customdata}<extra></extra>",
     }
     layout = {
-        "xaxis": axis("share of the squared error in %", range=[0.0, _HIGHEST], nticks=6),
+        "xaxis": axis("share of squared error in %", range=[0.0, _HIGHEST], nticks=6),
         "yaxis": axis(autorange="reversed", ticks="", showgrid=False, automargin=True),
         "bargap": 0.35,
         "showlegend": False,
