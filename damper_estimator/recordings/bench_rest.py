@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 _NOISE = 8.0  # standard deviations of the sensor's noise that count as motion
-_QUANTA = 2.0  # steps of its resolution
+_QUANTA = 3.5  # steps of its resolution: noise moves both the position at rest and a sample by one or two
 _STROKE = 0.005  # share of the stroke
 _BLOCK = 16  # samples
 _SETTLED = 5  # samples that determine the position at rest
