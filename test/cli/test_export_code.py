@@ -48,7 +48,7 @@ def test_a_damper_of_a_map_determines_filter_and_limits(tmp_path):
     ("words", "part"),
     [
         ([], "--c DIR"),
-        (["--c", "x", "--name", "2nd"], "no name in C"),
+        (["--c", "x", "--name", "2nd"], "is not a C name"),
         (["--c", "x", "--limits", "1,0"], "are not a range"),
         (["--fmu", "missing/x.fmu", "--source-only"], "missing/x.fmu: cannot be written"),
     ],
