@@ -15,7 +15,7 @@ import soak_plant
 import yaml
 from soak_plant import AMBIENT, HOTTEST, LIMITS, NAMES, STEP, TEMPERATURE, WARMING, Corner, Driver, Sensors, damper
 
-from damper_estimator.identification import fit, fit_record
+from damper_estimator.identification import error_bound, fit, fit_record
 from damper_estimator.model import load_model, save_model
 from damper_estimator.recordings import BagWriter, Stream, floats, joint_states, open_bag, temperatures
 from damper_estimator.signals import Measurement, SignalMap, measure
@@ -29,7 +29,9 @@ KNOTS = (-1.0, -0.5, -0.25, -0.12, -0.06, -0.03, -0.01, 0.0, 0.01, 0.03, 0.06, 0
 
 def models(folder: Path) -> Path:
     """The folder with one model per damper, and the signal maps ``plain.yaml`` and ``fused.yaml`` next to it."""
-    sources = b"".join(Path(module.__file__).read_bytes() for module in (sys.modules[__name__], soak_plant, fit_record))
+    sources = b"".join(
+        Path(module.__file__).read_bytes() for module in (sys.modules[__name__], soak_plant, fit_record, error_bound)
+    )
     target = folder / hashlib.sha256(sources).hexdigest()[:12]
     if not target.exists():
         folder.mkdir(parents=True, exist_ok=True)

@@ -9,8 +9,9 @@ from distributed import Client
 
 from damper_estimator.fleet.distributed_recordings import DistributedRecordings
 from damper_estimator.fleet.remote_rows import RemoteRows
-from damper_estimator.fleet.worker_recordings import Source, error_bound, error_sums
+from damper_estimator.fleet.worker_recordings import Source, error_sums, largest_errors
 from damper_estimator.identification import Fit, MethodOptions, Problem, free_slots
+from damper_estimator.identification.error_bound import force_stddev
 from damper_estimator.identification.fit import identified, parameters_of, warnings_of
 from damper_estimator.identification.fit_record import record_of, region_of
 from damper_estimator.identification.knots import with_knots_over
@@ -52,8 +53,7 @@ def fit_distributed(
     lost = sum(summary.lost for summary in recordings.summaries)
     bags = list(dict.fromkeys(problem.recordings))
     errors = {p.name: p.standard_error for p in parameters}
-    # The largest bound of the parts is at least that of all recordings together.
-    bound = max(float(bound[0]) for bound in recordings.ask(error_bound, model_yaml(fitted)))
+    bound = force_stddev(np.concatenate(recordings.ask(largest_errors, model_yaml(fitted))))
     record = record_of(bags, filters[0], region_of(recordings.channel), (after.rmse_n, bound), errors)
     fit = Fit(
         model=replace(fitted, fit=record),

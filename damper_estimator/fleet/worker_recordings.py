@@ -13,8 +13,8 @@ import yaml
 from distributed import get_worker
 
 from damper_estimator.errors import InputError
+from damper_estimator.identification.error_bound import worst_errors
 from damper_estimator.identification.fit import judged_rows
-from damper_estimator.identification.fit_record import force_stddev
 from damper_estimator.identification.local_rows import LocalRows, LocalSums
 from damper_estimator.identification.row_sources import Totals
 from damper_estimator.identification.rows import moments
@@ -219,9 +219,9 @@ def _channel(recording: PreparedRecording, row: int) -> np.ndarray:
     return values[np.isfinite(values)]
 
 
-def error_bound(recording: PreparedRecording, text: str) -> np.ndarray:
-    """(1,) N, ``identification.fit_record.force_stddev`` over the usable parts of the recording."""
-    return np.array([force_stddev(model_of(text), recording.used)])
+def largest_errors(recording: PreparedRecording, text: str) -> np.ndarray:
+    """(b,) N, ``identification.error_bound.worst_errors`` of the usable parts of the recording."""
+    return worst_errors(model_of(text), recording.used)
 
 
 def error_sums(recording: PreparedRecording, text: str) -> np.ndarray:

@@ -5,16 +5,13 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from damper_estimator.identification.error_bound import force_stddev, worst_errors
 from damper_estimator.identification.samples import Channels, channels_of
 from damper_estimator.model import DamperModel
 from damper_estimator.runtime import REGION_ROWS
 from damper_estimator.signals import Measurement
 
 REGION = (0.1, 99.9)  # percentiles of the judged samples
-SIGMAS = 3.0  # standard deviations that must cover the errors
-COVERED = (
-    99.999  # per cent of the errors on the recordings; occasional glitches of the gauge are not errors of the model
-)
 
 
 def fit_record(
@@ -32,19 +29,8 @@ def fit_record(
     """
     names = list(dict.fromkeys(measurement.recording for measurement in measurements))
     first, region = measurements[0], region_of(channels_of(measurements))
-    deviations = residual_stddev, force_stddev(model, measurements)
+    deviations = residual_stddev, force_stddev(worst_errors(model, measurements))
     return record_of(names, (first.cutoff, first.band), region, deviations, standard_errors)
-
-
-def force_stddev(model: DamperModel, measurements: Sequence[Measurement]) -> float:
-    """The standard deviation of a normal error, N, of which three cover the model's errors on the judged samples.
-
-    The errors of a fit are no normal noise: they are those of a form that is not quite the damper's, large for a moment
-    at reversals and steps of the command. Three times their rms would leave one sample in a hundred outside. They are
-    taken behind the causal filter alone, as the estimate runs on a vehicle, not in the comparison's band.
-    """
-    errors = [np.abs(model.force(m.kinematics.block) - m.force)[m.judged] for m in measurements]
-    return float(np.percentile(np.concatenate(errors), COVERED)) / SIGMAS
 
 
 def record_of(

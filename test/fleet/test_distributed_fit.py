@@ -62,8 +62,7 @@ def alike(spread, alone):
     assert spread.warnings == alone.warnings
     assert spread.model.fit["region"] == alone.model.fit["region"]
     assert spread.model.fit["bags"] == alone.model.fit["bags"]
-    # The distributed fit has that of the worst part.
-    assert 0.999 < spread.model.fit["force_stddev"] / alone.model.fit["force_stddev"] < 1.3
+    assert spread.model.fit["force_stddev"] == close(alone.model.fit["force_stddev"], rel=1e-5)
 
 
 # Knots far beyond the recordings depend on the others.
