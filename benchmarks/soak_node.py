@@ -64,6 +64,7 @@ class SoakedNode:
         self._executor.add_node(self._asking)
         self._quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
         self._publishers = {topic: self._publisher(topic) for topic in TOPICS}
+        self._readers: dict[str, set[bytes]] = {topic: set() for topic in TOPICS}  # of all configurations so far
         self._clients: dict[str, object] = {}
         self._polled = []
         self._hear("damper_msgs/msg/DamperForces", f"{NODE}/force", self.forces.append)
@@ -97,10 +98,19 @@ class SoakedNode:
         self.find()
 
     def find(self) -> None:
-        """Waits until the node is connected to all topics and reports it."""
-        self.wait(lambda: all(self._publishers[t].get_subscription_count() for t in self._needed()), "subscriptions")
+        """Waits until the node is connected to all topics and reports it.
+
+        The middleware may hear of each subscription seconds after the others, and lists those of a killed process as
+        well: what counts is a subscription that no earlier configuration had.
+        """
+        self.wait(lambda: all(self._found(t) - self._readers[t] for t in self._needed()), "subscriptions")
+        for topic, readers in self._readers.items():
+            readers |= self._found(topic)
         self.health.clear()
         self.wait(lambda: len(self.health) > 1 and self._is_connected(), "the connection to the node")
+
+    def _found(self, topic: str) -> set[bytes]:
+        return {bytes(reader.endpoint_gid) for reader in self._node.get_subscriptions_info_by_topic(topic)}
 
     def _needed(self) -> list[str]:
         fused = "fused" in str(self.parameters["signals"])
