@@ -1,38 +1,56 @@
 """Which physical effect a model lacks, how sure that is, and what else it could be."""
 
-from damper_estimator.diagnosis.diagnose import diagnose
-from damper_estimator.diagnosis.hypotheses import Explanations, Hypothesis, explanations, sensitivities
+from damper_estimator.diagnosis.atlas_terms import TESTS
+from damper_estimator.diagnosis.correction import corrected, corrected_signals, in_yaml
+from damper_estimator.diagnosis.diagnose import MODES, diagnose
+from damper_estimator.diagnosis.diagnosis_data import early, late, ranges_of
+from damper_estimator.diagnosis.fitted_explanations import (
+    Explanations,
+    FittedExplanation,
+    explanations,
+    sensitivities,
+)
 from damper_estimator.diagnosis.improve import improve
+from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.misfit import with_misfit
 from damper_estimator.diagnosis.result import (
     AtlasRow,
     Diagnosis,
+    EvaluationSummary,
     Finding,
     Improvement,
-    Judged,
-    Judgement,
     Moved,
+    RankedEffect,
     Step,
     Structure,
 )
 from damper_estimator.diagnosis.thresholds import limits
 
 __all__ = [
+    "MODES",
+    "TESTS",
     "AtlasRow",
     "Diagnosis",
+    "EvaluationSummary",
     "Explanations",
     "Finding",
-    "Hypothesis",
+    "FittedExplanation",
     "Improvement",
-    "Judged",
-    "Judgement",
     "Moved",
+    "RankedEffect",
     "Step",
     "Structure",
+    "corrected",
+    "corrected_signals",
     "diagnose",
+    "early",
     "explanations",
     "improve",
+    "in_yaml",
+    "late",
     "limits",
+    "locally_fitted",
+    "ranges_of",
     "sensitivities",
     "with_misfit",
 ]

@@ -1,16 +1,15 @@
 """An effect that a round accepted, and the model with it."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import Attempt
-from damper_estimator.diagnosis.candidates import Candidate
-from damper_estimator.diagnosis.judge import Tally, rmse
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
+from damper_estimator.diagnosis.evaluation import rmse
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.ranking import Round
-from damper_estimator.diagnosis.scene import Scene
-from damper_estimator.diagnosis.settle import settled
 from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.start_points import candidates as start_sizes
@@ -23,13 +22,14 @@ class Accepted:
     """An effect that a round accepted.
 
     Attributes:
+        hypothesis: as the round evaluated it.
         element: the entry with its fitted values.
         gain: with its 5 and 95 % ends.
-        partner: phenomenon beside it without which it explains little; "" where it does by itself.
+        partner: phenomenon without which it explains little; "" where it explains something by itself.
     """
 
     round: Round
-    tally: Tally
+    hypothesis: Hypothesis
     element: Element
     tied: tuple[str, ...]
     confidence: float
@@ -39,29 +39,29 @@ class Accepted:
     partner: str = ""
 
 
-def accepted_in(current: Round, best: Tally) -> Accepted:
+def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     """The effect, with what else it could be in this round."""
-    return as_found(current, best, *rivalled(current, best))
+    return accepted_with(current, best, *ties_of(current, best))
 
 
-def as_found(current: Round, best: Tally, tied: tuple[str, ...], confidence: float) -> Accepted:
+def accepted_with(current: Round, best: Hypothesis, tied: tuple[str, ...], confidence: float) -> Accepted:
     """The effect, with ties that were found elsewhere."""
     return Accepted(
         round=current,
-        tally=best,
-        element=best.attempt.element(current.candidates[best.attempt.effect]),
+        hypothesis=best,
+        element=best.fitted_element,
         tied=tied,
         confidence=confidence,
         gain=current.gain(best),
-        before_n=rmse(current.null, current.without),
-        after_n=rmse(current.null, current.left(best)),
+        before_n=rmse(current.baseline, current.without),
+        after_n=rmse(current.baseline, current.left(best)),
     )
 
 
-def rivalled(current: Round, best: Tally) -> tuple[tuple[str, ...], float]:
+def ties_of(current: Round, best: Hypothesis) -> tuple[tuple[str, ...], float]:
     """What else it could be, and how sure the group is."""
     tied = current.tied(best)
-    return tied, current.confidence((best.attempt.phenomenon, *tied))
+    return tied, current.confidence((best.phenomenon, *tied))
 
 
 def names_of(accepted: Sequence[Accepted]) -> list[str]:
@@ -81,26 +81,11 @@ def positions(model: DamperModel, added: Collection[str]) -> tuple[int, ...]:
     return tuple(i for i, slot in enumerate(model.slots) if slot.entry in places)
 
 
-def with_found(model: DamperModel, current: Round, best: Tally) -> DamperModel:
-    """The model with an effect more."""
-    candidate = current.candidates[best.attempt.effect]
-    return replace(candidate, element=best.attempt.element(candidate)).added_to(model)[0]
-
-
-def resumed(candidate: Candidate, done: Sequence[Attempt]) -> Candidate:
-    """The candidate with where it ended in this round, where it had a part, as a further start."""
-    attempted = next(a for a in done if a.effect == candidate.effect.name)
-    if attempted.hidden or not np.any(attempted.change_fit):
-        return candidate
-    given = {name: value for name, value in candidate.element.parameters.items() if np.ndim(value) == 0}
-    return replace(candidate, element=attempted.element(candidate), starts=(*candidate.starts, given))
-
-
-def settled_together(model: DamperModel, added: Collection[str], scene: Scene, refits: bool) -> DamperModel:
+def fitted_together(model: DamperModel, added: Collection[str], data: DiagnosisData, refits: bool) -> DamperModel:
     """The parameters of all that was found, fitted together; with all others where those are refitted."""
     if refits:
-        return settled(model, [rows.measurement for rows in scene.fit], zero_free=True)
-    problem = Problem(model, LocalRows(scene.fit), positions(model, added))
+        return locally_fitted(model, [rows.measurement for rows in data.fit], zero_free=True)
+    problem = Problem(model, LocalRows(data.fit), positions(model, added))
     if not problem.searched.size:
         point = problem.point(problem.start)
     else:

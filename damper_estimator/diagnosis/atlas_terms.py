@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.diagnosis.scene import slope_of
+from damper_estimator.diagnosis.diagnosis_data import slope_of
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel

@@ -1,6 +1,6 @@
 """Names the physical effects that a model lacks, as far as recordings tell.
 
-The order: candidates are fitted with the model's parameters kept, judged on unseen data, the best is put in, and the
+The order: hypotheses are fitted with the model's parameters kept, judged on unseen data, the best is put in, and the
 next round looks for what is left. Beside that the model is re-identified as it is, to tell a change of what is there
 from something new.
 """
@@ -9,19 +9,27 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from damper_estimator.diagnosis.accepted import Accepted
-from damper_estimator.diagnosis.adopt import Standpoint, adopted, identified_first, standpoint
-from damper_estimator.diagnosis.misfit import without_misfit
-from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
-from damper_estimator.diagnosis.report import (
+from damper_estimator.diagnosis.apply_finding import ModelState, applied, identified_first, state_of
+from damper_estimator.diagnosis.diagnosis_data import (
+    DiagnosisData,
+    data_of,
+    early,
+    force_rows,
+    late,
+    targets,
+    unweighted,
+)
+from damper_estimator.diagnosis.explanation import (
     atlas_of,
     finding_of,
     identified_sentence,
-    judged_of,
+    ranking_of,
     sentence_of,
     unexplained_sentence,
 )
+from damper_estimator.diagnosis.misfit import without_misfit
+from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import Diagnosis, Structure
-from damper_estimator.diagnosis.scene import Scene, early, force_rows, late, scene, targets, unweighted
 from damper_estimator.diagnosis.search import Search, as_if_by, search
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
@@ -63,24 +71,24 @@ def diagnose(
     tell = progress or (lambda text, share: None)
     tell("reading the model's error", 0.0)
     given = begun(model, fit, unseen)
-    place = identified_first(given, mode)
-    found, stage = _searched(place, mode, skip, workers, lambda text, share: tell(text, 0.05 + 0.75 * share))
+    state = identified_first(given, mode)
+    found, data = _searched(state, mode, skip, workers, lambda text, share: tell(text, 0.05 + 0.75 * share))
     tell("identifying the parameters of the model", 0.8)
-    again = reidentified(found.rounds[0], stage) if mode != "kept" else None
-    before = compare(place.model, *place.unseen)
+    again = reidentified(found.rounds[0], data) if mode != "kept" else None
+    before = compare(state.model, *state.unseen)
     force, floor = before.measures.force_rms_n, before.noise_floor_n
     verdict, picture = verdict_on(found, again, force, floor)
     if verdict == "parameters_changed" and not found.accepted:
         found = replace(found, accepted=as_if_by(found.rounds[0]))
     tell("adding what was found", 0.9)
-    steps = _steps(place, found, mode, again if verdict == "parameters_changed" else None)
+    steps = _steps(state, found, mode, again if verdict == "parameters_changed" else None)
     if verdict == "missing" and not steps:
         verdict, picture = verdict_on(replace(found, accepted=()), again, force, floor)
     tell("done", 1.0)
-    return _diagnosis(place, found, again, verdict, picture, steps, before, given)
+    return _diagnosis(state, found, again, verdict, picture, steps, before, given)
 
 
-def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> Standpoint:
+def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
     """The model as given on its recordings; without ``unseen`` the last 40 % of each is kept back.
 
     Raises:
@@ -90,46 +98,46 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
         usable(model, measurement)
     if not unseen:
         fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
-    return standpoint(model, fit, unseen)
+    return state_of(model, fit, unseen)
 
 
 def _searched(
-    place: Standpoint, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
-) -> tuple[Search, Scene]:
+    state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
+) -> tuple[Search, DiagnosisData]:
     """What was found, and on which recordings: less what the model got wrong when it was identified already, if that
     accounts for part of the error and leaves something; else as they were measured.
     """
-    stage = scene(place.model, place.fit, place.unseen)
-    parts = [[without_misfit(place.model, m) for m in group] for group in (place.fit, place.unseen)]
-    if parts[0][0] is not place.fit[0]:
-        news = scene(place.model, *parts)
-        force = unweighted(stage.unseen, targets(stage.unseen))
+    data = data_of(state.model, state.fit, state.unseen)
+    parts = [[without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen)]
+    if parts[0][0] is not state.fit[0]:
+        news = data_of(state.model, *parts)
+        force = unweighted(data.unseen, targets(data.unseen))
         whole, left = (
-            unweighted(source.unseen, force_rows(place.model, source.unseen) - targets(source.unseen))
-            for source in (stage, news)
+            unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
+            for source in (data, news)
         )
         if left**2 < limits().accounted * whole**2 and left > limits().least_force * force:
             found = search(
-                place.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
+                state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
             )
             if found.accepted:
                 return found, news
-    return search(place.model, stage, mode, skip, workers, progress), stage
+    return search(state.model, data, mode, skip, workers, progress), data
 
 
 def _steps(
-    place: Standpoint, found: Search, mode: str, again: Reidentified | None
-) -> list[tuple[Accepted, Standpoint, float, float]]:
+    state: ModelState, found: Search, mode: str, again: Reidentified | None
+) -> list[tuple[Accepted, ModelState, float, float]]:
     """The findings that lower the error, faults of the measurement chain first: each with the model after it, and the
     unseen error without and with it, N.
     """
-    steps: list[tuple[Accepted, Standpoint, float, float]] = []
-    current, order = place, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
+    steps: list[tuple[Accepted, ModelState, float, float]] = []
+    current, order = state, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
     for group in order:
         before, after, promised, taken = current, current, 0.0, []
         for one in group:
             promised += max(one.before_n**2 - one.after_n**2, 0.0)
-            after = adopted(after, one.element, mode, promised)
+            after = applied(after, one.element, mode, promised)
             taken.append((one, after))
         if after.delivers(promised, before) or again is not None:
             # Of a pair neither explains anything without the other: both have the error before and after the two.
@@ -151,14 +159,14 @@ def _together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
 
 
 def _diagnosis(
-    place: Standpoint,
+    state: ModelState,
     found: Search,
     again: Reidentified | None,
     verdict: str,
     picture: Structure | None,
-    steps: Sequence[tuple[Accepted, Standpoint, float, float]],
+    steps: Sequence[tuple[Accepted, ModelState, float, float]],
     before: Comparison,
-    given: Standpoint,
+    given: ModelState,
 ) -> Diagnosis:
     floor = before.noise_floor_n
     order = [one.element.effect.name for one in found.accepted]
@@ -168,12 +176,12 @@ def _diagnosis(
     ]
     ordered = sorted(taken, key=lambda group: group[0])
     findings = tuple(finding for _, finding, _, _ in ordered)
-    last = steps[-1][1] if steps else place
-    errors, atlas = (place.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
+    last = steps[-1][1] if steps else state
+    errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     return Diagnosis(
         model=before.model,
         verdict=verdict,
-        sentence=identified_sentence(given, place)
+        sentence=identified_sentence(given, state)
         + (
             unexplained_sentence(atlas, picture, errors[0], floor)
             if verdict == "unexplained"
@@ -185,17 +193,17 @@ def _diagnosis(
         noise_floor_n=floor,
         findings=findings,
         elements=tuple(element for _, _, element, _ in ordered),
-        ranking=judged_of(found, before.measures.force_rms_n, {finding.effect for finding in findings}),
+        ranking=ranking_of(found, before.measures.force_rms_n, {finding.effect for finding in findings}),
         untestable=found.untestable,
         moved=again.moved if again is not None and verdict == "parameters_changed" else (),
         rmse_refit_alone_n=again.rmse_n if again is not None else float("nan"),
         structure=picture,
         improved=last.model,
         signals=last.fit[0].signals,
-        data=tuple(data_findings(before.model, [*place.fit, *place.unseen])),
-        fit=place.fit,
-        unseen=place.unseen,
+        data=tuple(data_findings(before.model, [*state.fit, *state.unseen])),
+        fit=state.fit,
+        unseen=state.unseen,
         steps=tuple((finding, at) for _, finding, _, at in taken),
         atlas=atlas,
-        identified=place if place is not given else None,
+        identified=state if state is not given else None,
     )

@@ -4,16 +4,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from damper_estimator.diagnosis.judge import Errors, Shown
-from damper_estimator.diagnosis.null import Null
+from damper_estimator.diagnosis.baseline import Baseline
+from damper_estimator.diagnosis.evaluation import Errors, TestEvaluation
 from damper_estimator.effects.contract import Effect
 from damper_estimator.signals.layout import V
 
 
-def evidence(null: Null, effect: Effect, without: Errors, with_it: Errors, tests: Sequence[Shown]) -> str:
+def evidence(
+    baseline: Baseline, effect: Effect, without: Errors, with_it: Errors, tests: Sequence[TestEvaluation]
+) -> str:
     """How the effect shows, where it takes the error away, and on what the error depends."""
     sentences = [_sentence(effect.shows)] if effect.shows else []
-    sentences.append(_where(null, without, with_it))
+    sentences.append(_where(baseline, without, with_it))
     sentences.append(_depends(tests, effect))
     return " ".join(s for s in sentences if s)
 
@@ -23,13 +25,13 @@ def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + "."
 
 
-def _rows(null: Null, row: int) -> np.ndarray:
-    return np.concatenate([part.measurement.kinematics.block[row][part.picks] for part in null.scene.unseen])
+def _rows(baseline: Baseline, row: int) -> np.ndarray:
+    return np.concatenate([part.measurement.kinematics.block[row][part.picks] for part in baseline.data.unseen])
 
 
-def _where(null: Null, without: Errors, with_it: Errors) -> str:
+def _where(baseline: Baseline, without: Errors, with_it: Errors) -> str:
     """The speeds that carry most of what is taken away."""
-    velocity = _rows(null, V)
+    velocity = _rows(baseline, V)
     taken = without.unseen**2 - with_it.unseen**2
     total = float(taken.sum())
     if total <= 0.0:
@@ -49,7 +51,7 @@ def _where(null: Null, without: Errors, with_it: Errors) -> str:
     )
 
 
-def _depends(tests: Sequence[Shown], effect: Effect) -> str:
+def _depends(tests: Sequence[TestEvaluation], effect: Effect) -> str:
     """What the form-free tests say: on which variables the error depends."""
     rows = sorted(tests, key=lambda test: test.error)
     test = next((test for test in rows if test.test.name in effect.tests), None)
@@ -66,7 +68,7 @@ def _depends(tests: Sequence[Shown], effect: Effect) -> str:
     )
 
 
-def _percent(test: Shown) -> str:
+def _percent(test: TestEvaluation) -> str:
     return f"{100.0 * max(1.0 - test.left_unseen, 0.0):.0f} %"
 
 

@@ -1,114 +1,151 @@
-"""Explanations of the same error, each as the model with its effect in it: what a test has to tell apart."""
+"""What may be missing: every effect that stands for a phenomenon, tried as it says of itself.
+
+A `Hypothesis` passes through the stages of the diagnosis: it starts with values and limits from the recordings, gets
+a `TrialFit` (`trial_fit`), and then its `Evaluation` on unseen data (`evaluation`).
+"""
+
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper_estimator.diagnosis.adopt import identified_first, standpoint
-from damper_estimator.diagnosis.attempt import attempt
-from damper_estimator.diagnosis.candidates import candidates
-from damper_estimator.diagnosis.misfit import without_misfit
-from damper_estimator.diagnosis.null import near_derivatives, null, slot_size
-from damper_estimator.diagnosis.scene import force_rows, scene, targets
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.discovery import all_effects
-from damper_estimator.effects.trial import Ranges
-from damper_estimator.errors import InputError
-from damper_estimator.identification import usable
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
+from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.rows import Rows
-from damper_estimator.model import DamperModel
-from damper_estimator.signals import Measurement
+from damper_estimator.identification.selection import narrowed
+from damper_estimator.model import DamperModel, Element, Slot, make_element
+from damper_estimator.model.element import walk
 
-_FORMS = 2  # effects of a phenomenon, at most
-_NEAR = 1.3  # times the squared error of the best
+if TYPE_CHECKING:  # the later stages import this module
+    from damper_estimator.diagnosis.evaluation import Evaluation
+    from damper_estimator.diagnosis.trial_fit import TrialFit
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One explanation, fitted.
+    """One effect that may be missing.
 
     Attributes:
-        phenomenon, effect: what is missing, "" where the model is taken as it is.
-        model: with the effect.
-        residual: (r,) N, modelled less measured in the rows of the recordings.
-        free: positions in ``model.slots`` of the parameters that a refit moves.
-        sensitivity: (r, k) derivatives of the rows by these, each times the parameter's size.
-        sizes: (k,) of these parameters.
+        element: the entry as it would be added, with start values.
+        limits: physical range of parameters by name.
+        starts: further start values by name.
+        fit: its fitted parameters and what they change; None before the trial fit.
+        evaluation: what is left with it on unseen data; None before.
     """
 
-    phenomenon: str
-    effect: str
-    model: DamperModel
-    residual: np.ndarray
-    free: tuple[int, ...]
-    sensitivity: np.ndarray
-    sizes: np.ndarray
+    element: Element
+    limits: Mapping[str, tuple[float, float]]
+    starts: Sequence[Mapping[str, float]]
+    fit: TrialFit | None = None
+    evaluation: Evaluation | None = None
+
+    @property
+    def effect(self) -> Effect:
+        """Its declaration."""
+        return self.element.effect
+
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.effect.name
+
+    @property
+    def phenomenon(self) -> str:
+        """Of the effect."""
+        return self.effect.phenomenon
+
+    @property
+    def size(self) -> int:
+        """Number of its parameters."""
+        return sum(1 if p.size is None else len(self.element.parameters[p.name]) for p in self.effect.parameters)
+
+    @property
+    def score(self) -> float:
+        """Share of the squared error that is left, with penalties for parameters; smaller is better."""
+        return self.evaluation.error + limits().penalty * self.size + limits().at_bound * bool(self.fit.at_bound)
+
+    @property
+    def fitted_element(self) -> Element:
+        """The entry with the values of the trial fit."""
+        return self.element.with_values(self.fit.values)
+
+    def added_to(self, model: DamperModel) -> tuple[DamperModel, tuple[int, ...]]:
+        """The model with the effect, and the positions in its slots of the effect's parameters."""
+        changed = model.with_effect(self.element)
+        # A compliance gets its path when it is added; the values stay the same object.
+        entry = next(i for i, e in enumerate(walk(changed.effects)) if e.parameters is self.element.parameters)
+        return changed, tuple(i for i, slot in enumerate(changed.slots) if slot.entry == entry)
+
+    def fitted_into(self, model: DamperModel) -> DamperModel:
+        """The model with the effect as the trial fit left it."""
+        return replace(self, element=self.fitted_element).added_to(model)[0]
+
+    def resumed(self, earlier: Hypothesis) -> Hypothesis:
+        """To be fitted again: where it ended ``earlier``, if it had a part there, is a further start."""
+        fit = earlier.fit
+        if fit.hidden or not np.any(fit.change_fit):
+            return replace(self, fit=None, evaluation=None)
+        given = {name: value for name, value in self.element.parameters.items() if np.ndim(value) == 0}
+        return Hypothesis(self.element.with_values(fit.values), self.limits, (*self.starts, given))
+
+    def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:
+        """The least-squares problem of the effect's parameters, all others kept."""
+        changed, free = self.added_to(model)
+        return Problem(changed, LocalRows(rows), free, slots=self._slots(changed, free))
+
+    def _slots(self, model: DamperModel, free: Sequence[int]) -> tuple[Slot, ...]:
+        label = model.slots[free[0]].address.rpartition(".")[0]
+        return narrowed(model, {f"{label}.{name}": limit for name, limit in self.limits.items()})
+
+    def start_points(self, problem: Problem) -> np.ndarray:
+        """(s, q) where to begin: the trial's values, then its further starts."""
+        points = [problem.start]
+        for start in self.starts:
+            point = problem.start.copy()
+            for k, slot in enumerate(problem.searched):
+                point[k] = start.get(problem.slots[slot].parameter.name, point[k])
+            points.append(problem.clipped(point))
+        return np.array(points)
 
 
-@dataclass(frozen=True)
-class Explanations:
-    """Hypotheses on the same rows.
-
-    Attributes:
-        model: without any of them, identified where it had no record of a fit.
-        rows: of the recordings, the gauge's zero and drift left out.
-        ranges: what the recordings drive.
-        untestable: by effect, why these recordings cannot show it.
-    """
-
-    model: DamperModel
-    hypotheses: tuple[Hypothesis, ...]
-    rows: tuple[Rows, ...]
-    ranges: Ranges
-    untestable: Mapping[str, str]
+def hypotheses_for(model: DamperModel, ranges: Ranges) -> tuple[list[Hypothesis], dict[str, str]]:
+    """Every effect that can be tried on such recordings, and by name why others cannot."""
+    found, untestable = [], {}
+    for effect in all_effects().values():
+        if not effect.phenomenon or effect.trial is None:
+            continue
+        if effect.kind == "series" and any(e.effect.kind == "series" for e in walk(model.effects)):
+            untestable[effect.name] = "there is a compliance already; two in a row are one"
+            continue
+        try:
+            found.append(_hypothesis(effect, model, effect.trial(ranges)))
+        except Untestable as reason:
+            untestable[effect.name] = str(reason)
+    return found, untestable
 
 
-def explanations(model: DamperModel, measurements: Sequence[Measurement], phenomena: Sequence[str]) -> Explanations:
-    """The model with each phenomenon's effects, fitted to all recordings with the model's parameters kept.
-
-    A phenomenon is there as its best effect and as others that leave about as little: the rival may take any form.
-    Without phenomena the model as it is, alone.
-
-    Raises:
-        InputError: where a recording cannot be used, or cannot show a phenomenon.
-    """
-    whole = [m.part(p.start, p.stop) for m in measurements for p in usable(model, m)]
-    model = identified_first(standpoint(model, whole, whole[:1]), "both").model
-    news = [without_misfit(model, m) for m in whole] if phenomena else whole
-    stage = scene(model, news, news)
-    stage = replace(stage, unseen=stage.unseen[:1])
-    tried, untestable = candidates(model, stage.ranges)
-    if not phenomena:
-        hypotheses = (_hypothesis("", "", model, stage.fit),)
-        return Explanations(model, hypotheses, stage.fit, stage.ranges, untestable)
-    bare = null(model, stage, base=())
-    found = []
-    for phenomenon in phenomena:
-        hypotheses = [candidate for candidate in tried if candidate.effect.phenomenon == phenomenon]
-        if not hypotheses:
-            effects = (name for name, effect in all_effects().items() if effect.phenomenon == phenomenon)
-            why = next((untestable[name] for name in effects if name in untestable), "no effect stands for it")
-            raise InputError(f"{measurements[0].recording}: cannot show {phenomenon} ({why}); plan without it")
-        ends = [(attempt(bare, candidate), candidate) for candidate in hypotheses]
-        left = np.array([float(np.sum((bare.residual_fit + one.change_fit) ** 2)) for one, _ in ends])
-        for i in np.argsort(left, kind="stable")[:_FORMS]:
-            one, candidate = ends[i]
-            if left[i] <= _NEAR * left.min():
-                with_it = replace(candidate, element=one.element(candidate)).added_to(model)[0]
-                found.append(_hypothesis(phenomenon, one.effect, with_it, stage.fit))
-    return Explanations(model, tuple(found), stage.fit, stage.ranges, untestable)
+def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
+    """The hypothesis with its values and limits between the declared bounds."""
+    physical, values = {}, dict(trial.values)
+    for parameter in effect.parameters:
+        low, high = trial.limits.get(parameter.name, (parameter.lower, parameter.upper))
+        low, high = max(low, parameter.lower), min(high, parameter.upper)
+        if low >= high:
+            raise Untestable(f"no physical {parameter.name.replace('_', ' ')} lies in these ranges")
+        if parameter.name in trial.limits:
+            physical[parameter.name] = (low, high)
+        if parameter.size is None:
+            values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
+    return Hypothesis(_element(effect, model, values), physical, trial.starts)
 
 
-def sensitivities(hypothesis: Hypothesis, rows: Sequence[Rows]) -> tuple[np.ndarray, np.ndarray]:
-    """Force rows (r,) in N and their derivatives (r, k) by the free parameters times their sizes, on other motions."""
-    force = force_rows(hypothesis.model, rows)
-    return force, near_derivatives(hypothesis.model, rows, hypothesis.free, force)
-
-
-def _hypothesis(phenomenon: str, effect: str, model: DamperModel, rows: Sequence[Rows]) -> Hypothesis:
-    free = tuple(i for i, slot in enumerate(model.slots) if not slot.fixed)
-    force = force_rows(model, rows)
-    sizes = np.array([slot_size(model.slots[i]) for i in free])
-    return Hypothesis(
-        phenomenon, effect, model, force - targets(rows), free, near_derivatives(model, rows, free, force), sizes
-    )
+def _element(effect: Effect, model: DamperModel, values: Mapping[str, object]) -> Element:
+    if effect.kind != "series":
+        return make_element(effect, values)
+    return replace(make_element(effect, values, model.effects), path=())

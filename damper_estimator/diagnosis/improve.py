@@ -1,6 +1,6 @@
 """Adds what is missing, step by step, until nothing more is justified on unseen data.
 
-Each round diagnoses, puts the findings in one after the other, identifies anew after each, and keeps a step only where
+Each round diagnoses, adds the findings one after the other, identifies anew after each, and keeps a step only where
 the unseen error falls. At the end effects that later ones made needless are taken out again. Mistakes of the
 measurement chain go to the signal map, never into the model.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from damper_estimator.diagnosis.adopt import Standpoint, identified, identified_first
+from damper_estimator.diagnosis.apply_finding import ModelState, identified, identified_first
 from damper_estimator.diagnosis.diagnose import begun, diagnose
 from damper_estimator.diagnosis.misfit import with_misfit
 from damper_estimator.diagnosis.result import Diagnosis, Finding, Improvement, Step
@@ -25,28 +25,28 @@ Progress = Callable[[str, float], None]
 
 
 @dataclass
-class _State:
+class _Improving:
     """What changes from step to step."""
 
-    place: Standpoint
+    current: ModelState
     mode: str
     steps: list[Step] = field(default_factory=list)
 
     def keep(
-        self, action: str, place: Standpoint, finding: Finding | None, diagnosis: Diagnosis | None, note: str = ""
+        self, action: str, current: ModelState, finding: Finding | None, diagnosis: Diagnosis | None, note: str = ""
     ) -> None:
-        """Records a step and goes on from there."""
-        self.place = place
+        """Records a step and continues from it."""
+        self.current = current
         self.steps.append(
             Step(
                 action=action,
                 effect=finding.effect if finding else None,
                 phenomenon=finding.phenomenon if finding else None,
-                model=place.model,
-                rmse_fit_n=place.rmse_fit_n,
-                rmse_unseen_n=place.rmse_unseen_n,
+                model=current.model,
+                rmse_fit_n=current.rmse_fit_n,
+                rmse_unseen_n=current.rmse_unseen_n,
                 diagnosis=diagnosis,
-                note=note or place.note,
+                note=note or current.note,
             )
         )
 
@@ -70,76 +70,86 @@ def improve(
         InputError, ValueError: as ``diagnose``.
     """
     tell = progress or (lambda text, share: None)
-    state = _State(begun(model, fit, unseen), mode)
-    state.keep("start", state.place, None, None, "the model as given")
-    place = identified_first(state.place, mode)
-    if place is not state.place:
-        state.keep("refit", place, None, None)
+    improving = _Improving(begun(model, fit, unseen), mode)
+    improving.keep("start", improving.current, None, None, "the model as given")
+    current = identified_first(improving.current, mode)
+    if current is not improving.current:
+        improving.keep("refit", current, None, None)
     first: Diagnosis | None = None
     for number in range(_ROUNDS):
-        found = _diagnosed(state, workers, lambda text, part, done=number / _ROUNDS: tell(text, done + part / _ROUNDS))
+        found = _diagnosed(
+            improving, workers, lambda text, part, done=number / _ROUNDS: tell(text, done + part / _ROUNDS)
+        )
         first = first or found
-        before = len(state.steps)
-        _follow(state, found, most)
-        if len(state.steps) == before:
+        before = len(improving.steps)
+        _follow(improving, found, most)
+        if len(improving.steps) == before:
             break
-    _prune(state, tell)
-    if len(state.steps) != before:
-        found = _diagnosed(state, workers, lambda text, part: tell(text, 1.0))
+    _prune(improving, tell)
+    if len(improving.steps) != before:
+        found = _diagnosed(improving, workers, lambda text, part: tell(text, 1.0))
     tell("done", 1.0)
     return Improvement(
-        steps=tuple(state.steps),
+        steps=tuple(improving.steps),
         verdict=found.verdict,
-        sentence=_sentence(state, found),
+        sentence=_sentence(improving, found),
         noise_floor_n=found.noise_floor_n,
-        model=with_misfit(state.place.model, state.place.fit) if len(state.steps) > 1 else state.place.model,
-        signals=state.place.fit[0].signals,
+        model=with_misfit(improving.current.model, improving.current.fit)
+        if len(improving.steps) > 1
+        else improving.current.model,
+        signals=improving.current.fit[0].signals,
         rejected=found.ranking,
-        fit=state.place.fit,
-        unseen=state.place.unseen,
+        fit=improving.current.fit,
+        unseen=improving.current.unseen,
         first=first,
         final=found,
     )
 
 
-def _diagnosed(state: _State, workers: int, progress: Progress) -> Diagnosis:
-    place = state.place
+def _diagnosed(improving: _Improving, workers: int, progress: Progress) -> Diagnosis:
+    current = improving.current
     return diagnose(
-        place.model, place.fit, place.unseen, mode=state.mode, workers=workers, skip=place.added, progress=progress
+        current.model,
+        current.fit,
+        current.unseen,
+        mode=improving.mode,
+        workers=workers,
+        skip=current.added,
+        progress=progress,
     )
 
 
-def _follow(state: _State, found: Diagnosis, most: int) -> None:
+def _follow(improving: _Improving, found: Diagnosis, most: int) -> None:
     """Takes the steps that a diagnosis proposes."""
     if found.verdict == "parameters_changed":
-        place = state.place
-        step = place.with_model(identified(place, place.model), "parameters changed")
-        if step.better_than(place):
-            state.keep("refit", step, None, found)
+        current = improving.current
+        step = current.with_model(identified(current, current.model), "parameters changed")
+        if step.better_than(current):
+            improving.keep("refit", step, None, found)
         return
-    added = state.place.added
+    added = improving.current.added
     for finding, step in found.steps:
-        place = replace(step, added=(*added, *step.added))
-        if len(place.added) <= most:
-            state.keep("correct" if finding.is_channel else "add", place, finding, found)
+        current = replace(step, added=(*added, *step.added))
+        if len(current.added) <= most:
+            improving.keep("correct" if finding.is_channel else "add", current, finding, found)
 
 
-def _prune(state: _State, tell: Progress) -> None:
+def _prune(improving: _Improving, tell: Progress) -> None:
     """Takes out effects that later ones made needless."""
-    for name in list(state.place.added[:-1]):
+    for name in list(improving.current.added[:-1]):
         tell(f"is {name} still needed", 0.95)
-        place = state.place
-        present = [label for label, element in labels(place.model.effects) if element.effect.name == name]
-        less = replace(place, added=tuple(other for other in place.added if other != name))
-        without = less.with_model(identified(less, place.model.without(present[-1]), state.mode == "kept"))
-        if without.rmse_unseen_n < (1.0 + limits().needless) * place.rmse_unseen_n:
-            state.keep("prune", without, None, None, f"{name} is needless since a later effect was added")
-            state.steps[-1] = replace(state.steps[-1], effect=name)
+        current = improving.current
+        present = [label for label, element in labels(current.model.effects) if element.effect.name == name]
+        less = replace(current, added=tuple(other for other in current.added if other != name))
+        without = less.with_model(identified(less, current.model.without(present[-1]), improving.mode == "kept"))
+        if without.rmse_unseen_n < (1.0 + limits().needless) * current.rmse_unseen_n:
+            improving.keep("prune", without, None, None, f"{name} is needless since a later effect was added")
+            improving.steps[-1] = replace(improving.steps[-1], effect=name)
 
 
-def _sentence(state: _State, found: Diagnosis) -> str:
-    first, last = state.steps[0].rmse_unseen_n, state.place.rmse_unseen_n
-    done = [step for step in state.steps[1:] if step.effect or step.action == "refit"]
+def _sentence(improving: _Improving, found: Diagnosis) -> str:
+    first, last = improving.steps[0].rmse_unseen_n, improving.current.rmse_unseen_n
+    done = [step for step in improving.steps[1:] if step.effect or step.action == "refit"]
     if not done:
         return f"Nothing was added: {found.sentence}"
     words = {"add": "added {}", "correct": "{} corrected in the signal map", "prune": "{} removed again"}

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from damper_estimator.diagnosis.atlas_terms import TESTS, Columns, View, view_of
-from damper_estimator.diagnosis.scene import ranges_of, targets, weights
+from damper_estimator.diagnosis.diagnosis_data import ranges_of, targets, weights
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable

@@ -14,15 +14,15 @@ from itertools import combinations
 
 import numpy as np
 
-from damper_estimator.diagnosis.accepted import Accepted, accepted_in, positions, settled_together, with_found
-from damper_estimator.diagnosis.attempt import Attempt, unfitted
-from damper_estimator.diagnosis.candidates import Candidate
-from damper_estimator.diagnosis.judge import Errors, Tally, errors
-from damper_estimator.diagnosis.null import null
-from damper_estimator.diagnosis.pool import attempts
+from damper_estimator.diagnosis.accepted import Accepted, accepted_in, fitted_together, positions
+from damper_estimator.diagnosis.baseline import baseline_of
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
+from damper_estimator.diagnosis.evaluation import Errors, errors
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
-from damper_estimator.diagnosis.scene import force_rows, targets
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.diagnosis.trial_fit import TrialFit, linearised
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step
@@ -30,13 +30,13 @@ from damper_estimator.numerics import damped_step
 _FITTED = 6  # pairs
 _FAR = 10.0  # times what explains all of the error: steps are hardly held back
 
-Couple = tuple[tuple[Candidate, Candidate], tuple[np.ndarray, np.ndarray]]  # with steps from the start values
+Couple = tuple[tuple[Hypothesis, Hypothesis], tuple[np.ndarray, np.ndarray]]  # with steps from the start values
 
 
 def paired(
     current: Round,
-    single: Tally | None,
-    tried: Sequence[Candidate],
+    single: Hypothesis | None,
+    tried: Sequence[Hypothesis],
     names: Collection[str],
     workers: int,
     progress: Callable[[int], None],
@@ -50,7 +50,7 @@ def paired(
     most = limits().pair * single.score if single is not None else 1.0 - limits().gain
     if min((test.error for test in current.tests), default=1.0) > most:
         return None
-    scene = current.null.scene
+    data = current.baseline.data
     best = min(
         (_fitted(current, couple, names) for couple in _promising(current, tried)), key=lambda one: one[0], default=None
     )
@@ -60,68 +60,70 @@ def paired(
     other, alone = first, second
     found: list[Accepted] = []
     for _ in range(2):
-        judged = _judged(current, tried, model, [*names, other], alone, workers, progress)
-        best = judged.best
-        if best is None or judged.reason_against(best, scene.force_rms):
+        again = _round_without(current, tried, model, [*names, other], alone, workers, progress)
+        best = again.best
+        if best is None or again.reason_against(best, data.force_rms):
             return None
-        found.append(accepted_in(judged, best))
-        alone, other = other, best.attempt.effect
-        model = settled_together(
-            with_found(judged.null.model, judged, best), [*names, alone, other], scene, current.refits
-        )
+        found.append(accepted_in(again, best))
+        alone, other = other, best.name
+        changed = best.fitted_into(again.baseline.model)
+        model = fitted_together(changed, [*names, alone, other], data, current.refits)
     later, earlier = found
     phenomena = [one.element.effect.phenomenon for one in (earlier, later)]
     return [replace(earlier, partner=phenomena[1]), replace(later, partner=phenomena[0])], model
 
 
-def _promising(current: Round, tried: Sequence[Candidate]) -> list[Couple]:
+def _promising(current: Round, tried: Sequence[Hypothesis]) -> list[Couple]:
     """Pairs of different phenomena that leave least to first order, the best one of each two phenomena."""
-    terms = [(candidate, unfitted(current.null, candidate)) for candidate in tried if candidate.effect.kind != "series"]
-    terms = [(candidate, one) for candidate, one in terms if one.sizes.any()]
-    alone = {candidate.effect.name: _first_order(current, one)[0] for candidate, one in terms}
+    terms = [(h, linearised(current.baseline, h)) for h in tried if h.effect.kind != "series"]
+    terms = [(hypothesis, one) for hypothesis, one in terms if one.sizes.any()]
+    alone = {hypothesis.name: _first_order(current, one)[0] for hypothesis, one in terms}
     found: dict[tuple[str, str], tuple[float, Couple]] = {}
     for (a, one), (b, other) in combinations(terms, 2):
-        key = a.effect.phenomenon, b.effect.phenomenon
+        key = a.phenomenon, b.phenomenon
         left, steps = _first_order(current, one, other)
-        needed = left < (1.0 - limits().own) * min(alone[a.effect.name], alone[b.effect.name])
+        needed = left < (1.0 - limits().beyond) * min(alone[a.name], alone[b.name])
         left += _penalty((a, b))
         if key[0] != key[1] and needed and left < found.get(key, (1.0,))[0]:
             found[key] = left, ((a, b), (steps[0], steps[1]))
     return [couple for _, couple in sorted(found.values(), key=lambda one: one[0])[:_FITTED]]
 
 
-def _first_order(current: Round, *added: Attempt) -> tuple[float, list[np.ndarray]]:
+def _first_order(current: Round, *added: TrialFit) -> tuple[float, list[np.ndarray]]:
     """What effects leave, and the steps of their parameters from the start values."""
-    null, residual, columns = current.null, [], []
+    baseline, residual, columns = current.baseline, [], []
     for part in ("fit", "unseen"):
-        residual.append(getattr(null, f"residual_{part}") + sum(getattr(one, f"change_{part}") for one in added))
-        known = getattr(null, f"found_{part}"), getattr(null, f"base_{part}")[:, : None if current.refits else 0]
-        columns.append(np.hstack([*(getattr(one, f"own_{part}") for one in added), *known]))
+        residual.append(getattr(baseline, f"residual_{part}") + sum(getattr(one, f"change_{part}") for one in added))
+        known = (
+            getattr(baseline, f"found_{part}"),
+            getattr(baseline, f"base_{part}")[:, : None if current.refits else 0],
+        )
+        columns.append(np.hstack([*(getattr(one, f"derivatives_{part}") for one in added), *known]))
     step = damped_step(columns[0], residual[0], _FAR)
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
     ends = np.cumsum([0, *(one.sizes.size for one in added)])
     steps = [step[begin:end] * one.sizes for one, begin, end in zip(added, ends[:-1], ends[1:], strict=True)]
-    return _left(current, errors(null.scene.blocks, *after)), steps
+    return _left(current, errors(baseline.data.blocks, *after)), steps
 
 
 def _fitted(current: Round, couple: Couple, names: Collection[str]) -> tuple[float, DamperModel, tuple[str, str]]:
     """What a pair leaves, the model with it, and its names."""
-    model, scene = current.null.model, current.null.scene
-    added = tuple(candidate.effect.name for candidate in couple[0])
-    for candidate, step in zip(*couple, strict=True):
-        model, places = candidate.added_to(model)
+    model, data = current.baseline.model, current.baseline.data
+    added = tuple(hypothesis.name for hypothesis in couple[0])
+    for hypothesis, step in zip(*couple, strict=True):
+        model, places = hypothesis.added_to(model)
         vector = np.array([slot.value for slot in model.slots])
         low, high = (np.array([getattr(model.slots[i].parameter, end) for i in places]) for end in ("lower", "upper"))
         vector[list(places)] = np.clip(vector[list(places)] + step, low, high)
         model = model.with_vector(vector)
-    model = settled_together(model, [*names, *added], scene, current.refits)
-    rows = [force_rows(model, part) - targets(part) for part in (scene.fit, scene.unseen)]
-    left = _left(current, errors(scene.blocks, *rows)) + _penalty(couple[0])
+    model = fitted_together(model, [*names, *added], data, current.refits)
+    rows = [force_rows(model, part) - targets(part) for part in (data.fit, data.unseen)]
+    left = _left(current, errors(data.blocks, *rows)) + _penalty(couple[0])
     return (left if np.isfinite(left) else np.inf), model, added
 
 
-def _penalty(couple: Sequence[Candidate]) -> float:
-    return limits().penalty * sum(candidate.size for candidate in couple)
+def _penalty(couple: Sequence[Hypothesis]) -> float:
+    return limits().penalty * sum(hypothesis.size for hypothesis in couple)
 
 
 def _left(current: Round, left: Errors) -> float:
@@ -129,9 +131,9 @@ def _left(current: Round, left: Errors) -> float:
     return float(np.sqrt(fit * unseen))
 
 
-def _judged(
+def _round_without(
     current: Round,
-    tried: Sequence[Candidate],
+    tried: Sequence[Hypothesis],
     model: DamperModel,
     others: Collection[str],
     name: str,
@@ -141,10 +143,7 @@ def _judged(
     """A round on the model without its effect ``name``, which competes against all others again."""
     label, element = [(label, one) for label, one in labels(model.effects) if one.effect.name == name][-1]
     less = model.without(label)
-    stage = null(less, current.null.scene, positions(less, others), None if current.refits else ())
-    rivals = [
-        replace(one, element=element) if one.effect.name == name else one
-        for one in tried
-        if one.effect.name not in others
-    ]
-    return round_of(stage, rivals, attempts(stage, rivals, 0.0, workers, progress), current.mode)
+    base = None if current.refits else ()
+    baseline = baseline_of(less, current.baseline.data, positions(less, others), base)
+    rivals = [replace(h, element=element) if h.name == name else h for h in tried if h.name not in others]
+    return round_of(baseline, all_fitted(baseline, rivals, 0.0, workers, progress), current.mode)

@@ -1,4 +1,4 @@
-"""One round: which attempt explains most, how sure that is, and what else it could be."""
+"""One round: which hypothesis explains most, how sure that is, and what else it could be."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,21 +6,19 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import Attempt
-from damper_estimator.diagnosis.candidates import Candidate
-from damper_estimator.diagnosis.judge import (
+from damper_estimator.diagnosis.baseline import Baseline
+from damper_estimator.diagnosis.evaluation import (
     HIGH,
     LOW,
     Errors,
-    Shown,
-    Tally,
-    nothing,
+    TestEvaluation,
+    evaluated,
+    evaluated_tests,
     rmse,
-    shown,
-    tallies,
+    without_effects,
 )
-from damper_estimator.diagnosis.null import Null
-from damper_estimator.diagnosis.standing import Standing, probabilities, standings
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.phenomenon_scores import PhenomenonScore, probabilities, scores_of
 from damper_estimator.diagnosis.thresholds import limits
 
 MOST_TIED = 3  # others
@@ -28,50 +26,48 @@ MOST_TIED = 3  # others
 
 @dataclass(frozen=True)
 class Round:
-    """All attempts on one model.
+    """All hypotheses on one model.
 
     Attributes:
-        null: the model that effects were added to.
-        candidates: by effect's name.
-        tallies: best first, those whose force the freed zero of the gauge does not hide.
-        hidden: names of those that it hides.
+        baseline: the model that effects were added to.
+        hypotheses: evaluated, best first; without those whose force the freed zero of the gauge hides.
+        hidden: those that it hides.
         tests: form-free tests of the same error.
         kept, refitted: what is left without any effect.
     """
 
-    null: Null
-    candidates: dict[str, Candidate]
-    tallies: tuple[Tally, ...]
-    hidden: tuple[str, ...]
-    tests: tuple[Shown, ...]
+    baseline: Baseline
+    hypotheses: tuple[Hypothesis, ...]
+    hidden: tuple[Hypothesis, ...]
+    tests: tuple[TestEvaluation, ...]
     kept: Errors
     refitted: Errors
     mode: str
 
     @cached_property
-    def standings(self) -> list[Standing]:
+    def scores(self) -> list[PhenomenonScore]:
         """All phenomena, the one that explains most first."""
-        effects = {name: candidate.effect for name, candidate in self.candidates.items()}
-        return standings(self.tallies, self.tests, effects, self.replicates)
+        return scores_of(self.hypotheses, self.tests, self.replicates)
 
     @cached_property
     def probabilities(self) -> dict[str, float]:
         """Of each phenomenon, given that what is missing is one of them."""
-        return probabilities(self.standings)
+        return probabilities(self.scores)
 
     @property
-    def best(self) -> Tally | None:
+    def best(self) -> Hypothesis | None:
         """The effect that comes first: of the phenomenon that explains most, the one with the smallest score."""
-        if not self.standings:
-            return self.tallies[0] if self.tallies else None
+        if not self.scores:
+            return self.hypotheses[0] if self.hypotheses else None
         return self.best_of(max(self.probabilities, key=self.probabilities.__getitem__))
 
-    def best_of(self, phenomenon: str) -> Tally:
+    def best_of(self, phenomenon: str) -> Hypothesis:
         """The effect that explains most in the way of one phenomenon."""
-        return next(t for t in self.tallies if t.attempt.phenomenon == phenomenon)
+        return next(hypothesis for hypothesis in self.hypotheses if hypothesis.phenomenon == phenomenon)
 
-    def _general(self, tally: Tally) -> bool:
-        return self.candidates[tally.attempt.effect].effect.general
+    def hypothesis(self, effect: str) -> Hypothesis:
+        """The one with an effect."""
+        return next(hypothesis for hypothesis in self.hypotheses if hypothesis.name == effect)
 
     @property
     def refits(self) -> bool:
@@ -80,26 +76,27 @@ class Round:
 
     @property
     def without(self) -> Errors:
-        """What is left without any effect, as this round judges."""
+        """What is left without any effect, as this round evaluates."""
         return self.refitted if self.refits else self.kept
 
-    def left(self, tally: Tally) -> Errors:
-        """What is left with an effect, as this round judges."""
-        return tally.refitted if self.refits else tally.kept
+    def left(self, hypothesis: Hypothesis) -> Errors:
+        """What is left with an effect, as this round evaluates."""
+        return hypothesis.evaluation.refitted if self.refits else hypothesis.evaluation.kept
 
-    def replicates(self, tally: Tally) -> np.ndarray:
-        """(replicates,) gain of an effect, as this round judges."""
-        return tally.refitted_gains if self.refits else tally.kept_gains
+    def replicates(self, hypothesis: Hypothesis) -> np.ndarray:
+        """(replicates,) gain of an effect, as this round evaluates."""
+        evaluation = hypothesis.evaluation
+        return evaluation.refitted_gains if self.refits else evaluation.kept_gains
 
-    def gain(self, tally: Tally) -> tuple[float, float, float]:
-        """Gain on unseen data with the 5 and 95 % ends of its bootstrap, as this round judges."""
-        low, high = np.percentile(self.replicates(tally), [LOW, HIGH])
-        return 1.0 - self.left(tally).square / max(self.without.square, 1e-300), float(low), float(high)
+    def gain(self, hypothesis: Hypothesis) -> tuple[float, float, float]:
+        """Gain on unseen data with the 5 and 95 % ends of its bootstrap, as this round evaluates."""
+        low, high = np.percentile(self.replicates(hypothesis), [LOW, HIGH])
+        return 1.0 - self.left(hypothesis).square / max(self.without.square, 1e-300), float(low), float(high)
 
-    def reason_against(self, tally: Tally, force_rms: float) -> str:
+    def reason_against(self, hypothesis: Hypothesis, force_rms: float) -> str:
         """Why the data do not support an effect by itself; "" where they do."""
-        gain, low, _ = self.gain(tally)
-        before, after = rmse(self.null, self.without), rmse(self.null, self.left(tally))
+        gain, low, _ = self.gain(hypothesis)
+        before, after = rmse(self.baseline, self.without), rmse(self.baseline, self.left(hypothesis))
         if gain <= 0.02:
             return "explains nothing on unseen data"
         required = limits().gain
@@ -114,12 +111,10 @@ class Round:
             return f"worth {worth:.3g} N only, less than {100.0 * limits().least_force:.3g} % of the force"
         return ""
 
-    def tied(self, best: Tally) -> tuple[str, ...]:
+    def tied(self, best: Hypothesis) -> tuple[str, ...]:
         """Other phenomena that these data cannot tell from the best, the most probable first."""
         order = sorted(self.probabilities, key=self.probabilities.__getitem__, reverse=True)
-        others = [
-            name for name in order if name != best.attempt.phenomenon and self.probabilities[name] >= limits().tied
-        ]
+        others = [name for name in order if name != best.phenomenon and self.probabilities[name] >= limits().tied]
         return tuple(others[:MOST_TIED])
 
     def confidence(self, group: Sequence[str]) -> float:
@@ -127,16 +122,14 @@ class Round:
         return float(sum(self.probabilities.get(name, 0.0) for name in group))
 
 
-def round_of(null: Null, candidates: Sequence[Candidate], attempts: Sequence[Attempt], mode: str) -> Round:
-    """Judges the attempts of one round."""
-    kept, refitted = nothing(null)
-    visible = [a for a in attempts if not a.hidden]
+def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str) -> Round:
+    """Evaluates the fitted hypotheses of one round."""
+    kept, refitted = without_effects(baseline)
     return Round(
-        null,
-        {c.effect.name: c for c in candidates},
-        tuple(tallies(null, visible, mode)),
-        tuple(a.effect for a in attempts if a.hidden),
-        tuple(shown(null, mode)),
+        baseline,
+        tuple(evaluated(baseline, [hypothesis for hypothesis in fitted if not hypothesis.fit.hidden], mode)),
+        tuple(hypothesis for hypothesis in fitted if hypothesis.fit.hidden),
+        tuple(evaluated_tests(baseline, mode)),
         kept,
         refitted,
         mode,

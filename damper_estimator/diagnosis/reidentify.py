@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis.judge import LOW, Errors, errors, gains, rmse
+from damper_estimator.diagnosis.alternative_starts import from_other_starts
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, force_rows, targets
+from damper_estimator.diagnosis.evaluation import LOW, Errors, errors, gains, rmse
+from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.ranking import Round
-from damper_estimator.diagnosis.restart import restarted
 from damper_estimator.diagnosis.result import Moved
-from damper_estimator.diagnosis.scene import Scene, force_rows, targets
-from damper_estimator.diagnosis.settle import settled
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.knots import with_knots_of
 from damper_estimator.model import DamperModel
@@ -42,33 +42,38 @@ class Reidentified:
     phenomena: frozenset[str]
 
 
-def reidentified(first: Round, stage: Scene) -> Reidentified:
+def reidentified(first: Round, data: DiagnosisData) -> Reidentified:
     """Identifies the model's parameters on the fit rows, from their values."""
-    model = first.null.model
+    model = first.baseline.model
     phenomena = frozenset(element.effect.phenomenon for element in walk(model.effects) if element.effect.phenomenon)
     promised = 1.0 - first.refitted.square / max(first.kept.square, 1e-300)
     start = model
     if promised < _SURE:
-        changed, gain = restarted(model, stage)
+        changed, gain = from_other_starts(model, data)
         start = changed if gain > promised else model
         promised = max(promised, gain)
     if promised < 0.5 * limits().gain:
-        return Reidentified(model, (), rmse(first.null, first.refitted), promised, False, phenomena)
-    refitted = settled(start, [rows.measurement for rows in stage.fit], zero_free=True)
-    left = errors(stage.blocks, first.null.residual_fit, force_rows(refitted, stage.unseen) - targets(stage.unseen))
+        return Reidentified(model, (), rmse(first.baseline, first.refitted), promised, False, phenomena)
+    refitted = locally_fitted(start, [rows.measurement for rows in data.fit], zero_free=True)
+    left = errors(data.blocks, first.baseline.residual_fit, force_rows(refitted, data.unseen) - targets(data.unseen))
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
     low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))
-    worth = np.sqrt(max(rmse(first.null, first.kept) ** 2 - rmse(first.null, left) ** 2, 0.0))
-    explains = gain >= limits().gain and low > 0.0 and worth >= limits().least_force * stage.force_rms
+    worth = np.sqrt(max(rmse(first.baseline, first.kept) ** 2 - rmse(first.baseline, left) ** 2, 0.0))
+    explains = gain >= limits().gain and low > 0.0 and worth >= limits().least_force * data.force_rms
     return Reidentified(
-        refitted, _moved(model, refitted), rmse(first.null, left), gain, explains and not _more(first, left), phenomena
+        refitted,
+        _moved(model, refitted),
+        rmse(first.baseline, left),
+        gain,
+        explains and not _more(first, left),
+        phenomena,
     )
 
 
 def _more(first: Round, left: Errors) -> bool:
     """Whether an effect on top of re-identified parameters takes away a good part of what they leave, and of all."""
     after = min(left.square, first.refitted.square)
-    best = min((t.refitted.square for t in first.tallies), default=np.inf)
+    best = min((one.evaluation.refitted.square for one in first.hypotheses), default=np.inf)
     return after - best > max(_STILL_THERE * after, _NOTABLE * first.kept.square)
 
 

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis.adopt import Standpoint
+from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
@@ -15,8 +15,8 @@ VERDICTS = ("missing", "nothing_missing", "parameters_changed", "unexplained")
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """One way of judging one candidate, on unseen data.
+class EvaluationSummary:
+    """One evaluation of one hypothesis on unseen data.
 
     Attributes:
         rmse_n: N in band, the gauge's zero and drift of each recording taken out.
@@ -31,12 +31,12 @@ class Judgement:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """One candidate of one round.
+class RankedEffect:
+    """One hypothesis of one round.
 
     Attributes:
-        kept, refitted: with the model's parameters as they are, and refitted together to first order; None where it
-            was not judged so.
+        kept, refitted: with the model's parameters as they are, and refitted together to first order; None if it was
+            not evaluated so.
         reason: why it is not accepted, "" where it is.
         explains: per unseen recording (n,) N in band, what it would change of the force; empty for what explains
             next to nothing.
@@ -44,8 +44,8 @@ class Judged:
 
     effect: str
     phenomenon: str
-    kept: Judgement | None
-    refitted: Judgement | None
+    kept: EvaluationSummary | None
+    refitted: EvaluationSummary | None
     parameters: tuple[FittedParameter, ...]
     reason: str
     explains: tuple[np.ndarray, ...] = ()
@@ -70,7 +70,7 @@ class Finding:
         rmse_before_n, rmse_after_n: on unseen data.
         share_of_explainable_error: (MSE before - MSE after) / (MSE before - floor^2).
         confidence: probability that what is missing is in the tied group.
-        gain, low, high: as in ``Judgement``.
+        gain, low, high: as in ``EvaluationSummary``.
         evidence, test_to_separate: in words.
         remark: where kept and refitted parameters disagree, else "".
         is_channel: a mistake of the measurement chain: it goes to the signal map.
@@ -113,7 +113,7 @@ class Moved:
 
 @dataclass(frozen=True)
 class Structure:
-    """Mean residual over a grid, what no candidate accounts for.
+    """Mean residual over a grid, what no effect accounts for.
 
     Attributes:
         axes: what lies along x and y, with units.
@@ -160,14 +160,14 @@ class Diagnosis:
         rmse_n, force_rms_n, noise_floor_n: of the model as given, on unseen data.
         findings: accepted, best first.
         elements: of each finding, the entry with its fitted values.
-        ranking: all candidates of the first round, best first.
+        ranking: all hypotheses of the first round, best first.
         untestable: effects that could not be tried, with the reason.
         moved: parameters that re-identification moves, where that is enough.
         rmse_refit_alone_n: unseen error after re-identifying what is there.
         structure: of what is left, where nothing accounts for it.
         improved: the model with the damper's findings put in, as ``steps`` ends.
         signals: the damper's entry of the signal map with corrections of the measurement chain.
-        data: mistakes of the recordings that show without candidates.
+        data: mistakes of the recordings that show without any model.
         fit, unseen: what was used for what.
         steps: each finding with the model and its errors after it, in the order in which they are put in.
         atlas: what the form-free tests say of the error of the model as given, the one that explains most first.
@@ -183,7 +183,7 @@ class Diagnosis:
     noise_floor_n: float
     findings: tuple[Finding, ...]
     elements: tuple[Element, ...]
-    ranking: tuple[Judged, ...]
+    ranking: tuple[RankedEffect, ...]
     untestable: dict[str, str]
     moved: tuple[Moved, ...]
     rmse_refit_alone_n: float
@@ -193,9 +193,9 @@ class Diagnosis:
     data: tuple[DataFinding, ...]
     fit: tuple[Measurement, ...]
     unseen: tuple[Measurement, ...]
-    steps: tuple[tuple[Finding, Standpoint], ...] = ()
+    steps: tuple[tuple[Finding, ModelState], ...] = ()
     atlas: tuple[AtlasRow, ...] = ()
-    identified: Standpoint | None = None
+    identified: ModelState | None = None
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -252,7 +252,7 @@ class Improvement:
         verdict: of what is left after the last step.
         sentence: what happened, in one sentence.
         model, signals: the improved model, and the damper's entry of the signal map with corrections.
-        rejected: candidates of the last round.
+        rejected: hypotheses of the last round.
         first: the diagnosis of the model as given.
         final: the diagnosis that found nothing more.
     """
@@ -263,7 +263,7 @@ class Improvement:
     noise_floor_n: float
     model: DamperModel
     signals: DamperSignals
-    rejected: tuple[Judged, ...]
+    rejected: tuple[RankedEffect, ...]
     fit: tuple[Measurement, ...]
     unseen: tuple[Measurement, ...]
     first: Diagnosis

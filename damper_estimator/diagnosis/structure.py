@@ -5,8 +5,8 @@ from itertools import combinations
 
 import numpy as np
 
-from damper_estimator.diagnosis.judge import LOW, Errors, gains
-from damper_estimator.diagnosis.null import Null
+from damper_estimator.diagnosis.baseline import Baseline
+from damper_estimator.diagnosis.evaluation import LOW, Errors, gains
 from damper_estimator.diagnosis.result import Structure
 from damper_estimator.identification.rows import Rows
 from damper_estimator.numerics import block_draws
@@ -24,15 +24,15 @@ _AXES = {
 }
 
 
-def structure(null: Null, without: Errors) -> tuple[Structure | None, float, float]:
+def structure(baseline: Baseline, without: Errors) -> tuple[Structure | None, float, float]:
     """The grid that predicts most of the unseen residual, with its gain there and the gain's 5 % bound."""
     best: tuple[float, float, Structure] | None = None
     drawn = block_draws(without.blocks.size)
-    usable = [row for row in _AXES if _varies(null.scene.fit, row) and _varies(null.scene.unseen, row)]
+    usable = [row for row in _AXES if _varies(baseline.data.fit, row) and _varies(baseline.data.unseen, row)]
     for pair in combinations(usable, 2):
-        grid = _grid(null.scene.fit, without.fit, pair)
-        left = without.unseen - _looked_up(null.scene.unseen, grid, pair)
-        blocks = np.bincount(null.scene.blocks, left**2)
+        grid = _grid(baseline.data.fit, without.fit, pair)
+        left = without.unseen - _looked_up(baseline.data.unseen, grid, pair)
+        blocks = np.bincount(baseline.data.blocks, left**2)
         errors = Errors(without.fit, left, blocks)
         gain = 1.0 - errors.square / max(without.square, 1e-300)
         if best is None or gain > best[0]:

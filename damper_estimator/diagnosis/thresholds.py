@@ -51,7 +51,7 @@ class Thresholds:
     general_margin: float = _threshold(
         0.05, _SQUARE, "what a general effect must explain more than a specific one", "it can take any shape"
     )
-    own: float = _threshold(
+    beyond: float = _threshold(
         0.2,
         "share of what the simpler explanation leaves",
         "what goes beyond it",

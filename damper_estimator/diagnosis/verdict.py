@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted
-from damper_estimator.diagnosis.judge import rmse
+from damper_estimator.diagnosis.evaluation import rmse
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import Structure
 from damper_estimator.diagnosis.search import Search
@@ -31,9 +31,9 @@ def verdict_on(
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
-    explainable = max(floor, min(_residual_before(first.null.model), limits().notable * force_n))
+    explainable = max(floor, min(_residual_before(first.baseline.model), limits().notable * force_n))
     if left > max(limits().notable * force_n, limits().above * explainable):
-        picture, gain, low = structure(first.null, first.kept)
+        picture, gain, low = structure(first.baseline, first.kept)
         if gain >= limits().structured and low > 0.0:
             return "unexplained", picture
         if left > limits().far_above * explainable:
@@ -44,7 +44,7 @@ def verdict_on(
 def _enough(found: Search, again: Reidentified, floor: float) -> bool:
     """Whether re-identification takes away most of what there is to explain."""
     first = found.rounds[0]
-    before = rmse(first.null, first.kept)
+    before = rmse(first.baseline, first.kept)
     explainable = max(before**2 - floor**2, 1e-12)
     return again.enough and before**2 - again.rmse_n**2 >= limits().refit_most * explainable
 
@@ -67,5 +67,5 @@ def _more_telling(accepted: Sequence[Accepted], left_n: float, again: Reidentifi
     if effect.kind == "channel" or effect.phenomenon in again.phenomena:
         return False
     explained = 1.0 - first.after_n**2 / first.before_n**2
-    simpler = 2 * first.tally.attempt.size <= len(again.moved)
+    simpler = 2 * first.hypothesis.size <= len(again.moved)
     return simpler and explained >= _ENOUGH * again.gain

@@ -28,7 +28,7 @@ from itertools import permutations
 import numpy as np
 from scipy.special import log_ndtr, ndtr
 
-from damper_estimator.diagnosis import Explanations, Hypothesis, limits
+from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
 from damper_estimator.numerics import long_run_variance
 from damper_estimator.planning.simulated import Simulated
 
@@ -66,7 +66,7 @@ class Errors:
 
 def errors_of(found: Explanations, floor_n: float) -> Errors:
     """From what the best hypothesis leaves on the recordings, and their noise floor in N."""
-    best = min(found.hypotheses, key=lambda hypothesis: float(np.sum(hypothesis.residual**2)))
+    best = min(found.fitted, key=lambda hypothesis: float(np.sum(hypothesis.residual**2)))
     target = np.concatenate([part.target for part in found.rows])
     left, power = float(np.mean(best.residual**2)), max(float(np.mean(target**2)), 1e-300)
     noise = min(floor_n**2, left) if np.isfinite(floor_n) else 0.5 * left
@@ -201,7 +201,7 @@ def ratio() -> float:
 
 def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Criterion:
     """The criterion of hypotheses that were simulated on some number of steps."""
-    hypotheses = found.hypotheses
+    hypotheses = found.fitted
     slices = _slices(on.step, steps)
     variance = max(errors.noise + errors.form, 1e-300) * errors.memory
     draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
@@ -221,7 +221,7 @@ def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) ->
     )
 
 
-def information(hypothesis: Hypothesis, variance: float) -> np.ndarray:
+def information(hypothesis: FittedExplanation, variance: float) -> np.ndarray:
     """(k + 1, k + 1) of the old rows, each parameter held to the order of its size; the gauge's zero is free."""
     columns = hypothesis.sensitivity
     found = np.zeros((columns.shape[1] + 1,) * 2)
@@ -235,7 +235,7 @@ def _slices(step: np.ndarray, steps: int) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False)]
 
 
-def _draws(hypothesis: Hypothesis, variance: float, seed: int) -> np.ndarray:
+def _draws(hypothesis: FittedExplanation, variance: float, seed: int) -> np.ndarray:
     """(k + 1, d) parameters of the truth less the fitted ones, in sizes, as the old recordings leave them uncertain."""
     known = information(hypothesis, variance)[:-1, :-1]
     root = np.linalg.cholesky(np.linalg.inv(known) * variance + 1e-15 * np.eye(len(known)))
@@ -245,7 +245,7 @@ def _draws(hypothesis: Hypothesis, variance: float, seed: int) -> np.ndarray:
 
 
 def _pair(
-    hypotheses: Sequence[Hypothesis],
+    hypotheses: Sequence[FittedExplanation],
     on: Simulated,
     slices: Sequence[slice],
     draws: Sequence[np.ndarray],

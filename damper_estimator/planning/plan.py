@@ -81,7 +81,7 @@ def plan(
 
 def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> _Stage:
     steps = steps_of(rig, limits, *(_matters(found, row, like) for row in (COMMAND, TEMPERATURE)))
-    on = simulated(found.hypotheses, steps, like) if steps else None
+    on = simulated(found.fitted, steps, like) if steps else None
     if on is None or (on.largest > limits.force).all():
         raise InputError(
             f"rig {rig.name}: no step obeys its limits (speed {limits.speed:g} m/s, acceleration "
@@ -91,7 +91,7 @@ def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> 
     inside = on.largest <= limits.force
     if not inside.all():
         steps = [step for step, good in zip(steps, inside, strict=True) if good]
-        on = simulated(found.hypotheses, steps, like)
+        on = simulated(found.fitted, steps, like)
     return _Stage(found, rig, limits, steps, on, like)
 
 
@@ -103,14 +103,14 @@ def _matters(found: Explanations, row: int, like: Measurement) -> bool:
     other = block.copy()
     other[row] = block[row] + 1.0
     return any(
-        not np.array_equal(one.model.force(block), one.model.force(other), equal_nan=True) for one in found.hypotheses
+        not np.array_equal(one.model.force(block), one.model.force(other), equal_nan=True) for one in found.fitted
     )
 
 
 def _separating(
     stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, longest: float, tell: Tell
 ) -> Plan:
-    hypotheses = stage.found.hypotheses
+    hypotheses = stage.found.fitted
     best = min(hypotheses, key=lambda one: float(np.sum(one.residual**2)))
     errors = errors_of(stage.found, compare(best.model, *measurements).noise_floor_n)
     judge = criterion(stage.found, stage.on, len(stage.steps), errors)
@@ -168,7 +168,7 @@ def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str,
 
 
 def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, tell: Tell) -> Plan:
-    (hypothesis,) = stage.found.hypotheses
+    (hypothesis,) = stage.found.fitted
     errors = errors_of(stage.found, compare(hypothesis.model, *measurements).noise_floor_n)
     judge = sharpening(stage.found, stage.on, len(stage.steps), errors)
     seconds = np.array([step.seconds for step in stage.steps])
@@ -204,7 +204,7 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
     kinematics = stage.on.rows.measurement.kinematics
     force = stage.on.force[:, part]
     variance = errors.noise + errors.form * float(force[0].var())
-    hypotheses = stage.found.hypotheses
+    hypotheses = stage.found.fitted
     return Plan(
         phenomena=tuple(one.phenomenon for one in hypotheses if one.phenomenon),
         effects=tuple(one.effect for one in hypotheses if one.effect),

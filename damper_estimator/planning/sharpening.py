@@ -45,7 +45,7 @@ class Sharpening:
 
 def sharpening(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Sharpening:
     """The criterion of one model that was simulated on some number of steps."""
-    (hypothesis,) = found.hypotheses
+    (hypothesis,) = found.fitted
     variance = float(np.mean(hypothesis.residual**2)) * errors.memory
     columns, force = on.sensitivity[0], on.force[0]
     each = np.zeros((steps, columns.shape[1], columns.shape[1]))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis import Hypothesis, sensitivities
+from damper_estimator.diagnosis import FittedExplanation, sensitivities
 from damper_estimator.identification import rows_of
 from damper_estimator.identification.rows import Rows
 from damper_estimator.planning.steps import Step
@@ -37,7 +37,7 @@ class Simulated:
     largest: np.ndarray
 
 
-def simulated(hypotheses: Sequence[Hypothesis], steps: Sequence[Step], like: Measurement) -> Simulated:
+def simulated(hypotheses: Sequence[FittedExplanation], steps: Sequence[Step], like: Measurement) -> Simulated:
     """The hypotheses on the steps; filter, band and slow channels are those of the recording ``like``."""
     rows, first = _rows(steps, like)
     number = np.searchsorted(first, rows.picks, side="right") - 1

@@ -36,7 +36,7 @@ def widenings(
         probability = chance(wide)
         if probability >= now + _BETTER:
             sentences.append(f"{wide.words}: right with {100.0 * probability:.0f} %")
-    for hypothesis in found.hypotheses:
+    for hypothesis in found.fitted:
         effect = all_effects()[hypothesis.effect]
         if effect.separate and effect.separate not in sentences:
             sentences.append(effect.separate)

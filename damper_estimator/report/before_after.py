@@ -10,8 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
-from damper_estimator.diagnosis.correction import corrected
+from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, corrected
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.validation import Comparison, Trace, compare
 

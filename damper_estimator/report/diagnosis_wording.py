@@ -5,8 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, Judged, Step
-from damper_estimator.diagnosis.correction import in_yaml
+from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, RankedEffect, Step, in_yaml
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
 from damper_estimator.report.wording import recording_name
@@ -96,7 +95,7 @@ def finding_text(finding: Finding) -> dict[str, object]:
     }
 
 
-def rejected_rows(ranking: Sequence[Judged], untestable: dict[str, str] | None = None) -> list[dict[str, str]]:
+def rejected_rows(ranking: Sequence[RankedEffect], untestable: dict[str, str] | None = None) -> list[dict[str, str]]:
     """Every candidate that was not taken, with the reason, and those that could not be tried."""
     rows = [
         {"phenomenon": plain_name(judged.phenomenon), "effect": judged.effect, "reason": judged.reason}

@@ -5,7 +5,7 @@ from textwrap import wrap
 
 import numpy as np
 
-from damper_estimator.diagnosis import AtlasRow, Finding, Improvement, Judged, Judgement, Moved
+from damper_estimator.diagnosis import AtlasRow, EvaluationSummary, Finding, Improvement, Moved, RankedEffect
 from damper_estimator.numbers import number
 from damper_estimator.report.diagnosis_wording import plain_name, step_name
 from damper_estimator.report.plots import AFTER, BEFORE, FOUND, GREY, INK, SOFT, Figure, axis, note, short
@@ -87,9 +87,9 @@ def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: 
     return {"data": [bars], "layout": layout, "height": 80 + round(12 * len(rows) + 28 * lines), "plain": True}
 
 
-def ranked(ranking: Sequence[Judged], findings: Sequence[Finding]) -> list[Judged]:
+def ranked(ranking: Sequence[RankedEffect], findings: Sequence[Finding]) -> list[RankedEffect]:
     """The best candidate of each phenomenon; found ones with those that are tied first, then by rank."""
-    best: dict[str, Judged] = {}
+    best: dict[str, RankedEffect] = {}
     for judged in ranking:
         if judged.kept is not None or judged.refitted is not None:
             best.setdefault(judged.phenomenon, judged)
@@ -102,7 +102,7 @@ def ranked(ranking: Sequence[Judged], findings: Sequence[Finding]) -> list[Judge
     return [best[name] for name in order]
 
 
-def ranking_figure(ranking: Sequence[Judged], findings: Sequence[Finding], note_of: Mapping[str, str]) -> Figure:
+def ranking_figure(ranking: Sequence[RankedEffect], findings: Sequence[Finding], note_of: Mapping[str, str]) -> Figure:
     """Gain on unseen data by phenomenon, with 5 and 95 % whiskers: kept full circles, refitted open diamonds.
 
     Args:
@@ -112,7 +112,7 @@ def ranking_figure(ranking: Sequence[Judged], findings: Sequence[Finding], note_
     found = {finding.phenomenon for finding in findings}
     tied = {name for finding in findings for name in finding.tied_with}
 
-    def colour(judged: Judged) -> str:
+    def colour(judged: RankedEffect) -> str:
         return FOUND if judged.phenomenon in found else INK if judged.phenomenon in tied else GREY
 
     data = [
@@ -134,7 +134,7 @@ def ranking_figure(ranking: Sequence[Judged], findings: Sequence[Finding], note_
     return {"data": data, "layout": layout, "height": 110 + 21 * len(rows), "plain": True}
 
 
-def _emphasised(judged: Judged, found: set[str], tied: set[str]) -> str:
+def _emphasised(judged: RankedEffect, found: set[str], tied: set[str]) -> str:
     name = plain_name(judged.phenomenon)
     return f"<b>{name}</b>" if judged.phenomenon in found else name if judged.phenomenon in tied else f"<i>{name}</i>"
 
@@ -170,7 +170,7 @@ def _whiskers(ends: Sequence[tuple[float, float, float]]) -> Figure:
     }
 
 
-def _hover(judged: Judged, way: Judgement, more: str) -> str:
+def _hover(judged: RankedEffect, way: EvaluationSummary, more: str) -> str:
     lines = [
         f"<b>{plain_name(judged.phenomenon)}</b> by {judged.effect}",
         f"explains {100.0 * way.gain:.0f} % ({100.0 * way.low:.0f} to {100.0 * way.high:.0f} %), "
@@ -181,7 +181,7 @@ def _hover(judged: Judged, way: Judgement, more: str) -> str:
     return "<br>".join(text for text in lines if text)
 
 
-def _brackets(rows: Sequence[Judged], findings: Sequence[Finding]) -> Figure:
+def _brackets(rows: Sequence[RankedEffect], findings: Sequence[Finding]) -> Figure:
     """A bracket at the right of each group that these data cannot distinguish."""
     place = {judged.phenomenon: i for i, judged in enumerate(rows)}
     shapes, words = [], []

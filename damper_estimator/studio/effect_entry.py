@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from damper_estimator.diagnosis import Diagnosis
-from damper_estimator.diagnosis.scene import ranges_of
+from damper_estimator.diagnosis import Diagnosis, ranges_of
 from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.trial import Untestable
 from damper_estimator.errors import InputError

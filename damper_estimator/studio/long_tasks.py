@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from damper_estimator.diagnosis import Step
-from damper_estimator.diagnosis.settle import settled
+from damper_estimator.diagnosis import Step, locally_fitted
 from damper_estimator.identification import pooled_error
 from damper_estimator.model import Element
 from damper_estimator.model.element import labels
@@ -25,7 +24,7 @@ class Deed:
 def refitted(case: Case, deed: Deed, progress: Progress) -> Step:
     """The model with its free parameters identified from their values."""
     progress(f"identifying {case.model.name}", 0.1)
-    found = settled(case.model, case.fit)
+    found = locally_fitted(case.model, case.fit)
     progress("judging", 0.9)
     return judged(replace(case, model=found), deed)
 
@@ -35,7 +34,7 @@ def identified_alone(case: Case, element: Element, progress: Progress) -> Elemen
     progress(f"identifying {element.effect.name}", 0.1)
     model = case.model.with_effect(element)
     label = [own for own, entry in labels(model.effects) if entry.effect is element.effect][-1]
-    found = settled(model, case.fit, free=[label], fix=["*"])
+    found = locally_fitted(model, case.fit, free=[label], fix=["*"])
     return dict(labels(found.effects))[label]
 
 

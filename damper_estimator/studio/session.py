@@ -3,7 +3,7 @@
 import os
 from dataclasses import replace
 
-from damper_estimator.diagnosis.correction import corrected_signals
+from damper_estimator.diagnosis import corrected_signals
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, Element, save_model

@@ -6,8 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis.correction import corrected
-from damper_estimator.diagnosis.scene import early, late
+from damper_estimator.diagnosis import corrected, early, late
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, Judged, Judgement, Step
+from damper_estimator.diagnosis import Diagnosis, EvaluationSummary, Finding, Improvement, RankedEffect, Step
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import make_element
@@ -51,8 +51,8 @@ class Engine:
             signals = replace(signals, force=replace(signals.force, offset=-35.0))
         else:
             improved = model.with_effect(element)
-        judgement = Judgement(20.0, 0.96, 0.9, 0.98)
-        other = Judged("gas_spring", "gas_spring", judgement, None, (), "explains nothing on unseen data")
+        judgement = EvaluationSummary(20.0, 0.96, 0.9, 0.98)
+        other = RankedEffect("gas_spring", "gas_spring", judgement, None, (), "explains nothing on unseen data")
         return Diagnosis(
             model=model,
             verdict="missing",
@@ -63,7 +63,10 @@ class Engine:
             noise_floor_n=5.0,
             findings=(finding,),
             elements=(element,),
-            ranking=(Judged(finding.effect, finding.phenomenon, judgement, judgement, finding.parameters, ""), other),
+            ranking=(
+                RankedEffect(finding.effect, finding.phenomenon, judgement, judgement, finding.parameters, ""),
+                other,
+            ),
             untestable={"temperature_gain": "no temperature was recorded"},
             moved=(),
             rmse_refit_alone_n=90.0,

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from damper_estimator.diagnosis.baseline import baseline_of
+from damper_estimator.diagnosis.diagnosis_data import data_of, targets
+from damper_estimator.diagnosis.evaluation import errors, evaluated_tests
 from damper_estimator.diagnosis.evidence import confirming, evidence
-from damper_estimator.diagnosis.judge import errors, shown
-from damper_estimator.diagnosis.null import null
-from damper_estimator.diagnosis.scene import scene, targets
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.signals.layout import V
 
@@ -16,12 +16,12 @@ def told(user_model, base):
     """Evidence where the share of the force that an effect takes away follows ``share`` (n,) over the recording."""
 
     def told(share):
-        own = null(user_model, scene(user_model, [base], [base]), base=())
-        measured = own.scene.unseen[0].measurement
-        picks = own.scene.unseen[0].picks
-        left = targets(own.scene.unseen) * np.sqrt(share(measured)[picks])
-        without, with_it = (errors(own.scene.blocks, own.residual_fit, one) for one in (left, 0.0 * left))
-        return evidence(own, find_effect("coulomb"), without, with_it, shown(own, "kept"))
+        own = baseline_of(user_model, data_of(user_model, [base], [base]), base=())
+        measured = own.data.unseen[0].measurement
+        picks = own.data.unseen[0].picks
+        left = targets(own.data.unseen) * np.sqrt(share(measured)[picks])
+        without, with_it = (errors(own.data.blocks, own.residual_fit, one) for one in (left, 0.0 * left))
+        return evidence(own, find_effect("coulomb"), without, with_it, evaluated_tests(own, "kept"))
 
     return told
 

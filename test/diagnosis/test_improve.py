@@ -97,14 +97,14 @@ def test_trusted_parameters_stay(user_model, base):
 def test_what_a_later_effect_made_needless_is_taken_out(user_model, soft):
     """Friction that is not there, put in by hand as if an earlier step had added it."""
     from damper_estimator.diagnosis.diagnose import begun
-    from damper_estimator.diagnosis.improve import _prune, _State
+    from damper_estimator.diagnosis.improve import _Improving, _prune
 
     needless = user_model.with_effect(make_element(find_effect("coulomb"), {"force": 0.5}))
-    state = _State(replace(begun(needless, [soft[0]], [soft[1]]), added=("coulomb", "inertia")), "both")
-    state.keep("start", state.place, None, None)
+    state = _Improving(replace(begun(needless, [soft[0]], [soft[1]]), added=("coulomb", "inertia")), "both")
+    state.keep("start", state.state, None, None)
     _prune(state, lambda text, share: None)
     assert state.steps[-1].action == "prune" and state.steps[-1].effect == "coulomb"
-    assert "coulomb" not in state.place.model.uses()
+    assert "coulomb" not in state.state.model.uses()
 
 
 def test_a_recording_without_force_is_refused_in_one_line(user_model, base):

@@ -5,7 +5,7 @@ import pytest
 from faults import changed, halves, late
 
 from damper_estimator.diagnosis import diagnose
-from damper_estimator.diagnosis.scene import slope_of
+from damper_estimator.diagnosis.diagnosis_data import slope_of
 
 
 @pytest.mark.parametrize(("delay", "share"), [(0.003, 1.0), (0.002, 1.3)])

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from damper_estimator.cli.main import main
-from damper_estimator.diagnosis.null import null
+from damper_estimator.diagnosis.baseline import baseline_of
+from damper_estimator.diagnosis.diagnosis_data import data_of
 from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
-from damper_estimator.diagnosis.scene import scene
 from damper_estimator.identification.knots import with_knots_of, with_placed_knots
 from damper_estimator.model import DamperModel, load_model
 from damper_estimator.recordings import open_bag
@@ -16,8 +16,8 @@ from damper_estimator.signals import Measurement, load_signal_map, measure
 
 def identified_again(model: DamperModel, fit: Measurement, unseen: Measurement) -> Reidentified:
     """What a diagnosis that tries no effect finds of the parameters."""
-    stage = scene(model, [fit], [unseen])
-    return reidentified(round_of(null(model, stage), [], [], "both"), stage)
+    data = data_of(model, [fit], [unseen])
+    return reidentified(round_of(baseline_of(model, data), [], [], "both"), data)
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.diagnosis.correction import corrected
+from damper_estimator.diagnosis import corrected
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
 from damper_estimator.report.before_after import before_after, explained, shares

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from damper_estimator.diagnosis import Judgement, Moved, Structure
+from damper_estimator.diagnosis import EvaluationSummary, Moved, Structure
 from damper_estimator.identification import FittedParameter
 from damper_estimator.report import diagnosis_page, diagnosis_section, improvement_page, improvement_section
 from damper_estimator.report.diagnosis_wording import parameter_rows, with_error
@@ -119,8 +119,12 @@ def test_a_phenomenon_has_one_row_and_tied_ones_stand_beside_what_was_found(foun
 
 
 def test_the_ranking_shows_both_ways_of_judging_with_their_whiskers(found):
-    own = replace(found.ranking[0], kept=Judgement(5.0, 0.8, 0.7, 0.9), refitted=Judgement(6.0, 0.6, 0.55, 0.7))
-    other = replace(found.ranking[1], phenomenon="gas_spring", kept=Judgement(50.0, -3.0, -4.0, -1.0), refitted=None)
+    own = replace(
+        found.ranking[0], kept=EvaluationSummary(5.0, 0.8, 0.7, 0.9), refitted=EvaluationSummary(6.0, 0.6, 0.55, 0.7)
+    )
+    other = replace(
+        found.ranking[1], phenomenon="gas_spring", kept=EvaluationSummary(50.0, -3.0, -4.0, -1.0), refitted=None
+    )
     drawn = ranking_figure([own, replace(other, reason="it is absurd")], found.findings, {})
     kept, refitted = drawn["data"]
     assert kept["x"][0] == 80.0 and kept["error_x"]["array"][0] == 10.0 and kept["error_x"]["arrayminus"][0] == 10.0

@@ -7,7 +7,7 @@ from functools import cache
 from equations import block_html, paragraph_html, with_symbols
 from signatures import signature, svgs
 
-from damper_estimator.diagnosis.atlas_terms import TESTS
+from damper_estimator.diagnosis import TESTS
 from damper_estimator.effects.contract import KINDS, Effect
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.model import library_models, load_model

@@ -3,8 +3,7 @@
 from dash import Dash, Input, Output, State, no_update
 from dash.exceptions import PreventUpdate
 
-from damper_estimator.diagnosis import Diagnosis
-from damper_estimator.diagnosis.diagnose import MODES
+from damper_estimator.diagnosis import MODES, Diagnosis
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.errors import InputError
 from damper_estimator.report.diagnosis_page import tied_notes

@@ -5,7 +5,7 @@ from datetime import datetime
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, no_update
 from dash.exceptions import PreventUpdate
 
-from damper_estimator.diagnosis.diagnose import MODES
+from damper_estimator.diagnosis import MODES
 from damper_estimator.errors import InputError
 from damper_estimator.report.theme import DARK, LIGHT, themed
 from damper_estimator.studio.callbacks.common import CHANGES

@@ -6,7 +6,7 @@ from pathlib import Path
 from dash import Dash, Input, Output, State, no_update
 from dash.exceptions import PreventUpdate
 
-from damper_estimator.diagnosis.diagnose import MODES
+from damper_estimator.diagnosis import MODES
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.marking import table

@@ -3,7 +3,7 @@
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
 
-from damper_estimator.diagnosis.diagnose import MODES
+from damper_estimator.diagnosis import MODES
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.corner_cards import corner_cards

@@ -1,4 +1,4 @@
-"""The kept model as one recorded force: what a candidate adds to it need not run it again.
+"""The kept model as one recorded force: what a hypothesis adds to it need not run it again.
 
 The force stands in one more row of the block, below those of ``signals.layout``.
 """
@@ -25,17 +25,19 @@ def kernel(parameters, settings, kinematics, state, force):
 RECORDED = Effect(kernel=kernel, kind="source", name="recorded_force", description="A force as it was recorded.")
 
 
-def frozen_model(model: DamperModel) -> DamperModel:
+def recorded_force_model(model: DamperModel) -> DamperModel:
     """A model that gives the recorded force; the other's name stays."""
     return replace(model, effects=(Element(RECORDED),), fixed=(), fit={})
 
 
-def frozen_rows(model: DamperModel, rows: Sequence[Rows]) -> tuple[Rows, ...]:
+def rows_with_force(model: DamperModel, rows: Sequence[Rows]) -> tuple[Rows, ...]:
     """The rows with the model's force below the block."""
-    frozen = []
+    recorded = []
     for part in rows:
         kinematics = part.measurement.kinematics
         force = np.nan_to_num(model.force(kinematics.block))
         block = np.ascontiguousarray(np.vstack([kinematics.block, force]))
-        frozen.append(replace(part, measurement=replace(part.measurement, kinematics=replace(kinematics, block=block))))
-    return tuple(frozen)
+        recorded.append(
+            replace(part, measurement=replace(part.measurement, kinematics=replace(kinematics, block=block)))
+        )
+    return tuple(recorded)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from damper_estimator.diagnosis.correction import corrected, corrected_signals
-from damper_estimator.diagnosis.settle import settled
+from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
 from damper_estimator.identification import fit as identify
@@ -19,7 +19,7 @@ _DELIVERED = 0.5  # of what a finding promises
 
 
 @dataclass(frozen=True)
-class Standpoint:
+class ModelState:
     """A model with its recordings, between two steps.
 
     Attributes:
@@ -36,41 +36,41 @@ class Standpoint:
     added: tuple[str, ...] = ()
     note: str = ""
 
-    def with_model(self, model: DamperModel, note: str = "") -> "Standpoint":
+    def with_model(self, model: DamperModel, note: str = "") -> "ModelState":
         """Another model on the same recordings."""
         errors = pooled_error(model, self.fit)[0], pooled_error(model, self.unseen)[0]
         return replace(self, model=model, rmse_fit_n=errors[0], rmse_unseen_n=errors[1], note=note)
 
-    def delivers(self, promised: float, before: "Standpoint") -> bool:
+    def delivers(self, promised: float, before: "ModelState") -> bool:
         """Whether the mean squared error (N^2) falls by a good part of what was promised, or by as much as an effect
         must explain to be found."""
         fall = before.rmse_unseen_n**2 - self.rmse_unseen_n**2
         return fall > 0.0 and fall >= min(_DELIVERED * promised, limits().gain * before.rmse_unseen_n**2)
 
-    def better_than(self, other: "Standpoint") -> bool:
+    def better_than(self, other: "ModelState") -> bool:
         """Whether the unseen error is lower by a share that counts."""
         return self.rmse_unseen_n < (1.0 - limits().least_fall) * other.rmse_unseen_n
 
 
-def standpoint(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> Standpoint:
+def state_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
     """The model as given."""
-    return Standpoint(model, tuple(fit), tuple(unseen), 0.0, 0.0).with_model(model)
+    return ModelState(model, tuple(fit), tuple(unseen), 0.0, 0.0).with_model(model)
 
 
-def identified_first(place: Standpoint, mode: str) -> Standpoint:
+def identified_first(state: ModelState, mode: str) -> ModelState:
     """A model from the library without a record of a fit says nothing of this damper: it is identified before its error
     is read. With mode ``kept``, and where it cannot be identified, it stays as it is.
     """
-    if place.model.fit or mode == "kept":
-        return place
+    if state.model.fit or mode == "kept":
+        return state
     try:
-        model = identify(place.model, place.fit).model
+        model = identify(state.model, state.fit).model
     except InputError:
-        return place
-    return place.with_model(model, "the model had no record of a fit")
+        return state
+    return state.with_model(model, "the model had no record of a fit")
 
 
-def adopted(before: Standpoint, element: Element, mode: str, promised: float) -> Standpoint:
+def applied(before: ModelState, element: Element, mode: str, promised: float) -> ModelState:
     """With a finding in its place: a fault of the measurement chain in the signal map, an effect in the model.
 
     All parameters are identified together; if those of added effects alone do better on unseen data (what fits one
@@ -94,12 +94,12 @@ def adopted(before: Standpoint, element: Element, mode: str, promised: float) ->
     return min(found, key=lambda one: one.rmse_unseen_n)
 
 
-def identified(place: Standpoint, model: DamperModel, keep: bool = False) -> DamperModel:
+def identified(state: ModelState, model: DamperModel, keep: bool = False) -> DamperModel:
     """The model identified from its values; with ``keep`` only the parameters of added effects."""
-    if keep and not place.added:
+    if keep and not state.added:
         return model
-    choice: dict[str, Sequence[str]] = {"fix": ["*"], "free": list(place.added)} if keep else {}
+    choice: dict[str, Sequence[str]] = {"fix": ["*"], "free": list(state.added)} if keep else {}
     try:
-        return settled(model, place.fit, **choice)
+        return locally_fitted(model, state.fit, **choice)
     except InputError:
         return model

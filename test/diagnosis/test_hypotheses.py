@@ -1,13 +1,16 @@
 """Candidates: every phenomenon has one, and each is physical whatever a recording drives."""
 
 import ast
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from planted import tried
 
 from damper_estimator import diagnosis
-from damper_estimator.diagnosis.candidates import candidates
+from damper_estimator.diagnosis.hypotheses import hypotheses_for
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.model import DamperModel, make_element
@@ -34,27 +37,27 @@ RANGES = st.builds(
 
 def test_every_phenomenon_has_a_candidate_where_its_channel_was_recorded():
     ranges = Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0, (0.0, 2.0), (20.0, 60.0))
-    found, _ = candidates(MODEL, ranges)
+    found, _ = hypotheses_for(MODEL, ranges)
     assert {c.effect.phenomenon for c in found} == {e.phenomenon for e in all_effects().values() if e.phenomenon}
 
 
 @settings(max_examples=60, deadline=None)
 @given(RANGES)
 def test_candidates_are_between_their_bounds_whatever_was_driven(ranges):
-    found, untestable = candidates(MODEL, ranges)
+    found, untestable = hypotheses_for(MODEL, ranges)
     assert found and not {c.effect.name for c in found} & set(untestable)
-    for candidate in found:
-        model, free = candidate.added_to(MODEL)
+    for hypothesis in found:
+        model, free = hypothesis.added_to(MODEL)
         assert free
         for i in free:
             slot = model.slots[i]
-            low, high = candidate.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
+            low, high = hypothesis.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
             assert slot.parameter.lower <= low < high <= slot.parameter.upper
             assert low <= slot.value <= high
 
 
 def test_what_was_not_recorded_is_named():
-    _, untestable = candidates(MODEL, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
+    _, untestable = hypotheses_for(MODEL, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
     assert "temperature" in untestable["temperature_gain"]
     assert "command" in untestable["command_yield"]
 
@@ -62,12 +65,12 @@ def test_what_was_not_recorded_is_named():
 def test_a_second_compliance_is_not_tried():
     series = next(e for e in all_effects().values() if e.kind == "series")
     soft = DamperModel("soft", "", (make_element(series, {}, MODEL.effects),))
-    found, untestable = candidates(soft, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
+    found, untestable = hypotheses_for(soft, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
     assert not [c for c in found if c.effect.kind == "series"]
     assert "compliance" in untestable[series.name]
 
 
-def test_the_room_names_no_effect_and_no_phenomenon():
+def test_the_package_names_no_effect_and_no_phenomenon():
     names = set(all_effects()) | {e.phenomenon for e in all_effects().values() if e.phenomenon}
     names -= {"path", "current"}  # ordinary words
     for source in Path(diagnosis.__path__[0]).glob("*.py"):
@@ -76,3 +79,20 @@ def test_the_room_names_no_effect_and_no_phenomenon():
             node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
         }
         assert not words & names, source
+
+
+def test_a_fitted_hypothesis_goes_into_the_model_and_is_resumed_from_where_it_ended(noisy):
+    hypothesis = tried(noisy, "coulomb", 0.5)
+    (name,) = (parameter.name for parameter in hypothesis.effect.parameters if parameter.name == "force")
+    ended = replace(hypothesis, fit=replace(hypothesis.fit, values={**hypothesis.fit.values, name: 123.0}))
+    changed = ended.fitted_into(noisy.model)
+    assert changed.effects[-1].parameters[name] == 123.0 and len(changed.effects) == len(noisy.model.effects) + 1
+    again = ended.resumed(ended)
+    assert again.fit is None and again.evaluation is None and again.element.parameters[name] == 123.0
+    assert again.starts[-1][name] == hypothesis.element.parameters[name]
+    for without_part in (
+        replace(ended.fit, hidden=True),
+        replace(ended.fit, change_fit=np.zeros_like(ended.fit.change_fit)),
+    ):
+        untouched = hypothesis.resumed(replace(ended, fit=without_part))
+        assert untouched.element is hypothesis.element and untouched.fit is None

@@ -10,21 +10,22 @@ An explanation may claim only what is its own: a test counts if it explains clea
 can imitate, and an effect that is no change of the curve if it explains clearly more than any change of the curve.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from damper_estimator.diagnosis.atlas_terms import STATIC
-from damper_estimator.diagnosis.judge import Shown, Tally
+from damper_estimator.diagnosis.evaluation import TestEvaluation
+from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.contract import Effect
 
-_LEAST = 1e-4  # of the error: smaller shares are told apart by nothing
+_LEAST = 1e-4  # of the error: nothing distinguishes smaller shares
 
 
 @dataclass(frozen=True)
-class Standing:
+class PhenomenonScore:
     """How well one phenomenon explains the error.
 
     Attributes:
@@ -39,36 +40,34 @@ class Standing:
     form_free: bool
 
 
-def standings(
-    tallies: Sequence[Tally],
-    tests: Sequence[Shown],
-    effects: Mapping[str, Effect],
-    replicates_of: Callable[[Tally], np.ndarray],
-) -> list[Standing]:
+def scores_of(
+    hypotheses: Sequence[Hypothesis],
+    tests: Sequence[TestEvaluation],
+    replicates_of: Callable[[Hypothesis], np.ndarray],
+) -> list[PhenomenonScore]:
     """Every phenomenon that was tried with an effect, the one that explains most first.
 
     Args:
-        effects: of the tallies, by name.
-        replicates_of: (replicates,) gain of a tally with the unseen part drawn again.
+        hypotheses: evaluated.
+        replicates_of: (replicates,) gain of a hypothesis with the unseen part drawn again.
     """
     counted = [test for test in tests if _beyond_simpler(test, tests)]
     curve = next((test.error for test in tests if test.test.name == "curve"), 1.0)
     found = []
-    for phenomenon in dict.fromkeys(tally.attempt.phenomenon for tally in tallies):
-        tried = [tally for tally in tallies if tally.attempt.phenomenon == phenomenon]
-        names = {name for tally in tried for name in effects[tally.attempt.effect].tests}
-        explained = 1.0 - min(tally.error for tally in tried)
+    for phenomenon in dict.fromkeys(hypothesis.phenomenon for hypothesis in hypotheses):
+        tried = [hypothesis for hypothesis in hypotheses if hypothesis.phenomenon == phenomenon]
+        names = {name for hypothesis in tried for name in hypothesis.effect.tests}
+        explained = 1.0 - min(hypothesis.evaluation.error for hypothesis in tried)
         alike = [test for test in counted if explained >= limits().form * (1.0 - test.error)]
         tested = [_tested(test) for test in alike if test.test.name in names]
         free_left = min((left for left, _ in tested), default=np.inf)
-        for tally in tried:
-            effect = effects[tally.attempt.effect]
-            if _is_static(effect) or tally.error < (1.0 - limits().own) * curve:
-                tested.append(_tried(tally, effect.general, replicates_of(tally)))
+        for hypothesis in tried:
+            if _is_static(hypothesis.effect) or hypothesis.evaluation.error < (1.0 - limits().beyond) * curve:
+                tested.append(_tried(hypothesis, replicates_of(hypothesis)))
         if tested:
             left, replicates = min(tested, key=lambda one: one[0])
-            found.append(Standing(phenomenon, left, replicates, left == free_left))
-    return sorted(found, key=lambda standing: standing.left)
+            found.append(PhenomenonScore(phenomenon, left, replicates, left == free_left))
+    return sorted(found, key=lambda score: score.left)
 
 
 def _is_static(effect: Effect) -> bool:
@@ -76,29 +75,30 @@ def _is_static(effect: Effect) -> bool:
     return set(effect.tests) <= STATIC if effect.tests else effect.kind == "channel"
 
 
-def probabilities(found: Sequence[Standing]) -> dict[str, float]:
+def probabilities(found: Sequence[PhenomenonScore]) -> dict[str, float]:
     """The probability of each phenomenon, given that it is one of them."""
     if not found:
         return {}
-    left = np.maximum([standing.replicates for standing in found], _LEAST)
+    left = np.maximum([score.replicates for score in found], _LEAST)
     weight = (left / left.min(axis=0)) ** -limits().sharpness
     share = np.mean(weight / weight.sum(axis=0), axis=1)
-    return {standing.phenomenon: float(p) for standing, p in zip(found, share, strict=True)}
+    return {score.phenomenon: float(p) for score, p in zip(found, share, strict=True)}
 
 
-def _beyond_simpler(test: Shown, tests: Sequence[Shown]) -> bool:
+def _beyond_simpler(test: TestEvaluation, tests: Sequence[TestEvaluation]) -> bool:
     simpler = min((other.error for other in tests if other.test.name in test.test.contains), default=np.inf)
-    return test.error < (1.0 - limits().own) * simpler
+    return test.error < (1.0 - limits().beyond) * simpler
 
 
-def _tested(test: Shown) -> tuple[float, np.ndarray]:
+def _tested(test: TestEvaluation) -> tuple[float, np.ndarray]:
     penalty = limits().form_free_margin + limits().form_free_penalty * test.size
     return test.error + penalty, _drawn(test.gains, test.left_fit) + penalty
 
 
-def _tried(tally: Tally, general: bool, gains: np.ndarray) -> tuple[float, np.ndarray]:
-    penalty = tally.score - tally.error + limits().general_margin * general
-    return tally.error + penalty, _drawn(gains, tally.left_fit) + penalty
+def _tried(hypothesis: Hypothesis, gains: np.ndarray) -> tuple[float, np.ndarray]:
+    evaluation = hypothesis.evaluation
+    penalty = hypothesis.score - evaluation.error + limits().general_margin * hypothesis.effect.general
+    return evaluation.error + penalty, _drawn(gains, evaluation.left_fit) + penalty
 
 
 def _drawn(gains: np.ndarray, left_fit: float) -> np.ndarray:

@@ -1,7 +1,7 @@
 """The model as it stands, before an effect is tried: its error, derivatives and form-free tests on both parts.
 
-What a common refit would do is told to first order, from the derivatives of the force by the model's parameters: cheap
-enough for every candidate.
+What a common refit would do is known to first order from the derivatives of the force by the model's parameters. That
+is cheap enough for every hypothesis.
 """
 
 from collections.abc import Sequence
@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from damper_estimator.diagnosis.atlas import Terms, terms
-from damper_estimator.diagnosis.candidates import Candidate
-from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
-from damper_estimator.diagnosis.scene import Scene, force_rows, targets
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, force_rows, targets
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows_with_force
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
@@ -24,8 +24,8 @@ _HELD = 0.3  # of its size a parameter may move in a first-order refit before it
 
 
 @dataclass(frozen=True)
-class Null:
-    """The model as it stands, on both parts of the scene.
+class Baseline:
+    """The model as it stands, on both parts of the data.
 
     Attributes:
         residual_fit, residual_unseen: (r,) rows, modelled less measured.
@@ -34,7 +34,7 @@ class Null:
     """
 
     model: DamperModel
-    scene: Scene
+    data: DiagnosisData
     residual_fit: np.ndarray
     residual_unseen: np.ndarray
     base_fit: np.ndarray
@@ -43,18 +43,18 @@ class Null:
     found_unseen: np.ndarray
 
     @cached_property
-    def frozen(self) -> tuple[DamperModel, Scene]:
-        """The model as one recorded force, with the scene that carries it."""
-        rows = {name: frozen_rows(self.model, getattr(self.scene, name)) for name in ("fit", "unseen")}
-        return frozen_model(self.model), replace(self.scene, **rows)
+    def recorded(self) -> tuple[DamperModel, DiagnosisData]:
+        """The model as one recorded force, with the data that carries it."""
+        rows = {name: rows_with_force(self.model, getattr(self.data, name)) for name in ("fit", "unseen")}
+        return recorded_force_model(self.model), replace(self.data, **rows)
 
     @cached_property
     def tests(self) -> list[Terms]:
         """The form-free tests that the recordings allow."""
-        return terms(self.model, self.scene)
+        return terms(self.model, self.data)
 
     @cached_property
-    def yields(self) -> bool:
+    def has_compliance(self) -> bool:
         """Whether there is a compliance in the model, so that running it is slow."""
         return any(element.effect.kind == "series" for element in walk(self.model.effects))
 
@@ -72,19 +72,21 @@ class Null:
                 found[one.test.name] = max(gain, found.get(one.test.name, 0.0))
         return found
 
-    def speaks_for(self, candidate: Candidate) -> bool:
-        """Whether one of the candidate's form-free tests explains enough for it to be tried; true without any."""
-        hints = [self.hints[name] for name in candidate.effect.tests if name in self.hints]
+    def suggests(self, hypothesis: Hypothesis) -> bool:
+        """Whether one of the hypothesis's form-free tests explains enough for it to be tried; true without any."""
+        hints = [self.hints[name] for name in hypothesis.effect.tests if name in self.hints]
         return not hints or max(hints) >= limits().hint
 
-    def stage(self, kind: str) -> tuple[DamperModel, Scene]:
-        """The model and scene on which an effect of a kind is tried: what acts behind the model need not run it."""
-        behind = kind in ("modifier", "channel") or (kind == "source" and self.yields)
-        return self.frozen if behind else (self.model, self.scene)
+    def for_kind(self, kind: str) -> tuple[DamperModel, DiagnosisData]:
+        """The model and data on which an effect of a kind is tried: what acts behind the model need not run it."""
+        behind = kind in ("modifier", "channel") or (kind == "source" and self.has_compliance)
+        return self.recorded if behind else (self.model, self.data)
 
 
-def null(model: DamperModel, scene: Scene, found: Sequence[int] = (), base: Sequence[int] | None = None) -> Null:
-    """The model on the scene.
+def baseline_of(
+    model: DamperModel, data: DiagnosisData, found: Sequence[int] = (), base: Sequence[int] | None = None
+) -> Baseline:
+    """The model on the data.
 
     Args:
         found: positions in its slots of parameters that are never kept.
@@ -92,16 +94,16 @@ def null(model: DamperModel, scene: Scene, found: Sequence[int] = (), base: Sequ
     """
     if base is None:
         base = [i for i, slot in enumerate(model.slots) if i not in found and not slot.fixed]
-    fit, unseen = force_rows(model, scene.fit), force_rows(model, scene.unseen)
-    return Null(
+    fit, unseen = force_rows(model, data.fit), force_rows(model, data.unseen)
+    return Baseline(
         model,
-        scene,
-        fit - targets(scene.fit),
-        unseen - targets(scene.unseen),
-        near_derivatives(model, scene.fit, base, fit),
-        near_derivatives(model, scene.unseen, base, unseen),
-        derivatives(model, scene.fit, found, fit),
-        derivatives(model, scene.unseen, found, unseen),
+        data,
+        fit - targets(data.fit),
+        unseen - targets(data.unseen),
+        near_derivatives(model, data.fit, base, fit),
+        near_derivatives(model, data.unseen, base, unseen),
+        derivatives(model, data.fit, found, fit),
+        derivatives(model, data.unseen, found, unseen),
     )
 
 

@@ -1,16 +1,18 @@
 """One effect is fitted to what a model leaves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from faults import changed, halves
 
-from damper_estimator.diagnosis.attempt import attempt, sketch
-from damper_estimator.diagnosis.candidates import candidates
-from damper_estimator.diagnosis.null import derivatives, first_order, near_derivatives, null, slot_size
-from damper_estimator.diagnosis.pool import attempts
+from damper_estimator.diagnosis.baseline import baseline_of, derivatives, first_order, near_derivatives, slot_size
+from damper_estimator.diagnosis.diagnosis_data import data_of, force_rows, weights
+from damper_estimator.diagnosis.explanation import parameters_of
+from damper_estimator.diagnosis.hypotheses import hypotheses_for
+from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import round_of
-from damper_estimator.diagnosis.report import parameters_of
-from damper_estimator.diagnosis.scene import force_rows, scene, weights
+from damper_estimator.diagnosis.trial_fit import sketch, trial_fit
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import fit, rows_of
 from damper_estimator.model import make_element
@@ -18,23 +20,23 @@ from damper_estimator.model import make_element
 
 @pytest.fixture(scope="module")
 def stiffened(user_model, base):
-    """The model against recordings with a spring of 6000 N/m more, and the candidates by name."""
+    """The model against recordings with a spring of 6000 N/m more, and the hypotheses by name."""
     parts = halves(changed(base, lambda k: 6000.0 * k.displacement))
-    stage = scene(user_model, parts[:1], parts[1:])
-    tried = {c.effect.name: c for c in candidates(user_model, stage.ranges)[0]}
-    return null(user_model, stage), tried
+    data = data_of(user_model, parts[:1], parts[1:])
+    tried = {c.name: c for c in hypotheses_for(user_model, data.ranges)[0]}
+    return baseline_of(user_model, data), tried
 
 
 @pytest.fixture(scope="module")
 def spring(stiffened):
-    """The attempt with a spring rate."""
+    """The hypothesis of a spring rate with its fit."""
     own, tried = stiffened
-    name = next(name for name, c in tried.items() if c.effect.phenomenon == "spring_rate_error")
-    return tried[name], attempt(own, tried[name])
+    hypothesis = next(one for one in tried.values() if one.phenomenon == "spring_rate_error")
+    return replace(hypothesis, fit=trial_fit(own, hypothesis))
 
 
 def test_a_planted_effect_takes_the_error_away_on_both_parts(stiffened, spring):
-    own, (candidate, tried) = stiffened[0], spring
+    own, tried = stiffened[0], spring.fit
     (value,) = tried.values.values()
     assert abs(value) == pytest.approx(6000.0, rel=0.05)
     for residual, change in (
@@ -43,31 +45,31 @@ def test_a_planted_effect_takes_the_error_away_on_both_parts(stiffened, spring):
     ):
         assert np.sum((residual + change) ** 2) < 0.2 * np.sum(residual**2)
     assert not tried.hidden and tried.at_bound == ()
-    assert tried.element(candidate).parameters == tried.values
+    assert spring.fitted_element.parameters == tried.values
 
 
 def test_what_explains_too_little_gets_no_derivatives(stiffened, spring):
-    own, (candidate, tried) = stiffened[0], spring
-    assert tried.own_fit.shape == (own.residual_fit.size, 1)
-    assert attempt(own, candidate, worth=2.0).own_fit.shape == (own.residual_fit.size, 0)
+    own = stiffened[0]
+    assert spring.fit.derivatives_fit.shape == (own.residual_fit.size, 1)
+    assert trial_fit(own, spring, worth=2.0).derivatives_fit.shape == (own.residual_fit.size, 0)
 
 
 def test_a_zero_is_hidden_by_the_freed_zero(stiffened):
     own, tried = stiffened
-    name = next(name for name, c in tried.items() if c.effect.phenomenon == "force_offset")
-    assert attempt(own, tried[name]).hidden
+    name = next(name for name, c in tried.items() if c.phenomenon == "force_offset")
+    assert trial_fit(own, tried[name]).hidden
 
 
 def test_standard_errors_are_those_of_a_fit_of_the_effect_alone(stiffened, spring):
-    own, (candidate, tried) = stiffened[0], spring
-    told = parameters_of(tried.element(candidate), tried, round_of(own, [candidate], [tried], "both"))
-    model, _ = candidate.added_to(own.model)
-    part = own.scene.fit[0].measurement
+    own = stiffened[0]
+    reported = parameters_of(spring.fitted_element, spring.fit, round_of(own, [spring], "both"))
+    model, _ = spring.added_to(own.model)
+    part = own.data.fit[0].measurement
     whole = fit(
-        model, [part], free=[candidate.effect.name], fix=["*"], starts=0, zero_free=True,
+        model, [part], free=[spring.name], fix=["*"], starts=0, zero_free=True,
         weights=[weights(own.model, part)],
     )  # fmt: skip
-    (mine,), (theirs,) = told, whole.parameters
+    (mine,), (theirs,) = reported, whole.parameters
     assert mine.value == pytest.approx(theirs.value, rel=1e-6)
     assert mine.standard_error == pytest.approx(theirs.standard_error, rel=1e-6)
 
@@ -117,12 +119,12 @@ def test_a_sketch_is_a_few_thousand_samples_of_all_recordings(user_model, base):
     assert sketch(short) == short
 
 
-def test_the_number_of_workers_does_not_change_an_attempt(stiffened):
+def test_the_number_of_workers_does_not_change_a_fit(stiffened):
     own, tried = stiffened
     some = [tried["coulomb"], tried["inertia"]]
     heard = []
-    one, two = (attempts(own, some, 0.0, workers, heard.append) for workers in (1, 2))
+    one, two = (all_fitted(own, some, 0.0, workers, heard.append) for workers in (1, 2))
     assert heard == [1, 2, 1, 2]
     for a, b in zip(one, two, strict=True):
-        assert a.effect == b.effect and a.values == b.values
-        np.testing.assert_array_equal(a.change_unseen, b.change_unseen)
+        assert a.name == b.name and a.fit.values == b.fit.values
+        np.testing.assert_array_equal(a.fit.change_unseen, b.fit.change_unseen)

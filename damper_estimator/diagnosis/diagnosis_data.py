@@ -29,7 +29,7 @@ _STEEPEST = 6.0  # weights fall no lower than 1 / (1 + 6^2)
 
 
 @dataclass(frozen=True)
-class Scene:
+class DiagnosisData:
     """Rows of all recordings of one damper.
 
     Attributes:
@@ -49,7 +49,7 @@ class Scene:
         return float(np.sqrt(np.mean(targets(self.unseen) ** 2)))
 
     @cached_property
-    def with_zero(self) -> "Scene":
+    def with_zero(self) -> "DiagnosisData":
         """The same rows with the gauge's zero and drift in the comparison."""
         return replace(
             self,
@@ -58,8 +58,8 @@ class Scene:
         )
 
 
-def scene(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> Scene:
-    """The scene of a model and its recordings; without ``unseen`` the last 40 % of each is kept back.
+def data_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> DiagnosisData:
+    """The data of a model and its recordings; without ``unseen`` the last 40 % of each is kept back.
 
     Raises:
         InputError: where a recording cannot be judged with this model.
@@ -69,7 +69,9 @@ def scene(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     unseen_parts = [late(b) for _, b in pairs] or list(unseen)
     fit_rows = _rows(model, fit_parts)
     unseen_rows = _rows(model, unseen_parts)
-    return Scene(fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows]))
+    return DiagnosisData(
+        fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows])
+    )
 
 
 def early(measurement: Measurement) -> Measurement:

@@ -1,26 +1,26 @@
-"""Turns rounds of attempts into findings, reasons and sentences."""
+"""Explains a search in words and numbers: findings, reasons and sentences."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted
-from damper_estimator.diagnosis.adopt import Standpoint
-from damper_estimator.diagnosis.attempt import Attempt
+from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, rmse
 from damper_estimator.diagnosis.evidence import confirming, evidence
-from damper_estimator.diagnosis.judge import HIGH, LOW, Errors, Tally, rmse
+from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.reidentify import Reidentified
-from damper_estimator.diagnosis.result import AtlasRow, Finding, Judged, Judgement, Structure
+from damper_estimator.diagnosis.result import AtlasRow, EvaluationSummary, Finding, RankedEffect, Structure
 from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.diagnosis.trial_fit import TrialFit
 from damper_estimator.identification import FittedParameter
 from damper_estimator.identification.rows import split
 from damper_estimator.model import Element
 from damper_estimator.numerics import standard_errors
 
-_SHOWN = 0.05  # gain from which on it is kept what a candidate explains
+_SHOWN = 0.05  # gain from which on it is kept what a hypothesis explains
 
 
 def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n: float, after_n: float) -> Finding:
@@ -31,7 +31,7 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
     floor_square = floor**2 if np.isfinite(floor) else 0.0
     explainable = max(before_n**2 - floor_square, 1e-12)
     without = current.without
-    with_it = current.left(one.tally)
+    with_it = current.left(one.hypothesis)
     return Finding(
         effect=effect.name,
         phenomenon=effect.phenomenon,
@@ -43,10 +43,10 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
         gain=gain,
         low=low,
         high=high,
-        evidence=evidence(current.null, effect, without, with_it, current.tests),
+        evidence=evidence(current.baseline, effect, without, with_it, current.tests),
         test_to_separate=confirming(effect, one.tied),
         remark=_remark(one, again),
-        parameters=parameters_of(one.element, one.tally.attempt, current),
+        parameters=parameters_of(one.element, one.hypothesis.fit, current),
         is_channel=effect.kind == "channel",
         partner=one.partner,
     )
@@ -64,7 +64,7 @@ def _acting_against(one: Accepted) -> str:
 
 
 def _at_a_limit(one: Accepted) -> str:
-    bounded = [address.rpartition(".")[2].replace("_", " ") for address in one.tally.attempt.at_bound]
+    bounded = [address.rpartition(".")[2].replace("_", " ") for address in one.hypothesis.fit.at_bound]
     if not bounded:
         return ""
     verb = "lie at limits" if len(bounded) > 1 else "lies at a limit"
@@ -79,7 +79,7 @@ def _disagreement(one: Accepted, again: Reidentified | None) -> str:
             "Re-identifying the parameters that are there explains it as well "
             f"(unseen error {again.rmse_n:.3g} N without the effect)."
         )
-    left = one.tally.refitted.square / max(one.round.refitted.square, 1e-300)
+    left = one.hypothesis.evaluation.refitted.square / max(one.round.refitted.square, 1e-300)
     if 1.0 - left < 0.5 * one.gain[0]:
         return (
             f"With the model's parameters kept it explains {100.0 * one.gain[0]:.0f} % of the squared error, refitted "
@@ -88,7 +88,7 @@ def _disagreement(one: Accepted, again: Reidentified | None) -> str:
     return ""
 
 
-def parameters_of(element: Element, attempt: Attempt, current: Round) -> tuple[FittedParameter, ...]:
+def parameters_of(element: Element, fit: TrialFit, current: Round) -> tuple[FittedParameter, ...]:
     """The effect's values; their standard errors are those with all other parameters kept."""
     effect = element.effect
     flat = [
@@ -96,8 +96,8 @@ def parameters_of(element: Element, attempt: Attempt, current: Round) -> tuple[F
         for name, value in element.parameters.items()
         for k, number in enumerate(np.atleast_1d(value))
     ]
-    errors = _standard_errors(attempt, current)
-    bounded = {address.rpartition(".")[2] for address in attempt.at_bound}
+    errors = _standard_errors(fit, current)
+    bounded = {address.rpartition(".")[2] for address in fit.at_bound}
     return tuple(
         FittedParameter(
             f"{effect.name}.{name}", value, float("nan") if name in bounded else error, declared.unit, name in bounded
@@ -106,15 +106,15 @@ def parameters_of(element: Element, attempt: Attempt, current: Round) -> tuple[F
     )
 
 
-def _standard_errors(attempt: Attempt, current: Round) -> np.ndarray:
+def _standard_errors(fit: TrialFit, current: Round) -> np.ndarray:
     """(k,); NaN where nothing is known of the derivatives, or the data do not determine a parameter."""
-    columns = attempt.own_fit
+    columns = fit.derivatives_fit
     if not columns.shape[1] or not np.isfinite(columns).all():
-        return np.full(attempt.sizes.size, np.nan)
-    rows = current.null.scene.fit
-    residual = current.null.residual_fit + attempt.change_fit
+        return np.full(fit.sizes.size, np.nan)
+    rows = current.baseline.data.fit
+    residual = current.baseline.residual_fit + fit.change_fit
     rates = [part.rate for part in rows]
-    return standard_errors(split(rows, columns), split(rows, residual), rates) * attempt.sizes
+    return standard_errors(split(rows, columns), split(rows, residual), rates) * fit.sizes
 
 
 def atlas_of(current: Round) -> tuple[AtlasRow, ...]:
@@ -122,77 +122,78 @@ def atlas_of(current: Round) -> tuple[AtlasRow, ...]:
     rows = []
     for test in current.tests:
         low, high = np.percentile(test.gains, [LOW, HIGH])
-        known = {c.effect.phenomenon for c in current.candidates.values() if test.test.name in c.effect.tests}
+        tried = (*current.hypotheses, *current.hidden)
+        known = {hypothesis.phenomenon for hypothesis in tried if test.test.name in hypothesis.effect.tests}
         name, shows, phenomena = test.test.name, test.test.shows, tuple(sorted(known))
         rows.append(AtlasRow(name, phenomena, shows, 1.0 - test.left_unseen, float(low), float(high)))
     return tuple(sorted(rows, key=lambda row: -row.explains))
 
 
-def judged_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[Judged, ...]:
-    """The first round's candidates, best first; ``accepted`` names those that lower the error."""
+def ranking_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[RankedEffect, ...]:
+    """The first round's hypotheses, best first; ``accepted`` names those that lower the error."""
     first = found.rounds[0]
     best = first.best
-    order = sorted(first.tallies, key=lambda tally: tally is not best)
-    rows = [_judged(first, tally, force_rms, accepted) for tally in order]
-    hidden = [
-        _hidden(first, name, next((one for one in found.accepted if one.element.effect.name == name), None))
-        for name in first.hidden
-    ]
+    order = sorted(first.hypotheses, key=lambda hypothesis: hypothesis is not best)
+    rows = [_ranked(first, hypothesis, force_rms, accepted) for hypothesis in order]
+    by_name = {one.element.effect.name: one for one in reversed(found.accepted)}
+    hidden = [_hidden(hypothesis, by_name.get(hypothesis.name)) for hypothesis in first.hidden]
     return tuple(rows + hidden)
 
 
-def _judged(current: Round, tally: Tally, force_rms: float, accepted: set[str]) -> Judged:
-    name = tally.attempt.effect
-    effect = current.candidates[name].effect
-    reason = "" if name in accepted else current.reason_against(tally, force_rms) or "another explains more"
-    explains = ()
-    if current.gain(tally)[0] >= _SHOWN:
-        explains = _explains(current, tally)
-    return Judged(
+def _ranked(current: Round, hypothesis: Hypothesis, force_rms: float, accepted: set[str]) -> RankedEffect:
+    name, evaluation = hypothesis.name, hypothesis.evaluation
+    reason = "" if name in accepted else current.reason_against(hypothesis, force_rms) or "another explains more"
+    kept = summary_of(current, evaluation.kept, evaluation.kept_gains, current.kept)
+    refitted = summary_of(current, evaluation.refitted, evaluation.refitted_gains, current.refitted)
+    return RankedEffect(
         effect=name,
-        phenomenon=effect.phenomenon,
-        kept=None if current.refits else judgement(current, tally.kept, tally.kept_gains, current.kept),
-        refitted=None
-        if current.mode == "kept"
-        else judgement(current, tally.refitted, tally.refitted_gains, current.refitted),
-        parameters=parameters_of(tally.attempt.element(current.candidates[name]), tally.attempt, current),
+        phenomenon=hypothesis.phenomenon,
+        kept=None if current.refits else kept,
+        refitted=None if current.mode == "kept" else refitted,
+        parameters=parameters_of(hypothesis.fitted_element, hypothesis.fit, current),
         reason=reason,
-        explains=explains,
+        explains=_explains(current, hypothesis) if current.gain(hypothesis)[0] >= _SHOWN else (),
     )
 
 
-def _hidden(current: Round, name: str, one: Accepted | None) -> Judged:
-    effect = current.candidates[name].effect
-    reason = "" if one else "changes nothing that is compared"
-    parameters = parameters_of(one.element, one.tally.attempt, one.round) if one else ()
-    kept = judgement(one.round, one.tally.kept, one.tally.kept_gains, one.round.kept) if one else None
-    return Judged(name, effect.phenomenon, kept, None, parameters, reason)
+def _hidden(hypothesis: Hypothesis, one: Accepted | None) -> RankedEffect:
+    if one is None:
+        return RankedEffect(hypothesis.name, hypothesis.phenomenon, None, None, (), "changes nothing that is compared")
+    evaluation = one.hypothesis.evaluation
+    return RankedEffect(
+        effect=hypothesis.name,
+        phenomenon=hypothesis.phenomenon,
+        kept=summary_of(one.round, evaluation.kept, evaluation.kept_gains, one.round.kept),
+        refitted=None,
+        parameters=parameters_of(one.element, one.hypothesis.fit, one.round),
+        reason="",
+    )
 
 
-def judgement(current: Round, left: Errors, replicates: np.ndarray, without: Errors) -> Judgement:
-    """One way of judging in numbers."""
-    low, high = np.percentile(replicates, [LOW, HIGH])
-    return Judgement(rmse(current.null, left), 1.0 - left.square / max(without.square, 1e-300), float(low), float(high))
+def summary_of(current: Round, left: Errors, replicates: np.ndarray, without: Errors) -> EvaluationSummary:
+    """One evaluation in numbers."""
+    low, high = (float(end) for end in np.percentile(replicates, [LOW, HIGH]))
+    return EvaluationSummary(rmse(current.baseline, left), 1.0 - left.square / max(without.square, 1e-300), low, high)
 
 
-def _explains(current: Round, tally: Tally) -> tuple[np.ndarray, ...]:
+def _explains(current: Round, hypothesis: Hypothesis) -> tuple[np.ndarray, ...]:
     """(n,) N in band per unseen recording: what the effect changes of the force."""
-    candidate = current.candidates[tally.attempt.effect]
-    changed, _ = replace(candidate, element=tally.attempt.element(candidate)).added_to(current.null.model)
+    model = current.baseline.model
+    changed = hypothesis.fitted_into(model)
     parts = []
-    for rows in current.null.scene.unseen:
+    for rows in current.baseline.data.unseen:
         block = rows.measurement.kinematics.block
-        parts.append(rows.measurement.in_band(np.nan_to_num(changed.force(block) - current.null.model.force(block))))
+        parts.append(rows.measurement.in_band(np.nan_to_num(changed.force(block) - model.force(block))))
     return tuple(parts)
 
 
-def identified_sentence(given: Standpoint, place: Standpoint) -> str:
+def identified_sentence(given: ModelState, state: ModelState) -> str:
     """That the model was identified first, where it was."""
-    if place is given:
+    if state is given:
         return ""
     return (
         "The model had no record of a fit and was identified first "
-        f"(unseen error {given.rmse_unseen_n:.3g} to {place.rmse_unseen_n:.3g} N). "
+        f"(unseen error {given.rmse_unseen_n:.3g} to {state.rmse_unseen_n:.3g} N). "
     )
 
 

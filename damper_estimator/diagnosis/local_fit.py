@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from damper_estimator.diagnosis.null import near_derivatives, slot_size
-from damper_estimator.diagnosis.scene import force_rows, targets, weights
+from damper_estimator.diagnosis.baseline import near_derivatives, slot_size
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets, weights
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.fit_record import fit_record
@@ -28,7 +28,7 @@ _LEAST = 1e-3  # of the squared error: a smaller gain ends it
 _HELD = 1.0  # of a parameter's size: further it is not sent in one step
 
 
-def settled(
+def locally_fitted(
     model: DamperModel,
     measurements: Sequence[Measurement],
     free: Sequence[str] = (),

@@ -1,4 +1,4 @@
-"""Effects that are in a model already, tried from the starts that they have as candidates.
+"""Effects that are in a model already, tried from the starts that they have as hypotheses.
 
 A parameter may lie so far out that its derivative says nothing: a stiffness that was next to rigid, a limit that was
 never reached. Re-identification from there would not find the way.
@@ -8,22 +8,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from damper_estimator.diagnosis.attempt import sketch, sketched
-from damper_estimator.diagnosis.candidates import Candidate
-from damper_estimator.diagnosis.scene import Scene
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.trial_fit import sketch, sketched
 from damper_estimator.effects.trial import Trial, Untestable
 from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import labels
 
 
-def restarted(model: DamperModel, scene: Scene) -> tuple[DamperModel, float]:
+def from_other_starts(model: DamperModel, data: DiagnosisData) -> tuple[DamperModel, float]:
     """The model with the parameters of that one effect found anew which explains most by it, on excerpts of the rows.
 
     Returns:
         The model, as it was where no effect explains anything, and the share of the squared error that it takes away.
     """
-    rows = LocalRows(sketch(scene.fit))
+    rows = LocalRows(sketch(data.fit))
     before = Problem(model, rows, ()).point(np.empty(0)).cost
     best, least = model, before
     for label, element in labels(model.effects):
@@ -31,11 +31,11 @@ def restarted(model: DamperModel, scene: Scene) -> tuple[DamperModel, float]:
         if element.effect.trial is None or not slots:
             continue
         try:
-            trial = element.effect.trial(scene.ranges)
+            trial = element.effect.trial(data.ranges)
         except Untestable:
             continue
         problem = Problem(model, rows, slots)
-        point = sketched(problem, Candidate(element, {}, _starts(element, trial)))
+        point = sketched(problem, Hypothesis(element, {}, _starts(element, trial)))
         if point is not None and point.cost < least:
             best, least = problem.model_at(problem.vector(point.searched, point.solved)), point.cost
     return best, 1.0 - least / max(before, 1e-300)

@@ -5,32 +5,41 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.diagnosis.frozen import frozen_model, frozen_rows
-from damper_estimator.diagnosis.scene import BLOCK, early, force_rows, late, scene, targets, unweighted, weights
+from damper_estimator.diagnosis.diagnosis_data import (
+    BLOCK,
+    data_of,
+    early,
+    force_rows,
+    late,
+    targets,
+    unweighted,
+    weights,
+)
+from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows_with_force
 from damper_estimator.errors import InputError
 from damper_estimator.identification.rows import split
 
 
 def test_the_last_two_fifths_of_each_recording_are_kept_back(user_model, base):
-    stage = scene(user_model, [base, base], [])
-    assert [len(own.measurement.kinematics) for own in stage.fit] == 2 * [len(early(base).kinematics)]
+    data = data_of(user_model, [base, base], [])
+    assert [len(own.measurement.kinematics) for own in data.fit] == 2 * [len(early(base).kinematics)]
     assert len(early(base).kinematics) == pytest.approx(0.6 * len(base.kinematics), abs=1)
     stamps = [part.kinematics.stamp for part in (early(base), late(base))]
     assert np.array_equal(np.concatenate(stamps), base.kinematics.stamp)
 
 
 def test_given_recordings_are_judged_on_as_a_whole(user_model, base, soft):
-    stage = scene(user_model, [base], list(soft))
-    assert [own.measurement.recording for own in stage.unseen] == [m.recording for m in soft]
-    assert len(stage.fit[0].measurement.kinematics) == len(base.kinematics)
+    data = data_of(user_model, [base], list(soft))
+    assert [own.measurement.recording for own in data.unseen] == [m.recording for m in soft]
+    assert len(data.fit[0].measurement.kinematics) == len(base.kinematics)
 
 
 def test_blocks_last_a_second_and_belong_to_one_recording(user_model, base):
-    stage = scene(user_model, [base], [base, base])
-    first, second = split(stage.unseen, stage.blocks)
+    data = data_of(user_model, [base], [base, base])
+    first, second = split(data.unseen, data.blocks)
     assert second.min() == first.max() + 1
     counts = np.bincount(first)[1:-1]
-    assert counts[counts > 0] == pytest.approx(BLOCK * stage.unseen[0].rate, rel=0.2)
+    assert counts[counts > 0] == pytest.approx(BLOCK * data.unseen[0].rate, rel=0.2)
 
 
 def test_weights_are_one_on_average_and_fall_where_the_curve_is_steep(user_model, base):
@@ -44,7 +53,7 @@ def test_weights_are_one_on_average_and_fall_where_the_curve_is_steep(user_model
 def test_the_zero_and_a_straight_drift_are_left_out_unless_they_are_asked_for(user_model, base):
     time = base.kinematics.time - base.kinematics.time[0]
     shifted = replace(base, force=base.force + 30.0 + 0.4 * time)
-    plain, drifting = (scene(user_model, [own], [own]) for own in (base, shifted))
+    plain, drifting = (data_of(user_model, [own], [own]) for own in (base, shifted))
     moved = weights(user_model, shifted) / weights(user_model, base)
     assert np.ptp(moved) < 0.1  # a little more force is a little more of what no form gets right
     residuals = [force_rows(user_model, own.unseen) - targets(own.unseen) for own in (plain, drifting)]
@@ -55,17 +64,17 @@ def test_the_zero_and_a_straight_drift_are_left_out_unless_they_are_asked_for(us
 
 
 def test_an_error_in_newton_is_told_without_the_weights(user_model, base):
-    rows = scene(user_model, [base], [base]).unseen
+    rows = data_of(user_model, [base], [base]).unseen
     root = np.sqrt(np.concatenate([own.weight[own.picks] for own in rows]))
     assert unweighted(rows, 7.0 * root) == pytest.approx(7.0)
 
 
 def test_a_frozen_model_gives_the_force_that_it_recorded(user_model, base):
-    rows = scene(user_model, [base], [base]).fit
-    frozen = frozen_rows(user_model, rows)
-    np.testing.assert_array_equal(force_rows(frozen_model(user_model), frozen), force_rows(user_model, rows))
+    rows = data_of(user_model, [base], [base]).fit
+    frozen = rows_with_force(user_model, rows)
+    np.testing.assert_array_equal(force_rows(recorded_force_model(user_model), frozen), force_rows(user_model, rows))
 
 
 def test_a_recording_without_force_is_refused(user_model, base):
     with pytest.raises(InputError, match="no measured force"):
-        scene(user_model, [replace(base, force=None)], [])
+        data_of(user_model, [replace(base, force=None)], [])

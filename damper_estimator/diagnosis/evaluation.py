@@ -1,0 +1,170 @@
+"""Evaluates hypotheses on unseen data: squared errors by blocks of a second, which the bootstrap draws.
+
+Residuals are autocorrelated, so that neighbouring samples are not independent.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.diagnosis.atlas_terms import Test
+from damper_estimator.diagnosis.baseline import Baseline, first_order
+from damper_estimator.diagnosis.diagnosis_data import unweighted
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.trial_fit import TrialFit
+from damper_estimator.numerics import block_draws
+
+LOW, HIGH = 5.0, 95.0  # percentiles
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What is left after one way of adding an effect.
+
+    Attributes:
+        fit, unseen: (r,) rows.
+        blocks: (b,) sum of squares of the unseen rows in each block.
+    """
+
+    fit: np.ndarray
+    unseen: np.ndarray
+    blocks: np.ndarray
+
+    @property
+    def square(self) -> float:
+        """Sum of squares, unseen."""
+        return float(self.blocks.sum())
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What is left with one hypothesis, evaluated both ways.
+
+    Attributes:
+        kept, refitted: what is left with the model's parameters as they are, and refitted to first order.
+        kept_gains, refitted_gains: (replicates,) gain against the model without the effect, evaluated the same way.
+        left_unseen, left_fit: shares of the squared error without the effect that are left, as the round ranks.
+    """
+
+    kept: Errors
+    refitted: Errors
+    kept_gains: np.ndarray
+    refitted_gains: np.ndarray
+    left_unseen: float
+    left_fit: float
+
+    @property
+    def error(self) -> float:
+        """Share of the squared error that is left, geometric mean of both parts: an effect may show little on the
+        recordings that happen to be unseen.
+        """
+        return float(np.sqrt(self.left_unseen * self.left_fit))
+
+
+@dataclass(frozen=True)
+class TestEvaluation:
+    """One form-free test, evaluated as the round evaluates.
+
+    Attributes:
+        size: number of its columns.
+        left: what is left after it.
+        gains: (replicates,) gain against the model without it.
+        left_unseen, left_fit: shares of the squared error without it that are left.
+    """
+
+    test: Test
+    size: int
+    left: Errors
+    gains: np.ndarray
+    left_unseen: float
+    left_fit: float
+
+    @property
+    def error(self) -> float:
+        """Share of the squared error that is left, geometric mean of both parts."""
+        return float(np.sqrt(self.left_unseen * self.left_fit))
+
+
+def evaluated_tests(baseline: Baseline, mode: str) -> list[TestEvaluation]:
+    """Every test that the recordings allow."""
+    without = without_effects(baseline)[int(mode == "refit")]
+    drawn = block_draws(without.blocks.size)
+    refitted = slice(None if mode == "refit" else 0)
+    found = []
+    for one in baseline.tests:
+        fit = np.hstack([baseline.found_fit, baseline.base_fit[:, refitted], one.fit])
+        unseen = np.hstack([baseline.found_unseen, baseline.base_unseen[:, refitted], one.unseen])
+        left = errors(baseline.data.blocks, *first_order(baseline.residual_fit, fit, baseline.residual_unseen, unseen))
+        found.append(
+            TestEvaluation(one.test, one.fit.shape[1], left, gains(drawn, left, without), *_left(left, without))
+        )
+    return found
+
+
+def errors(blocks: np.ndarray, fit: np.ndarray, unseen: np.ndarray) -> Errors:
+    """Errors with their sums over blocks (r,) int."""
+    return Errors(fit, unseen, np.bincount(blocks, unseen**2))
+
+
+def without_effects(baseline: Baseline) -> tuple[Errors, Errors]:
+    """What is left without any effect: kept, and refitted to first order."""
+    blocks = baseline.data.blocks
+    residuals = baseline.residual_fit, baseline.residual_unseen
+    kept = first_order(residuals[0], baseline.found_fit, residuals[1], baseline.found_unseen)
+    free_fit = np.hstack([baseline.found_fit, baseline.base_fit])
+    free_unseen = np.hstack([baseline.found_unseen, baseline.base_unseen])
+    refitted = first_order(residuals[0], free_fit, residuals[1], free_unseen)
+    return _harmless(errors(blocks, *kept), errors(blocks, *refitted))
+
+
+def _harmless(kept: Errors, refitted: Errors) -> tuple[Errors, Errors]:
+    """Both, where derivatives mislead twice the kept one: a refit that harms unseen data says nothing."""
+    return kept, refitted if refitted.square <= kept.square else kept
+
+
+def with_effects(baseline: Baseline, fits: Sequence[TrialFit], base: bool) -> Errors:
+    """What is left with effects added; ``base`` refits the model's parameters as well, to first order.
+
+    A single effect with everything else kept is exact, all else is linear in the parameters.
+    """
+    fit = baseline.residual_fit + sum(one.change_fit for one in fits)
+    unseen = baseline.residual_unseen + sum(one.change_unseen for one in fits)
+    free_fit, free_unseen = [baseline.found_fit], [baseline.found_unseen]
+    if base:
+        free_fit.append(baseline.base_fit)
+        free_unseen.append(baseline.base_unseen)
+    if base or len(fits) > 1 or baseline.found_fit.shape[1]:
+        free_fit += [one.derivatives_fit for one in fits]
+        free_unseen += [one.derivatives_unseen for one in fits]
+    return errors(baseline.data.blocks, *first_order(fit, np.hstack(free_fit), unseen, np.hstack(free_unseen)))
+
+
+def evaluated(baseline: Baseline, hypotheses: Sequence[Hypothesis], mode: str) -> list[Hypothesis]:
+    """All fitted hypotheses with their evaluation, best first; ``mode`` is both, kept or refit."""
+    without = without_effects(baseline)
+    drawn = block_draws(without[0].blocks.size)
+    ranked_by = int(mode == "refit")
+    found = []
+    for hypothesis in hypotheses:
+        left = _harmless(*(with_effects(baseline, [hypothesis.fit], base) for base in (False, True)))
+        gained = (gains(drawn, one, before) for one, before in zip(left, without, strict=True))
+        evaluation = Evaluation(*left, *gained, *_left(left[ranked_by], without[ranked_by]))
+        found.append(replace(hypothesis, evaluation=evaluation))
+    return sorted(found, key=lambda hypothesis: hypothesis.score)
+
+
+def _left(errors: Errors, without: Errors) -> tuple[float, float]:
+    """Shares of the squared error that are left, unseen and fit."""
+    before = float(np.sum(without.fit**2))
+    return errors.square / max(without.square, 1e-300), float(np.sum(errors.fit**2)) / max(before, 1e-300)
+
+
+def gains(drawn: np.ndarray, errors: Errors, without: Errors) -> np.ndarray:
+    """(replicates,) 1 - error / error without."""
+    return 1.0 - (drawn @ errors.blocks) / np.maximum(drawn @ without.blocks, 1e-300)
+
+
+def rmse(baseline: Baseline, errors: Errors) -> float:
+    """Unseen error in N, unweighted."""
+    return unweighted(baseline.data.unseen, errors.unseen)

@@ -1,0 +1,178 @@
+"""Fits the parameters of one hypothesis to what the model leaves, all other parameters kept."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.diagnosis.baseline import Baseline, derivatives, slot_size
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, force_rows, targets
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.identification import LocalRows, Point, Problem
+from damper_estimator.identification.methods.least_squares import refine
+from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.start_points import candidates as start_sizes
+from damper_estimator.model.element import walk
+
+_ITERATIONS = 10
+_GAIN = 1e-3
+_FINISHING = 4  # iterations on all of the data, from where excerpts led
+_TRIED = 2  # starts that are continued from
+_SKETCH = 6000  # samples on which starts are compared
+_RANGE = 0.05  # of what is physical: the size of a parameter that starts at zero
+_SILENT = 1e-9  # of the force's rows
+_SILENT_SLOPE = 1e-7  # the same for differences, whose rounding is larger
+
+
+@dataclass(frozen=True)
+class TrialFit:
+    """The fitted parameters of a hypothesis, and what they change.
+
+    Attributes:
+        values: of its parameters by name.
+        at_bound: addresses of those that stopped at a physical limit.
+        derivatives_fit, derivatives_unseen: (r, k) derivatives by its parameters, each times the parameter's size; k is
+            0 where it explains too little to need them.
+        sizes: (k,) of its parameters.
+        change_fit, change_unseen: (r,) what it adds to the force.
+        hidden: whether the freed zero of the gauge hides all that it does.
+    """
+
+    values: dict[str, float | tuple[float, ...]]
+    at_bound: tuple[str, ...]
+    derivatives_fit: np.ndarray
+    derivatives_unseen: np.ndarray
+    sizes: np.ndarray
+    change_fit: np.ndarray
+    change_unseen: np.ndarray
+    hidden: bool
+
+
+def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0) -> TrialFit:
+    """Fits the parameters of a hypothesis, and computes what they change on both parts of the data.
+
+    Args:
+        worth: share of the squared error on the fit rows; what explains less gets no derivatives, and counts as it is.
+    """
+    if not baseline.suggests(hypothesis):
+        return _untried(baseline, hypothesis)
+    given, data = baseline.for_kind(hypothesis.effect.kind)
+    problem = hypothesis.problem(given, data.fit)
+    vector = _fitted(problem, hypothesis, data)
+    model = problem.model_at(vector)
+    force_fit, force_unseen = force_rows(model, data.fit), force_rows(model, data.unseen)
+    change_fit = np.nan_to_num(force_fit - baseline.residual_fit - targets(data.fit))
+    change_unseen = np.nan_to_num(force_unseen - baseline.residual_unseen - targets(data.unseen))
+    free = list(problem.free)
+    sizes = np.array([slot_size(model.slots[i]) for i in free])
+    before, after = (
+        float(np.sum(residual**2)) for residual in (baseline.residual_fit, baseline.residual_fit + change_fit)
+    )
+    explained = 1.0 - after / max(before, 1e-300)
+    silent = _is_silent(change_fit, data)
+    if explained >= worth or silent:
+        derivatives_fit = derivatives(model, data.fit, free, force_fit)
+        derivatives_unseen = derivatives(model, data.unseen, free, force_unseen)
+    else:
+        derivatives_fit, derivatives_unseen = np.zeros((change_fit.size, 0)), np.zeros((change_unseen.size, 0))
+    return TrialFit(
+        values=dict(list(walk(model.effects))[model.slots[free[0]].entry].parameters),
+        at_bound=_at_bound(problem, vector),
+        derivatives_fit=derivatives_fit,
+        derivatives_unseen=derivatives_unseen,
+        sizes=sizes,
+        change_fit=change_fit,
+        change_unseen=change_unseen,
+        hidden=silent and _is_silent(derivatives_fit, data, _SILENT_SLOPE),
+    )
+
+
+def linearised(baseline: Baseline, hypothesis: Hypothesis) -> TrialFit:
+    """The hypothesis at its start values: what it changes, and its derivatives there, each as large as the residual."""
+    given, data = baseline.for_kind(hypothesis.effect.kind)
+    problem = hypothesis.problem(given, data.fit)
+    model, free = problem.model_at(np.array([slot.value for slot in problem.slots])), list(problem.free)
+    force_fit, force_unseen = force_rows(model, data.fit), force_rows(model, data.unseen)
+    derivatives_fit = derivatives(model, data.fit, free, force_fit)
+    size = np.sqrt(np.sum(derivatives_fit**2, axis=0))
+    felt = size > _SILENT * np.sqrt(np.sum(targets(data.fit) ** 2))
+    scale = np.where(felt, np.sqrt(np.sum(baseline.residual_fit**2)) / np.where(felt, size, 1.0), 0.0)
+    return replace(
+        _untried(baseline, hypothesis),
+        derivatives_fit=derivatives_fit * scale,
+        derivatives_unseen=derivatives(model, data.unseen, free, force_unseen) * scale,
+        sizes=scale * [slot_size(model.slots[i]) for i in free],
+        change_fit=np.nan_to_num(force_fit - baseline.residual_fit - targets(data.fit)),
+        change_unseen=np.nan_to_num(force_unseen - baseline.residual_unseen - targets(data.unseen)),
+    )
+
+
+def _untried(baseline: Baseline, hypothesis: Hypothesis) -> TrialFit:
+    """Of a hypothesis that the form-free tests rule out: it changes nothing."""
+    fit, unseen = baseline.residual_fit.size, baseline.residual_unseen.size
+    return TrialFit(
+        values=dict(hypothesis.element.parameters),
+        at_bound=(),
+        derivatives_fit=np.zeros((fit, 0)),
+        derivatives_unseen=np.zeros((unseen, 0)),
+        sizes=np.ones(hypothesis.size),
+        change_fit=np.zeros(fit),
+        change_unseen=np.zeros(unseen),
+        hidden=False,
+    )
+
+
+def _is_silent(rows: np.ndarray, data: DiagnosisData, share: float = _SILENT) -> bool:
+    """Whether rows are mere rounding errors of the force's."""
+    return bool(np.abs(rows).max(initial=0.0) <= share * np.abs(targets(data.fit)).max())
+
+
+def _fitted(problem: Problem, hypothesis: Hypothesis, data: DiagnosisData) -> np.ndarray:
+    """(slots,) values after the search from the best starts."""
+    start, iterations = problem.start, _ITERATIONS
+    if hypothesis.starts and problem.searched.size:
+        found = sketched(problem.on(LocalRows(sketch(data.fit))), hypothesis)
+        if found is None:
+            return problem.vector(start, np.array([problem.slots[i].value for i in problem.solved]))
+        start, iterations = found.searched, _FINISHING
+    if not problem.searched.size:
+        point = problem.point(start)
+    else:
+        point, _ = refine(problem, start, _sizes(problem), iterations, _GAIN)
+    return problem.vector(point.searched, point.solved)
+
+
+def sketched(problem: Problem, hypothesis: Hypothesis) -> Point | None:
+    """Where the best of the hypothesis's starts lead, on a problem with few rows; None where none can be computed."""
+    if not problem.searched.size:
+        return problem.point(problem.start)
+    starts = hypothesis.start_points(problem)
+    costs = np.array([problem.point(start).cost for start in starts])
+    best = np.argsort(costs, kind="stable")[:_TRIED]
+    size = _sizes(problem)
+    ends = [refine(problem, starts[i], size, _ITERATIONS, _GAIN)[0] for i in best if np.isfinite(costs[i])]
+    return min(ends, key=lambda end: end.cost, default=None)
+
+
+def _sizes(problem: Problem) -> np.ndarray:
+    """(q,) magnitudes of the searched parameters; one that starts at zero has a share of its range."""
+    _, size = start_sizes(problem, 0, 0)
+    span = problem.upper[problem.searched] - problem.lower[problem.searched]
+    return np.where(problem.start == 0.0, np.maximum(size, _RANGE * span), size)
+
+
+def sketch(rows: Sequence[Rows]) -> list[Rows]:
+    """Excerpts of the recordings, on which starts are compared."""
+    total = sum(len(part.measurement.kinematics) for part in rows)
+    if total <= _SKETCH:
+        return list(rows)
+    return [part for part in LocalRows(rows).excerpts(_SKETCH, total).rows if part.picks.size > 2]
+
+
+def _at_bound(problem: Problem, vector: np.ndarray) -> tuple[str, ...]:
+    names = []
+    for i in problem.free:
+        low, high = problem.lower[i], problem.upper[i]
+        if min(vector[i] - low, high - vector[i]) <= 1e-6 * (high - low):
+            names.append(problem.slots[i].address)
+    return tuple(names)

@@ -1,0 +1,74 @@
+"""How the hypotheses of a round are ranked, refused and tied."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import FORCE, known, rounded, tried
+
+from damper_estimator.diagnosis.thresholds import limits
+
+
+@pytest.mark.parametrize(
+    ("share", "reason"),
+    [
+        (0.005, "explains nothing"),
+        (0.1, "of the squared error on unseen data"),
+        (0.8, ""),
+    ],
+)
+def test_what_explains_too_little_gets_a_reason(noisy, share, reason):
+    current = rounded(noisy, tried(noisy, "coulomb", share))
+    reason_given = current.reason_against(current.best, FORCE)
+    assert reason in reason_given and bool(reason) == bool(reason_given)
+    assert (current.gain(current.best)[0] >= limits().gain) == (share == 0.8)
+
+
+def test_what_is_worth_next_to_nothing_of_the_force_is_said_so(noisy):
+    current = rounded(noisy, tried(noisy, "coulomb", 0.8))
+    taken = 100.0 * np.sqrt(1.0 - 0.2**2)
+    assert "worth" in current.reason_against(current.best, 1.05 * taken / limits().least_force)
+    assert not current.reason_against(current.best, 0.9 * taken / limits().least_force)
+
+
+def test_what_helps_in_a_single_block_is_not_sure(noisy):
+    loud = noisy.data.blocks == 3
+    residual = np.where(loud, 50.0, 1.0) * noisy.residual_unseen
+    burst = replace(noisy, residual_unseen=residual)
+    one = tried(burst, "coulomb", 0.7)
+    one = replace(one, fit=replace(one.fit, change_unseen=np.where(loud, -0.7, 0.5) * residual))
+    current = rounded(burst, one)
+    assert current.gain(current.best)[0] > limits().gain and current.gain(current.best)[1] < 0.0
+    assert "not sure" in current.reason_against(current.best, FORCE)
+
+
+def test_a_general_explanation_must_be_clearly_better_than_a_specific_one(noisy):
+    general = next(one.name for one in known(noisy).values() if one.effect.general)
+    error = 0.3**2
+    near, far = (
+        1.0 - np.sqrt(error + margin) for margin in (0.5 * limits().general_margin, 2.0 * limits().general_margin)
+    )
+    for share, best in ((near, "coulomb"), (far, general)):
+        current = rounded(noisy, tried(noisy, general, 0.7), tried(noisy, "coulomb", share))
+        assert current.best.name == best
+
+
+def test_explanations_that_do_as_well_are_tied_and_share_the_confidence(noisy):
+    current = rounded(
+        noisy, tried(noisy, "coulomb", 0.70), tried(noisy, "inertia", 0.70), tried(noisy, "oil_spring", 0.1)
+    )
+    assert current.tied(current.best) in (("inertia",), ("friction",))
+    assert current.confidence(("friction",)) == pytest.approx(current.confidence(("inertia",)), abs=0.05)
+    assert current.confidence(("friction", "inertia")) > 0.95
+    clear = rounded(noisy, tried(noisy, "coulomb", 0.8), tried(noisy, "inertia", 0.3))
+    assert clear.tied(clear.best) == () and clear.confidence(("friction",)) > 0.95
+
+
+def test_probabilities_add_up_and_follow_what_is_left(noisy):
+    names = ("coulomb", "inertia", "oil_spring", "gas_spring")
+    current = rounded(
+        noisy, *(tried(noisy, name, share) for name, share in zip(names, (0.7, 0.5, 0.3, 0.1), strict=True))
+    )
+    values = [current.probabilities[score.phenomenon] for score in current.scores]
+    assert sum(current.probabilities.values()) == pytest.approx(1.0)
+    assert values == sorted(values, reverse=True)

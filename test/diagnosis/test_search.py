@@ -1,0 +1,66 @@
+"""Passes of the search: when a model's parameters are kept, and when they are refitted with every effect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import rounded, tried
+
+from damper_estimator.diagnosis import search as module
+from damper_estimator.diagnosis.accepted import accepted_in
+from damper_estimator.diagnosis.thresholds import limits
+
+GOOD, POOR = 0.5, 3.0  # times the error from which on a model is poor
+
+
+@pytest.fixture
+def searched(noisy, monkeypatch):
+    """A search whose passes are replaced; returns the modes of the passes and the result."""
+
+    def run(mode, error, found, trusted=False, residual=0.0):
+        """``error`` in multiples of ``poor``, ``found`` in each pass, ``residual`` of the identification, N."""
+        rms = error * limits().poor * noisy.data.force_rms
+        scale = rms / np.sqrt(np.mean(noisy.residual_unseen**2))
+        model = replace(noisy.model, fit={**noisy.model.fit, "residual_stddev": residual * rms})
+        start = replace(
+            noisy, model=model, residual_fit=scale * noisy.residual_fit, residual_unseen=scale * noisy.residual_unseen
+        )
+        passes = []
+
+        def rounds(mode, start, hypotheses, workers, progress):
+            current = rounded(start, tried(start, "coulomb", 0.9), mode=mode)
+            accepted = [accepted_in(current, current.best)] if mode in found else []
+            changed = current.best.fitted_into(start.model) if accepted else start.model
+            passes.append(module._Pass(mode, [current], accepted, replace(start, model=changed)))
+            return passes[-1]
+
+        monkeypatch.setattr(module, "baseline_of", lambda model, data: start)
+        monkeypatch.setattr(module, "_rounds", rounds)
+        result = module.search(model, noisy.data, mode, (), 1, lambda text, share: None, trusted)
+        assert result.rounds == tuple(passes[-1].rounds) and result.mode == passes[-1].mode
+        assert len(result.accepted) == len(passes[-1].accepted)
+        return [one.mode for one in passes]
+
+    return run
+
+
+def test_a_good_model_is_kept_whether_anything_is_found_or_not(searched):
+    assert searched("both", GOOD, found=("both",)) == ["both"]
+    assert searched("both", GOOD, found=()) == ["both"]
+
+
+def test_a_poor_model_is_refitted_only_if_nothing_is_found_while_it_is_kept(searched):
+    assert searched("both", POOR, found=("both",)) == ["both"]
+    assert searched("both", POOR, found=("refit",)) == ["both", "refit"]
+    assert searched("both", POOR, found=()) == ["both", "refit"]
+
+
+def test_a_model_that_was_never_better_is_refitted_at_once(searched):
+    assert searched("both", POOR, found=("both", "refit"), residual=0.9) == ["refit"]
+    assert searched("both", GOOD, found=("both",), residual=0.9) == ["both"]
+
+
+def test_a_trusted_model_and_an_explicit_mode_get_one_pass(searched):
+    assert searched("both", POOR, found=(), trusted=True, residual=0.9) == ["both"]
+    assert searched("kept", POOR, found=(), residual=0.9) == ["kept"]
+    assert searched("refit", GOOD, found=()) == ["refit"]
