@@ -1,7 +1,7 @@
-"""Effects that are in a model already, tried from the starts that they have as hypotheses.
+"""Effects that a model has already, fitted from the start values that they have as hypotheses.
 
-A parameter may lie so far out that its derivative says nothing: a stiffness that was next to rigid, a limit that was
-never reached. Re-identification from there would not find the way.
+A parameter may lie so far out that its derivative is useless: a stiffness that was nearly rigid, a limit that was never
+reached. Re-identification from there would not converge.
 """
 
 from collections.abc import Sequence
@@ -18,10 +18,10 @@ from damper_estimator.model.element import labels
 
 
 def from_other_starts(model: DamperModel, data: DiagnosisData) -> tuple[DamperModel, float]:
-    """The model with the parameters of that one effect found anew which explains most by it, on excerpts of the rows.
+    """The model with the parameters of one effect fitted again: the effect that explains most, on excerpts of the rows.
 
     Returns:
-        The model, as it was where no effect explains anything, and the share of the squared error that it takes away.
+        The model, unchanged if no effect explains anything, and the share of the squared error that it explains.
     """
     rows = LocalRows(sketch(data.fit))
     before = Problem(model, rows, ()).point(np.empty(0)).cost

@@ -2,7 +2,7 @@
 
     residual = sum_k c_k term_k + rest,      c found on the fitted rows, judged on the unseen ones
 
-A column's coefficient is held to the order of the force itself, which is all the regularisation there is.
+The only regularisation limits the coefficient of a column to the order of the force.
 """
 
 from collections.abc import Sequence

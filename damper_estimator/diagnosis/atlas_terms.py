@@ -39,7 +39,7 @@ class View:
     Attributes:
         x, v, a, dt: motion, with ``x`` about the middle of the driven stroke.
         temperature: between -1 and 1 over what the fitted recordings hold; None where it does not vary.
-        command: over its largest value there; None where it stands still.
+        command: over its largest value there; None if it is constant.
         force: of the model, without its mean.
         slope: dF/dv of the model.
         force_rate: dF/dt of the model, N/s.
@@ -109,7 +109,7 @@ def _varying(values: np.ndarray, ends: tuple[float, float] | None, least: float)
 
 
 def _command(values: np.ndarray, ends: tuple[float, float] | None) -> np.ndarray | None:
-    """(n,) the command over its largest value; None where it stands still."""
+    """(n,) the command over its largest value; None if it is constant."""
     if _varying(values, ends, _LEAST_COMMAND) is None:
         return None
     return values / max(abs(ends[0]), abs(ends[1]))

@@ -20,7 +20,7 @@ from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels, walk
 from damper_estimator.numerics import ROUGH, damped_step, stepped
 
-_HELD = 0.3  # of its size a parameter may move in a first-order refit before it is held back
+_DAMPED_FROM = 0.3  # of its size: a parameter that moves further in a first-order refit is damped
 
 
 @dataclass(frozen=True)
@@ -151,9 +151,9 @@ def first_order(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Residuals (r,) of both parts after a linear refit by ``columns`` (r, k), each in sizes of its parameter.
 
-    A parameter that has to move by much more than a share of its size is held back: beyond, derivatives say little.
+    A parameter that would move by much more than a share of its size is damped: derivatives are useless beyond.
     """
     if not columns.shape[1]:
         return residual, residual_unseen
-    step = damped_step(columns, residual, _HELD)
+    step = damped_step(columns, residual, _DAMPED_FROM)
     return residual + columns @ step, residual_unseen + columns_unseen @ step

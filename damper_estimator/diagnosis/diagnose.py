@@ -1,8 +1,8 @@
-"""Names the physical effects that a model lacks, as far as recordings tell.
+"""Names the physical effects that a model lacks, as far as the recordings show it.
 
-The order: hypotheses are fitted with the model's parameters kept, judged on unseen data, the best is put in, and the
-next round looks for what is left. Beside that the model is re-identified as it is, to tell a change of what is there
-from something new.
+Hypotheses are fitted with the model's parameters kept and evaluated on unseen data; the best one is added, and the next
+round explains what is left. In addition the model is re-identified without new effects, to distinguish changed
+parameters from a missing effect.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -56,10 +56,10 @@ def diagnose(
     Args:
         model: the user's, with parameters that were identified before.
         fit: recordings that parameters are found on.
-        unseen: recordings that explanations are judged on; without, the last 40 % of each of ``fit``.
+        unseen: recordings that explanations are judged on; the last 40 % of each of ``fit`` if empty.
         mode: ``both``; ``kept``: the model's parameters are trusted; ``refit``: they are not.
         workers: processes.
-        progress: is told what goes on and its share; what it raises ends the work.
+        progress: called with the activity in words and the share that is done; an exception from it ends the work.
         skip: effects that are not tried.
 
     Raises:
@@ -68,23 +68,23 @@ def diagnose(
     """
     if mode not in MODES:
         raise ValueError(f"mode {mode!r} is none of {', '.join(MODES)}")
-    tell = progress or (lambda text, share: None)
-    tell("reading the model's error", 0.0)
+    report = progress or (lambda text, share: None)
+    report("reading the model's error", 0.0)
     given = begun(model, fit, unseen)
     state = identified_first(given, mode)
-    found, data = _searched(state, mode, skip, workers, lambda text, share: tell(text, 0.05 + 0.75 * share))
-    tell("identifying the parameters of the model", 0.8)
+    found, data = _searched(state, mode, skip, workers, lambda text, share: report(text, 0.05 + 0.75 * share))
+    report("identifying the parameters of the model", 0.8)
     again = reidentified(found.rounds[0], data) if mode != "kept" else None
     before = compare(state.model, *state.unseen)
     force, floor = before.measures.force_rms_n, before.noise_floor_n
     verdict, picture = verdict_on(found, again, force, floor)
     if verdict == "parameters_changed" and not found.accepted:
         found = replace(found, accepted=as_if_by(found.rounds[0]))
-    tell("adding what was found", 0.9)
+    report("adding what was found", 0.9)
     steps = _steps(state, found, mode, again if verdict == "parameters_changed" else None)
     if verdict == "missing" and not steps:
         verdict, picture = verdict_on(replace(found, accepted=()), again, force, floor)
-    tell("done", 1.0)
+    report("done", 1.0)
     return _diagnosis(state, found, again, verdict, picture, steps, before, given)
 
 
@@ -104,8 +104,8 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
 def _searched(
     state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
 ) -> tuple[Search, DiagnosisData]:
-    """What was found, and on which recordings: less what the model got wrong when it was identified already, if that
-    accounts for part of the error and leaves something; else as they were measured.
+    """What was found, and on which recordings: without the error that the model had when it was identified, if that
+    accounts for part of the error and leaves something; otherwise as measured.
     """
     data = data_of(state.model, state.fit, state.unseen)
     parts = [[without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen)]

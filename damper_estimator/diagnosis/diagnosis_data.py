@@ -1,8 +1,8 @@
-"""The data of a diagnosis: rows to fit to, rows to judge on, and how much each of them is to be trusted.
+"""The data of a diagnosis: rows to fit to, rows to judge on, and the weight of each.
 
     weight = s^2 / (s_F^2 + (dF/dv s_v)^2)
 
-s_F is the gauge's noise in band with a hundredth of the force for the model's own form, s_v the velocity's noise in
+s_F is the gauge's noise in band with a hundredth of the force for the form of the model, s_v the velocity's noise in
 band, dF/dv the slope of the model at each sample: where the curve is steep, noise of the displacement is noise of
 the force. The zero of the gauge and its straight drift belong to each recording and are left out of the comparison.
 """
@@ -33,7 +33,7 @@ class DiagnosisData:
     """Rows of all recordings of one damper.
 
     Attributes:
-        fit, unseen: what parameters are found on, and what explanations are judged on.
+        fit, unseen: rows that parameters are fitted to, and rows that explanations are judged on.
         blocks: (r,) int, the block of each unseen row.
         ranges: what the recordings drive.
     """

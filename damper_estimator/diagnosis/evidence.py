@@ -77,10 +77,9 @@ def _listed(names: Sequence[str], last: str = "and") -> str:
 
 
 def confirming(effect: Effect, tied: Sequence[str]) -> str:
-    """The test that tells the effect from its look-alikes."""
+    """The test that distinguishes the effect from similar ones."""
     text = _sentence(effect.separate) if effect.separate else ""
-    return (
-        f"To tell it from {_listed([name.replace('_', ' ') for name in tied], 'or')}: {text[:1].lower()}{text[1:]}"
-        if tied and text
-        else text
-    )
+    if not (tied and text):
+        return text
+    others = _listed([name.replace("_", " ") for name in tied], "or")
+    return f"To distinguish it from {others}: {text[:1].lower()}{text[1:]}"

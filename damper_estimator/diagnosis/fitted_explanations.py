@@ -1,4 +1,4 @@
-"""Explanations of the same error, each as the model with its effect in it: what a test has to tell apart."""
+"""Explanations of the same error, each as the model with its effect in it: what a test has to distinguish."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -66,8 +66,8 @@ class Explanations:
 def explanations(model: DamperModel, measurements: Sequence[Measurement], phenomena: Sequence[str]) -> Explanations:
     """The model with each phenomenon's effects, fitted to all recordings with the model's parameters kept.
 
-    A phenomenon is there as its best effect and as others that leave about as little: the rival may take any form.
-    Without phenomena the model as it is, alone.
+    Each phenomenon is represented by its best effect and by others that leave about as little, because the rival may
+    take any form. Without phenomena, the model alone.
 
     Raises:
         InputError: where a recording cannot be used, or cannot show a phenomenon.

@@ -1,4 +1,4 @@
-"""What may be missing: every effect that stands for a phenomenon, tried as it says of itself.
+"""What may be missing: every effect that represents a phenomenon, tried as its declaration says.
 
 A `Hypothesis` passes through the stages of the diagnosis: it starts with values and limits from the recordings, gets
 a `TrialFit` (`trial_fit`), and then its `Evaluation` on unseen data (`evaluation`).

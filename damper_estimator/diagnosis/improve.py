@@ -1,8 +1,8 @@
 """Adds what is missing, step by step, until nothing more is justified on unseen data.
 
-Each round diagnoses, adds the findings one after the other, identifies anew after each, and keeps a step only where
-the unseen error falls. At the end effects that later ones made needless are taken out again. Mistakes of the
-measurement chain go to the signal map, never into the model.
+Each round diagnoses, adds the findings one after the other, identifies again after each, and keeps a step only if the
+unseen error falls. At the end effects that later ones made redundant are removed. Faults of the measurement chain are
+corrected in the signal map, never in the model.
 """
 
 from collections.abc import Callable, Sequence
@@ -69,7 +69,7 @@ def improve(
     Raises:
         InputError, ValueError: as ``diagnose``.
     """
-    tell = progress or (lambda text, share: None)
+    report = progress or (lambda text, share: None)
     improving = _Improving(begun(model, fit, unseen), mode)
     improving.keep("start", improving.current, None, None, "the model as given")
     current = identified_first(improving.current, mode)
@@ -78,17 +78,17 @@ def improve(
     first: Diagnosis | None = None
     for number in range(_ROUNDS):
         found = _diagnosed(
-            improving, workers, lambda text, part, done=number / _ROUNDS: tell(text, done + part / _ROUNDS)
+            improving, workers, lambda text, part, done=number / _ROUNDS: report(text, done + part / _ROUNDS)
         )
         first = first or found
         before = len(improving.steps)
         _follow(improving, found, most)
         if len(improving.steps) == before:
             break
-    _prune(improving, tell)
+    _prune(improving, report)
     if len(improving.steps) != before:
-        found = _diagnosed(improving, workers, lambda text, part: tell(text, 1.0))
-    tell("done", 1.0)
+        found = _diagnosed(improving, workers, lambda text, part: report(text, 1.0))
+    report("done", 1.0)
     return Improvement(
         steps=tuple(improving.steps),
         verdict=found.verdict,
@@ -134,10 +134,10 @@ def _follow(improving: _Improving, found: Diagnosis, most: int) -> None:
             improving.keep("correct" if finding.is_channel else "add", current, finding, found)
 
 
-def _prune(improving: _Improving, tell: Progress) -> None:
-    """Takes out effects that later ones made needless."""
+def _prune(improving: _Improving, report: Progress) -> None:
+    """Removes effects that later ones made redundant."""
     for name in list(improving.current.added[:-1]):
-        tell(f"is {name} still needed", 0.95)
+        report(f"is {name} still needed", 0.95)
         current = improving.current
         present = [label for label, element in labels(current.model.effects) if element.effect.name == name]
         less = replace(current, added=tuple(other for other in current.added if other != name))

@@ -1,8 +1,8 @@
-"""Identifies a model from where it stands.
+"""Identifies a model from its present values.
 
-Without a compliance this is a fit like any other. Behind one, every parameter of the path would have to be searched
-with a run of the implicit solver each; there the derivatives of the path alone are near enough to find the way, and
-each step is checked on the model itself.
+Without a compliance this is an ordinary fit. Behind a compliance, the derivative by every parameter of the path would
+cost a run of the implicit solver; the derivatives of the path alone are accurate enough, since each step is checked on
+the model itself.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ from damper_estimator.signals import Measurement
 _STEPS = 5
 _SHORTEST = 0.1  # of a step
 _LEAST = 1e-3  # of the squared error: a smaller gain ends it
-_HELD = 1.0  # of a parameter's size: further it is not sent in one step
+_DAMPED_FROM = 1.0  # of a parameter's size: a longer step is damped
 
 
 def locally_fitted(
@@ -61,7 +61,7 @@ def _descended(
     columns = near_derivatives(model, rows, slots, force)
     for _ in range(_STEPS):
         residual = force - target
-        step = damped_step(columns, residual, _HELD)
+        step = damped_step(columns, residual, _DAMPED_FROM)
         share, best = 1.0, (float(residual @ residual), model, force)
         while share >= _SHORTEST and best[1] is model:
             trial = _moved(model, slots, share * step)

@@ -132,7 +132,7 @@ def _system(model: DamperModel, rows: Sequence[Rows], ranges: Ranges) -> tuple[n
 
 
 def _solved(columns: np.ndarray, missing: np.ndarray, rows: Sequence[Rows]) -> np.ndarray:
-    """(k,) coefficients; each column's share is held to the order of the force."""
+    """(k,) coefficients; each column's share is limited to the order of the force."""
     scale = np.sqrt(np.mean(columns**2, axis=0))
     scale = np.where(scale > 1e-9 * scale.max(), scale, np.inf)
     normal, right = normal_equations(columns / scale, missing)

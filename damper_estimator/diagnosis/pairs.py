@@ -28,7 +28,7 @@ from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step
 
 _FITTED = 6  # pairs
-_FAR = 10.0  # times what explains all of the error: steps are hardly held back
+_FAR = 10.0  # times what explains all of the error: steps are hardly damped
 
 Couple = tuple[tuple[Hypothesis, Hypothesis], tuple[np.ndarray, np.ndarray]]  # with steps from the start values
 

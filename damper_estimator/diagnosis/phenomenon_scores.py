@@ -3,11 +3,11 @@
     left_p = min over explanations e of phenomenon p of  sqrt(left_fit,e left_unseen,e) + penalty_e
     P(p)   = left_p^-k / sum over q of left_q^-k,        averaged over the bootstrap's replicates of the unseen part
 
-left is a share of the squared error without the explanation. The form-free tests stand beside the effects so that a
-phenomenon whose form is not quite that of the effect in the library does not lose to another one with more freedom;
-an effect must explain a good part of what its test does, though.
-An explanation may claim only what is its own: a test counts if it explains clearly more than the simpler tests that it
-can imitate, and an effect that is no change of the curve if it explains clearly more than any change of the curve.
+left is a share of the squared error without the explanation. The form-free tests compete with the effects so that a
+phenomenon whose form differs from that of the effect in the library does not lose to another one with more freedom; an
+effect must explain a good part of what its test does, though. An explanation counts only with what simpler ones cannot
+explain: a test must explain clearly more than the simpler tests that it can imitate, and an effect that is no change of
+the curve clearly more than any change of the curve.
 """
 
 from collections.abc import Callable, Sequence

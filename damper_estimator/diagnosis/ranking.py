@@ -112,7 +112,7 @@ class Round:
         return ""
 
     def tied(self, best: Hypothesis) -> tuple[str, ...]:
-        """Other phenomena that these data cannot tell from the best, the most probable first."""
+        """Other phenomena that these data cannot distinguish from the best, the most probable first."""
         order = sorted(self.probabilities, key=self.probabilities.__getitem__, reverse=True)
         others = [name for name in order if name != best.phenomenon and self.probabilities[name] >= limits().tied]
         return tuple(others[:MOST_TIED])

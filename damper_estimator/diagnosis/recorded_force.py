@@ -1,6 +1,6 @@
-"""The kept model as one recorded force: what a hypothesis adds to it need not run it again.
+"""The model as one recorded force, so that it need not run again for what a hypothesis adds to it.
 
-The force stands in one more row of the block, below those of ``signals.layout``.
+The force is in an additional row of the block, below those of ``signals.layout``.
 """
 
 from collections.abc import Sequence

@@ -23,7 +23,7 @@ _STILL_THERE = 0.25  # of the error: what effects take away after re-identificat
 
 @dataclass(frozen=True)
 class Reidentified:
-    """The model with its own parameters identified anew.
+    """The model with its parameters identified again.
 
     Attributes:
         model: with the new values.

@@ -63,10 +63,10 @@ class RankedEffect:
 
 @dataclass(frozen=True)
 class Finding:
-    """An effect that is missing, as far as these data can tell.
+    """An effect that is missing, as far as these data show it.
 
     Attributes:
-        tied_with: other phenomena that these data cannot tell from it.
+        tied_with: other phenomena that these data cannot distinguish from it.
         rmse_before_n, rmse_after_n: on unseen data.
         share_of_explainable_error: (MSE before - MSE after) / (MSE before - floor^2).
         confidence: probability that what is missing is in the tied group.
@@ -135,7 +135,7 @@ class AtlasRow:
 
     Attributes:
         test, shows: its name, and the variables in words.
-        phenomena: that it stands for.
+        phenomena: that it represents.
         explains: share of the squared error on unseen data; may be negative.
         low, high: 5 and 95 % of its block bootstrap.
     """
@@ -150,7 +150,7 @@ class AtlasRow:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is missing from a model, as far as these recordings tell.
+    """What is missing from a model, as far as these recordings show it.
 
     Attributes:
         model: as given, or identified first where it had no record of a fit.
@@ -210,7 +210,7 @@ class Diagnosis:
             "rmse_refit_alone_n": self.rmse_refit_alone_n,
             "findings": [finding.record() for finding in self.findings],
             "rejected": [
-                *(judged.record() for judged in self.ranking if judged.reason),
+                *(ranked.record() for ranked in self.ranking if ranked.reason),
                 *({"effect": name, "reason": reason} for name, reason in self.untestable.items()),
             ],
             "parameters_moved": [asdict(moved) for moved in self.moved],
@@ -277,5 +277,5 @@ class Improvement:
             "verdict": self.verdict,
             "sentence": self.sentence,
             "noise_floor_n": self.noise_floor_n,
-            "rejected": [judged.record() for judged in self.rejected],
+            "rejected": [ranked.record() for ranked in self.rejected],
         }

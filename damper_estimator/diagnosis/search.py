@@ -208,7 +208,7 @@ def _compared_again(
 
 def _hidden_by_the_zero(first: Round, model: DamperModel, added: Collection[str]) -> list[Accepted]:
     """Findings that the freed zero of the gauge hides, evaluated with it in the comparison, in addition to all that was
-    found: effects with a mean of their own are fitted with the zero as well, and may explain it.
+    found: effects with a mean are fitted with the zero as well, and may explain it.
     """
     found = []
     data = first.baseline.data.with_zero

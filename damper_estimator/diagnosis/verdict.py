@@ -27,7 +27,11 @@ def verdict_on(
     """
     first, left = found.rounds[0], found.left_n
     floor = floor_n if np.isfinite(floor_n) else 0.0
-    if again is not None and _enough(found, again, floor) and not _more_telling(found.accepted, left, again):
+    if (
+        again is not None
+        and _enough(found, again, floor)
+        and not _new_effects_explain_more(found.accepted, left, again)
+    ):
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
@@ -50,11 +54,11 @@ def _enough(found: Search, again: Reidentified, floor: float) -> bool:
 
 
 def _residual_before(model: DamperModel) -> float:
-    """What the model's own identification left, N; 0 where it is not known."""
+    """What the model's identification left, N; 0 if unknown."""
     return float(model.fit.get("residual_stddev", 0.0) or 0.0)
 
 
-def _more_telling(accepted: Sequence[Accepted], left_n: float, again: Reidentified) -> bool:
+def _new_effects_explain_more(accepted: Sequence[Accepted], left_n: float, again: Reidentified) -> bool:
     """Whether new effects, which leave ``left_n``, say more than moving what is there, or one of the damper as much
     with far fewer parameters.
     """

@@ -42,6 +42,6 @@ def test_the_speeds_that_lose_most_error_are_named(told):
 def test_the_test_that_tells_look_alikes_apart_names_them():
     effect = find_effect("coulomb")
     assert confirming(effect, ["oil compressibility", "inertia"]).startswith(
-        "To tell it from oil compressibility or inertia: "
+        "To distinguish it from oil compressibility or inertia: "
     )
     assert confirming(effect, []).lower().startswith(effect.separate[:10].lower())
