@@ -27,7 +27,7 @@ from damper_estimator.diagnosis.explanation import (
     sentence_of,
     unexplained_sentence,
 )
-from damper_estimator.diagnosis.misfit import without_misfit
+from damper_estimator.diagnosis.misfit import misfit_of, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import Diagnosis, Structure
 from damper_estimator.diagnosis.search import Search, as_if_by, search
@@ -105,18 +105,20 @@ def _searched(
     state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
 ) -> tuple[Search, DiagnosisData]:
     """What was found, and on which recordings: without the error that the model had when it was identified, if that
-    accounts for part of the error and leaves something; otherwise as measured.
+    accounts for part of the error and leaves more than it did then; otherwise as measured.
     """
     data = data_of(state.model, state.fit, state.unseen)
-    parts = [[without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen)]
-    if parts[0][0] is not state.fit[0]:
+    known = misfit_of(state.model.fit)
+    if known is not None:
+        parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen))
         news = data_of(state.model, *parts)
         force = unweighted(data.unseen, targets(data.unseen))
         whole, left = (
             unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
             for source in (data, news)
         )
-        if left**2 < limits().accounted * whole**2 and left > limits().least_force * force:
+        is_accounted_for = left**2 < limits().accounted * whole**2
+        if is_accounted_for and left > limits().least_force * force and known.leaves_news(left):
             found = search(
                 state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
             )

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from damper_estimator.diagnosis.atlas_terms import TESTS, Columns, View, view_of
-from damper_estimator.diagnosis.diagnosis_data import ranges_of, targets, weights
+from damper_estimator.diagnosis.diagnosis_data import ranges_of, targets, unweighted, weights
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
@@ -35,10 +35,22 @@ KEY = "misfit"
 
 @dataclass(frozen=True)
 class Misfit:
-    """Coefficients of the tests in N per unit of their columns, and the ranges that lay the columns out."""
+    """The prediction of a model's error.
+
+    Attributes:
+        ranges: that lay the columns of the tests out.
+        coefficients: of the tests, N per unit of their columns.
+        left_n: N, what it leaves on recordings that it was not computed from; NaN in files of earlier versions.
+    """
 
     ranges: Ranges
     coefficients: Mapping[str, tuple[float, ...]]
+    left_n: float = float("nan")
+
+    def leaves_news(self, left_n: float) -> bool:
+        """Whether an error is so much larger than the one that the prediction always left that an effect which explains
+        the difference would be found."""
+        return not (1.0 - limits().gain) * left_n**2 <= self.left_n**2
 
     def force(self, model: DamperModel, measurement: Measurement) -> np.ndarray:
         """(n,) N, by how much the measured force is predicted to differ from the model's."""
@@ -55,6 +67,7 @@ class Misfit:
             "compression": _rounded(self.ranges.compression),
             "extension": _rounded(self.ranges.extension),
             "speed": _rounded(self.ranges.speed),
+            "left": _rounded(self.left_n),
             "newtons": {name: [_rounded(c) for c in values] for name, values in self.coefficients.items()},
         }
 
@@ -65,9 +78,10 @@ def misfit_of(record: Mapping[str, Any]) -> Misfit | None:
     try:
         coefficients = {str(name): tuple(float(c) for c in values) for name, values in kept["newtons"].items()}
         ranges = _ranges(*(float(kept[name]) for name in ("compression", "extension", "speed")))
+        left_n = float(kept.get("left", "nan"))
     except (TypeError, KeyError, ValueError, AttributeError):
         return None
-    return Misfit(ranges, coefficients)
+    return Misfit(ranges, coefficients, left_n)
 
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
@@ -96,16 +110,17 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
     columns, missing = _system(model, first, ranges)
     solution = _solved(columns, missing, first)
     columns, missing = _system(model, last, ranges)
-    if float(np.sum((missing - columns @ solution) ** 2)) > (1.0 - limits().predicts) * float(np.sum(missing**2)):
+    left = missing - columns @ solution
+    if float(np.sum(left**2)) > (1.0 - limits().predicts) * float(np.sum(missing**2)):
         return None
+    left_n = unweighted(last, left)
     columns, missing = _system(model, rows, ranges)
     solution = _solved(columns, missing, rows)
     view = view_of(model, rows[0].measurement, ranges)
     sizes = [len(test.columns(view)) for test in _tests()]
     each = np.split(solution, np.cumsum(sizes)[:-1])
-    return Misfit(
-        ranges, {test.name: tuple(explained.tolist()) for test, explained in zip(_tests(), each, strict=True)}
-    )
+    coefficients = {test.name: tuple(explained.tolist()) for test, explained in zip(_tests(), each, strict=True)}
+    return Misfit(ranges, coefficients, left_n)
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:

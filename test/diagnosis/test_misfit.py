@@ -31,6 +31,15 @@ def test_the_old_error_is_predicted_on_a_recording_that_was_not_seen(rough):
     assert error(model, without_misfit(model, other)) < 0.3 * error(model, other)
 
 
+def test_only_an_error_that_an_effect_could_explain_is_news(rough):
+    model, _, other = rough
+    known = misfit_of(model.fit)
+    usual = error(model, without_misfit(model, other))
+    assert known.left_n == pytest.approx(usual, rel=0.3) and not known.leaves_news(known.left_n)
+    assert known.leaves_news(1.2 * known.left_n) and not known.leaves_news(1.1 * known.left_n)
+    assert replace(known, left_n=float("nan")).leaves_news(1.0)  # of an earlier version: unknown
+
+
 def test_it_survives_the_model_file(rough):
     import yaml
 
