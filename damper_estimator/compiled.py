@@ -4,7 +4,10 @@ Results are the same to the last few bits (numba's ``fastmath`` stays off); only
 a hundred on blocks. ``NUMBA_DISABLE_JIT=1`` disables compilation.
 """
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +21,8 @@ except ImportError:
 
 _DISPATCHERS: list = []
 """Every compiled function, including those that are compiled at their first call."""
+_UNDERWAY: dict = {}
+"""By function, the process that compiles it in the background."""
 _IMPORT = re.compile(r"^from (?P<module>damper_estimator[\w.]*) import (?P<names>\([^)]*\)|.*)", re.MULTILINE)
 
 
@@ -101,6 +106,31 @@ def is_kept(function: Callable) -> bool:
     """Whether machine code of a compiled function is kept from an earlier run."""
     folder, code = Path(function.stats.cache_path or ""), function.py_func.__code__
     return any(folder.glob(f"{Path(code.co_filename).stem}.{function.py_func.__qualname__}-*.nbi"))
+
+
+def compile_in_background(function: Callable, work: Callable[[], object]) -> None:
+    """Compiles a function in another process, by ``work`` there, unless its machine code is kept from an earlier run.
+
+    Does nothing on a single core. ``work`` is a function of a module; a new interpreter runs it, since a fork of a
+    process with threads is unsafe.
+    """
+    if not COMPILED or (os.cpu_count() or 1) < 2 or function in _UNDERWAY or not sys.executable or is_kept(function):
+        return
+    code = f"import {work.__module__} as module; module.{work.__name__}()"
+    paths = [str(Path(__file__).resolve().parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    with suppress(OSError):
+        _UNDERWAY[function] = subprocess.Popen(
+            [sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+
+
+def wait_for(*functions: Callable) -> None:
+    """Waits until functions that this process compiles in the background can be loaded."""
+    for function in functions:
+        process = _UNDERWAY.pop(function, None)
+        if process is not None:
+            process.wait()
 
 
 def machine_code_folders() -> list[Path]:

@@ -18,6 +18,9 @@ def main() -> int:
     """
 
     def run(words: Sequence[str], stop: Stop) -> None:
+        from damper_estimator.runtime import compile_line_ahead
+
+        compile_line_ahead()  # while ROS is imported and the models are prepared
         from damper_estimator.node.run_nodes import run_estimator
 
         run_estimator(words, stop)

@@ -24,6 +24,7 @@ from damper_estimator.runtime.estimates import FIELDS, Estimates
 from damper_estimator.runtime.estimator import DamperEstimator, HeldValues
 from damper_estimator.runtime.line import Line
 from damper_estimator.runtime.line_arrays import ABSENT, LineInput, LineOutput
+from damper_estimator.runtime.line_warmup import compile_line_ahead
 from damper_estimator.runtime.residual import ResidualLine, Residuals
 from damper_estimator.runtime.vehicle import Arrivals, ForceMessages, SampleAndHold, VehicleLine, group_equal_keys
 
@@ -60,6 +61,7 @@ __all__ = [
     "Residuals",
     "SampleAndHold",
     "VehicleLine",
+    "compile_line_ahead",
     "deployed",
     "group_equal_keys",
 ]

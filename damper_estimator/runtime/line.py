@@ -7,7 +7,7 @@ arrays.
 
 import numpy as np
 
-from damper_estimator.compiled import borrowed, compiled
+from damper_estimator.compiled import borrowed, compiled, inlined, wait_for
 from damper_estimator.model import DamperModel, chain
 from damper_estimator.model.element import walk
 from damper_estimator.model.program import function_list
@@ -54,6 +54,7 @@ class Line:
         self._append_program(damper.model)
         program, rows, states = damper.model.program, self._table.shape[0], self._states.size
         record = damper.record()
+        wait_for(watch, take_motion)
         record["first_row"], record["last_row"] = rows - program.table.shape[0], rows
         record["first_state"], record["last_state"] = states - program.states, states
         record["motions"], record["forces"], record["series"] = program.motions, program.forces, program.series
@@ -98,7 +99,7 @@ class Line:
         """Runs n messages; the same, bit for bit, as n times `step`."""
         output = LineOutput.empty(messages.stamp.size, len(self.names))
         if self.names:
-            _run(*self._arguments(messages, output))
+            _run_messages(*self._arguments(messages, output))
         return output
 
     def _arguments(self, messages: LineInput, output: LineOutput) -> tuple:
@@ -148,11 +149,23 @@ def _step(
 
 
 @compiled
+def _run_messages(
+    functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, received,
+    acceleration, acceleration_stamp, verdicts, status, trusted, modelled, numbers, blocks,
+):  # fmt: skip
+    """See ``Line.run``."""
+    return _run(
+        functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, received,
+        acceleration, acceleration_stamp, verdicts, status, trusted, modelled, numbers, blocks,
+    )  # fmt: skip
+
+
+@inlined
 def _run(
     functions, table, parameters, constants, states, records, stamp, displacement, present, suspect, slow, received,
     acceleration, acceleration_stamp, verdicts, status, trusted, modelled, numbers, blocks,
 ):  # fmt: skip
-    """See ``Line.run``; arrays as in ``Line``, `LineInput` and `LineOutput`."""
+    """Runs n messages; arrays as in ``Line``, `LineInput` and `LineOutput`."""
     n, estimates = stamp.size, 0
     program = (table, parameters, constants, states)
     inputs = (stamp, displacement, present, suspect, slow, received, acceleration, acceleration_stamp)
