@@ -41,8 +41,10 @@ def test_what_was_hidden_shows_in_its_test_and_not_in_a_wrong_one(name, user_mod
     change = HIDDEN[name](perfect.kinematics, perfect.force)
     middle = len(change) // 2
     measured = replace(perfect, force=perfect.force + change)
-    own = baseline_of(user_model, data_of(user_model, [measured.part(0, middle)], [measured.part(middle, len(change))]))
-    rows = {test.test.name: test for test in evaluated_tests(own, "kept")}
+    baseline = baseline_of(
+        user_model, data_of(user_model, [measured.part(0, middle)], [measured.part(middle, len(change))])
+    )
+    rows = {test.test.name: test for test in evaluated_tests(baseline, "kept")}
     assert rows[name].error < 0.25
     simpler = [other for other in rows if other != name and name not in rows[other].test.contains]
     assert rows[name].error <= min(rows[other].error for other in simpler) + 0.05
@@ -75,11 +77,11 @@ def test_a_play_element_is_elastic_then_slips_and_forgets_at_a_reset():
 
 
 def test_a_variable_that_stands_still_is_not_tested(user_model, base):
-    own = baseline_of(user_model, data_of(user_model, [base], [base]))
-    names = {test.test.name for test in own.tests}
+    baseline = baseline_of(user_model, data_of(user_model, [base], [base]))
+    names = {test.test.name for test in baseline.tests}
     assert "current" not in names and "mass" in names
 
 
 def test_residuals_of_a_perfect_model_show_nothing(user_model, perfect):
-    own = baseline_of(user_model, data_of(user_model, [perfect], [perfect]))
-    np.testing.assert_allclose(force_rows(user_model, own.data.fit), targets(own.data.fit), atol=1e-6)
+    baseline = baseline_of(user_model, data_of(user_model, [perfect], [perfect]))
+    np.testing.assert_allclose(force_rows(user_model, baseline.data.fit), targets(baseline.data.fit), atol=1e-6)

@@ -50,24 +50,24 @@ def test_every_candidate_is_ranked_or_named_untestable(found_soft):
 
 def test_nothing_is_found_where_nothing_is_missing(user_model, base):
     fit, unseen = halves(base)
-    own = diagnose(user_model, [fit], [unseen])
-    assert own.verdict == "nothing_missing" and own.findings == ()
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.verdict == "nothing_missing" and found.findings == ()
 
 
 def test_the_last_part_is_kept_back_where_nothing_else_is_given(user_model, base):
-    own = diagnose(user_model, [base])
-    assert own.fit[0].kinematics.stamp[-1] < own.unseen[0].kinematics.stamp[0]
-    assert len(own.unseen[0].kinematics) == pytest.approx(0.4 * len(base.kinematics), abs=1)
+    found = diagnose(user_model, [base])
+    assert found.fit[0].kinematics.stamp[-1] < found.unseen[0].kinematics.stamp[0]
+    assert len(found.unseen[0].kinematics) == pytest.approx(0.4 * len(base.kinematics), abs=1)
 
 
 @pytest.mark.parametrize("seconds", [-0.004, -0.001, 0.001, 0.003])
 def test_a_late_force_is_the_channels_and_told_in_milliseconds(user_model, base, seconds):
     fit, unseen = halves(late(base, seconds))
-    own = diagnose(user_model, [fit], [unseen])
-    first = own.findings[0]
+    found = diagnose(user_model, [fit], [unseen])
+    first = found.findings[0]
     assert first.phenomenon == "channel_skew" and first.tied_with == () and first.is_channel
-    assert own.signals.force.skew == pytest.approx(seconds, abs=3e-4)
-    assert own.improved.channel_effects == []
+    assert found.signals.force.skew == pytest.approx(seconds, abs=3e-4)
+    assert found.improved.channel_effects == []
 
 
 def test_a_changed_parameter_is_no_missing_effect(user_model, base):
@@ -75,21 +75,21 @@ def test_a_changed_parameter_is_no_missing_effect(user_model, base):
     truth = user_model.with_values(stiffer)
     before = user_model.force(base.kinematics.block)
     fit, unseen = halves(changed(base, lambda k: truth.force(k.block) - before))
-    own = diagnose(user_model, [fit], [unseen])
-    assert own.verdict == "parameters_changed"
-    assert {m.name for m in own.moved} <= {s.address for s in user_model.slots}
-    assert sum(m.name.startswith("viscous_curve") for m in own.moved) >= 3
-    assert own.rmse_refit_alone_n < 0.5 * own.rmse_n
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.verdict == "parameters_changed"
+    assert {m.name for m in found.moved} <= {s.address for s in user_model.slots}
+    assert sum(m.name.startswith("viscous_curve") for m in found.moved) >= 3
+    assert found.rmse_refit_alone_n < 0.5 * found.rmse_n
 
 
 def test_a_stiffness_that_was_next_to_rigid_is_found_again(user_model, soft):
     values = {"stiffness_rebound": 6e7, "stiffness_compression": 6e7}
     stiff = make_element(find_effect("oil_spring"), values, user_model.effects)
-    told = diagnose(replace(user_model, effects=(stiff,)), [soft[0]], [soft[1]])
-    assert told.verdict == "parameters_changed"
-    values = {moved.name: moved.after for moved in told.moved}
+    found = diagnose(replace(user_model, effects=(stiff,)), [soft[0]], [soft[1]])
+    assert found.verdict == "parameters_changed"
+    values = {moved.name: moved.after for moved in found.moved}
     assert all(5e5 < values[f"oil_spring.stiffness_{way}"] < 4e6 for way in ("rebound", "compression"))
-    assert told.rmse_refit_alone_n < 0.3 * told.rmse_n
+    assert found.rmse_refit_alone_n < 0.3 * found.rmse_n
 
 
 def test_a_user_who_trusts_his_parameters_is_told_the_phenomenon(user_model, base):
@@ -97,16 +97,16 @@ def test_a_user_who_trusts_his_parameters_is_told_the_phenomenon(user_model, bas
     truth = user_model.with_values({"dahl.force": friction.value + 60.0})
     before = user_model.force(base.kinematics.block)
     fit, unseen = halves(changed(base, lambda k: truth.force(k.block) - before))
-    own = diagnose(user_model, [fit], [unseen], mode="kept")
-    assert own.verdict == "missing" and own.findings[0].phenomenon == "friction"
+    found = diagnose(user_model, [fit], [unseen], mode="kept")
+    assert found.verdict == "missing" and found.findings[0].phenomenon == "friction"
 
 
 def test_structure_that_no_effect_has_is_shown_and_not_named(user_model, base):
     """A ripple over the stroke, as of a scored tube."""
     fit, unseen = halves(changed(base, lambda k: 70.0 * np.sin(2.0 * np.pi * k.displacement / 0.012)))
-    own = diagnose(user_model, [fit], [unseen])
-    assert own.verdict == "unexplained" and own.findings == ()
-    assert "displacement (m)" in own.structure.axes and np.isfinite(own.structure.mean_n).any()
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.verdict == "unexplained" and found.findings == ()
+    assert "displacement (m)" in found.structure.axes and np.isfinite(found.structure.mean_n).any()
 
 
 def test_more_noise_is_no_effect(user_model, base):
@@ -117,16 +117,16 @@ def test_more_noise_is_no_effect(user_model, base):
 
 def test_the_gauges_zero_is_a_mistake_of_the_chain(user_model, base):
     fit, unseen = halves(changed(base, lambda k: np.full(len(k), 60.0)))
-    own = diagnose(user_model, [fit], [unseen])
-    assert [f.phenomenon for f in own.findings] == ["force_offset"]
-    assert own.signals.force.offset == pytest.approx(-60.0, abs=8.0)
+    found = diagnose(user_model, [fit], [unseen])
+    assert [f.phenomenon for f in found.findings] == ["force_offset"]
+    assert found.signals.force.offset == pytest.approx(-60.0, abs=8.0)
 
 
 def test_zeros_that_differ_between_recordings_hide_nothing(user_model, soft):
     """Every recording was tared by itself: its zero belongs to it."""
     shifted = replace(soft[1], force=soft[1].force + 25.0)
-    own = diagnose(user_model, [soft[0]], [shifted])
-    first = own.findings[0]
+    found = diagnose(user_model, [soft[0]], [shifted])
+    first = found.findings[0]
     assert "oil_compressibility" in (first.phenomenon, *first.tied_with)
 
 
@@ -139,9 +139,9 @@ def test_zeros_that_differ_between_recordings_hide_nothing(user_model, soft):
 )
 def test_two_at_once_are_both_found(phenomenon, hidden, seconds, user_model, base):
     fit, unseen = halves(late(changed(base, hidden), seconds))
-    own = diagnose(user_model, [fit], [unseen])
-    assert [one.phenomenon for one in own.findings] == ["channel_skew", phenomenon]
-    assert own.signals.force.skew == pytest.approx(seconds, abs=3e-4)
+    found = diagnose(user_model, [fit], [unseen])
+    assert [one.phenomenon for one in found.findings] == ["channel_skew", phenomenon]
+    assert found.signals.force.skew == pytest.approx(seconds, abs=3e-4)
 
 
 def test_a_zero_is_told_beside_an_effect_with_a_mean(user_model, base):
@@ -149,9 +149,9 @@ def test_a_zero_is_told_beside_an_effect_with_a_mean(user_model, base):
         return 5000.0 * np.maximum(kinematics.displacement, 0.0) + 60.0
 
     fit, unseen = halves(changed(base, hidden))
-    own = diagnose(user_model, [fit], [unseen])
-    assert "force_offset" in [one.phenomenon for one in own.findings[1:]]
-    assert own.signals.force.offset == pytest.approx(-60.0, abs=15.0)
+    found = diagnose(user_model, [fit], [unseen])
+    assert "force_offset" in [one.phenomenon for one in found.findings[1:]]
+    assert found.signals.force.offset == pytest.approx(-60.0, abs=15.0)
 
 
 def test_findings_end_at_the_most_that_are_looked_for(user_model, soft, monkeypatch):

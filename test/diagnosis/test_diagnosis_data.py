@@ -22,7 +22,7 @@ from damper_estimator.identification.rows import split
 
 def test_the_last_two_fifths_of_each_recording_are_kept_back(user_model, base):
     data = data_of(user_model, [base, base], [])
-    assert [len(own.measurement.kinematics) for own in data.fit] == 2 * [len(early(base).kinematics)]
+    assert [len(rows.measurement.kinematics) for rows in data.fit] == 2 * [len(early(base).kinematics)]
     assert len(early(base).kinematics) == pytest.approx(0.6 * len(base.kinematics), abs=1)
     stamps = [part.kinematics.stamp for part in (early(base), late(base))]
     assert np.array_equal(np.concatenate(stamps), base.kinematics.stamp)
@@ -30,7 +30,7 @@ def test_the_last_two_fifths_of_each_recording_are_kept_back(user_model, base):
 
 def test_given_recordings_are_judged_on_as_a_whole(user_model, base, soft):
     data = data_of(user_model, [base], list(soft))
-    assert [own.measurement.recording for own in data.unseen] == [m.recording for m in soft]
+    assert [rows.measurement.recording for rows in data.unseen] == [m.recording for m in soft]
     assert len(data.fit[0].measurement.kinematics) == len(base.kinematics)
 
 
@@ -43,20 +43,20 @@ def test_blocks_last_a_second_and_belong_to_one_recording(user_model, base):
 
 
 def test_weights_are_one_on_average_and_fall_where_the_curve_is_steep(user_model, base):
-    own = weights(user_model, base)
-    assert own[base.judged].mean() == pytest.approx(1.0)
-    assert (own > 0.0).all()
+    weight = weights(user_model, base)
+    assert weight[base.judged].mean() == pytest.approx(1.0)
+    assert (weight > 0.0).all()
     flat = weights(user_model.with_vector(np.array([1e-9 * slot.value for slot in user_model.slots])), base)
-    assert np.ptp(flat) < 0.1 * np.ptp(own)
+    assert np.ptp(flat) < 0.1 * np.ptp(weight)
 
 
 def test_the_zero_and_a_straight_drift_are_left_out_unless_they_are_asked_for(user_model, base):
     time = base.kinematics.time - base.kinematics.time[0]
     shifted = replace(base, force=base.force + 30.0 + 0.4 * time)
-    plain, drifting = (data_of(user_model, [own], [own]) for own in (base, shifted))
+    plain, drifting = (data_of(user_model, [measurement], [measurement]) for measurement in (base, shifted))
     moved = weights(user_model, shifted) / weights(user_model, base)
     assert np.ptp(moved) < 0.1  # a little more force is a little more of what no form gets right
-    residuals = [force_rows(user_model, own.unseen) - targets(own.unseen) for own in (plain, drifting)]
+    residuals = [force_rows(user_model, either.unseen) - targets(either.unseen) for either in (plain, drifting)]
     assert np.sqrt(np.mean((residuals[1] - residuals[0]) ** 2)) < 0.05 * np.sqrt(np.mean(residuals[0] ** 2)) + 0.5
     whole = drifting.with_zero
     left = force_rows(user_model, whole.unseen) - targets(whole.unseen)
@@ -65,7 +65,7 @@ def test_the_zero_and_a_straight_drift_are_left_out_unless_they_are_asked_for(us
 
 def test_an_error_in_newton_is_told_without_the_weights(user_model, base):
     rows = data_of(user_model, [base], [base]).unseen
-    root = np.sqrt(np.concatenate([own.weight[own.picks] for own in rows]))
+    root = np.sqrt(np.concatenate([part.weight[part.picks] for part in rows]))
     assert unweighted(rows, 7.0 * root) == pytest.approx(7.0)
 
 

@@ -46,17 +46,17 @@ def test_every_step_keeps_its_model_and_what_was_tried(story):
 
 def test_a_mistake_of_the_chain_goes_to_the_map_and_never_into_the_model(user_model, base):
     fit, unseen = halves(late(base, 0.003))
-    own = improve(user_model, [fit], [unseen])
-    assert [step.action for step in own.steps] == ["start", "correct"]
-    assert own.model.effects == user_model.effects
-    assert own.signals.force.skew == pytest.approx(0.003, abs=3e-4)
-    assert own.steps[-1].rmse_unseen_n < 0.5 * own.steps[0].rmse_unseen_n
+    improved = improve(user_model, [fit], [unseen])
+    assert [step.action for step in improved.steps] == ["start", "correct"]
+    assert improved.model.effects == user_model.effects
+    assert improved.signals.force.skew == pytest.approx(0.003, abs=3e-4)
+    assert improved.steps[-1].rmse_unseen_n < 0.5 * improved.steps[0].rmse_unseen_n
 
 
 def test_nothing_is_added_where_nothing_is_missing(user_model, base):
-    own = improve(user_model, list(halves(base))[:1], list(halves(base))[1:])
-    assert len(own.steps) == 1 and own.model is user_model
-    assert own.verdict == "nothing_missing"
+    improved = improve(user_model, list(halves(base))[:1], list(halves(base))[1:])
+    assert len(improved.steps) == 1 and improved.model is user_model
+    assert improved.verdict == "nothing_missing"
 
 
 def test_changed_parameters_are_identified_anew_and_nothing_is_added(user_model, base):
@@ -64,9 +64,9 @@ def test_changed_parameters_are_identified_anew_and_nothing_is_added(user_model,
     before = user_model.force(base.kinematics.block)
     truth = user_model.with_values(stiffer)
     fit, unseen = halves(changed(base, lambda k: truth.force(k.block) - before))
-    own = improve(user_model, [fit], [unseen])
-    assert [step.action for step in own.steps] == ["start", "refit"]
-    assert own.model.uses() == user_model.uses()
+    improved = improve(user_model, [fit], [unseen])
+    assert [step.action for step in improved.steps] == ["start", "refit"]
+    assert improved.model.uses() == user_model.uses()
 
 
 def test_two_effects_are_found_one_after_the_other(user_model, base):
@@ -78,8 +78,8 @@ def test_two_effects_are_found_one_after_the_other(user_model, base):
         return stop + 1.3 * np.gradient(k.velocity, k.time)
 
     fit, unseen = halves(changed(base, hidden))
-    own = improve(user_model, [fit], [unseen], workers=2)
-    assert {"end_stop", "inertia"} <= {step.phenomenon for step in own.steps}
+    improved = improve(user_model, [fit], [unseen], workers=2)
+    assert {"end_stop", "inertia"} <= {step.phenomenon for step in improved.steps}
 
 
 def test_trusted_parameters_stay(user_model, base):
@@ -87,10 +87,10 @@ def test_trusted_parameters_stay(user_model, base):
         return 2.0 * np.gradient(k.velocity, k.time)
 
     fit, unseen = halves(changed(base, heavier))
-    own = improve(user_model, [fit], [unseen], mode="kept")
+    improved = improve(user_model, [fit], [unseen], mode="kept")
     kept = {slot.address: slot.value for slot in user_model.slots}
-    after = {slot.address: slot.value for slot in own.model.slots}
-    assert "inertia" in own.model.uses()
+    after = {slot.address: slot.value for slot in improved.model.slots}
+    assert "inertia" in improved.model.uses()
     assert {address: after[address] for address in kept} == kept
 
 
@@ -100,11 +100,11 @@ def test_what_a_later_effect_made_needless_is_taken_out(user_model, soft):
     from damper_estimator.diagnosis.improve import _Improving, _prune
 
     needless = user_model.with_effect(make_element(find_effect("coulomb"), {"force": 0.5}))
-    state = _Improving(replace(begun(needless, [soft[0]], [soft[1]]), added=("coulomb", "inertia")), "both")
-    state.keep("start", state.state, None, None)
-    _prune(state, lambda text, share: None)
-    assert state.steps[-1].action == "prune" and state.steps[-1].effect == "coulomb"
-    assert "coulomb" not in state.state.model.uses()
+    improving = _Improving(replace(begun(needless, [soft[0]], [soft[1]]), added=("coulomb", "inertia")), "both")
+    improving.keep("start", improving.current, None, None)
+    _prune(improving, lambda text, share: None)
+    assert improving.steps[-1].action == "prune" and improving.steps[-1].effect == "coulomb"
+    assert "coulomb" not in improving.current.model.uses()
 
 
 def test_a_recording_without_force_is_refused_in_one_line(user_model, base):

@@ -59,13 +59,13 @@ def logged(seed: int, hidden: str | None) -> Arrays:
 
 def recording(*several: Arrays, damper: str = "damper", scale: tuple[float, float] = (1.0, 1.0)) -> de.Recording:
     """The arrays as recordings that are pooled; ``scale``: how many of the logger's units are a metre, and a newton."""
-    own = default_signals(damper)
-    own = replace(
-        own,
-        displacement=replace(own.displacement, scale=1.0 / scale[0]),
-        force=replace(own.force, scale=1.0 / scale[1]),
+    plain = default_signals(damper)
+    scaled = replace(
+        plain,
+        displacement=replace(plain.displacement, scale=1.0 / scale[0]),
+        force=replace(plain.force, scale=1.0 / scale[1]),
     )
-    signals = de.SignalMap(dampers={damper: own})
+    signals = de.SignalMap(dampers={damper: scaled})
     each = [
         de.Recording.from_arrays(
             one.time, scale[0] * one.x, force=scale[1] * one.force, damper=damper, name=f"part {n}", signals=signals
@@ -104,7 +104,7 @@ def user_model(base: Arrays) -> de.DamperModel:
 
 @pytest.fixture(scope="module", params=HIDDEN, ids=lambda hidden: hidden or "nothing")
 def scene(request) -> Scene:
-    base, fit, unseen = (logged(seed, own) for seed, own in ((1, None), (2, request.param), (3, request.param)))
+    base, fit, unseen = (logged(seed, hidden) for seed, hidden in ((1, None), (2, request.param), (3, request.param)))
     model = user_model(base)
     found = de.diagnose(recording(fit.every(3)), model, validate=recording(unseen.every(3)))
     return Scene(request.param, base, fit, unseen, model, found)
@@ -114,8 +114,8 @@ def alike(one: de.DiagnosisResults, other: de.DiagnosisResults, *, rmse: float =
     """Same verdict, same findings in the same order, same numbers within their uncertainty; ``noise`` in N."""
     a, b = one.diagnosis, other.diagnosis
     assert b.verdict == a.verdict
-    assert [own.phenomenon for own in b.findings] == [own.phenomenon for own in a.findings]
-    assert [set(own.tied_with) for own in b.findings] == [set(own.tied_with) for own in a.findings]
+    assert [finding.phenomenon for finding in b.findings] == [finding.phenomenon for finding in a.findings]
+    assert [set(finding.tied_with) for finding in b.findings] == [set(finding.tied_with) for finding in a.findings]
     assert b.rmse_n == pytest.approx(a.rmse_n, rel=rmse, abs=noise)
     for mine, its in zip(a.findings, b.findings, strict=True):
         assert min(mine.low, its.low) - 0.02 <= its.gain <= max(mine.high, its.high) + 0.02
@@ -138,17 +138,17 @@ def test_what_is_hidden_is_found(scene):
 
 def test_units_through_the_map(scene):
     units = (1e-1, 1e-3)  # in 10 m and in kN
-    again = diagnosed(scene, *(recording(own, scale=units) for own in scene.slow))
+    again = diagnosed(scene, *(recording(slow, scale=units) for slow in scene.slow))
     alike(scene.found, again, rmse=1e-6)
 
 
 def test_both_signs_turned_through_the_map(scene):
-    again = diagnosed(scene, *(recording(own, scale=(-1.0, -1.0)) for own in scene.slow))
+    again = diagnosed(scene, *(recording(slow, scale=(-1.0, -1.0)) for slow in scene.slow))
     alike(scene.found, again, rmse=1e-9)
 
 
 def test_shifted_in_time(scene):
-    later = [replace(own, time=own.time + 12_345.0) for own in scene.slow]
+    later = [replace(slow, time=slow.time + 12_345.0) for slow in scene.slow]
     alike(scene.found, diagnosed(scene, *map(recording, later)), rmse=1e-3)
 
 
@@ -165,7 +165,7 @@ def test_files_in_another_order(scene):
 
 
 def test_another_name_of_the_damper(scene):
-    again = diagnosed(scene, *(recording(own, damper="rear_left") for own in scene.slow))
+    again = diagnosed(scene, *(recording(slow, damper="rear_left") for slow in scene.slow))
     alike(scene.found, again, rmse=1e-9)
 
 
@@ -177,7 +177,9 @@ def test_thinned_from_3_to_1_khz(scene):
 
 def test_a_constant_added_to_the_force_of_all_recordings(scene):
     """The gauge's zero was as wrong when the model was identified."""
-    more = [replace(own, force=own.force + 150.0) for own in (scene.base, scene.fit, scene.unseen)]
+    more = [
+        replace(logged_once, force=logged_once.force + 150.0) for logged_once in (scene.base, scene.fit, scene.unseen)
+    ]
     shifted = replace(scene, model=user_model(more[0]))
-    again = diagnosed(shifted, *(recording(own.every(3)) for own in more[1:]))
+    again = diagnosed(shifted, *(recording(slow.every(3)) for slow in more[1:]))
     alike(scene.found, again)

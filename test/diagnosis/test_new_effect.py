@@ -59,7 +59,7 @@ def test_one_new_file_is_found_on_data(latch, user_model, base):
         return 140.0 * u / (1.0 + u * u) ** 2
 
     fit, unseen = halves(changed(base, held))
-    own = diagnose(user_model, [fit], [unseen])
-    assert own.verdict == "missing"
-    assert own.findings[0].phenomenon == "latch" and own.findings[0].effect == "magnet_latch"
-    assert "slow stroke" in own.findings[0].test_to_separate
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.verdict == "missing"
+    assert found.findings[0].phenomenon == "latch" and found.findings[0].effect == "magnet_latch"
+    assert "slow stroke" in found.findings[0].test_to_separate

@@ -14,11 +14,11 @@ def test_both_of_two_that_act_against_each_other_are_found(user_model, base, del
     slope = slope_of(user_model, base.kinematics.block)
     mass = share * delay * float(np.sum(slope * a**2) / np.sum(a**2))
     fit, unseen = halves(late(changed(base, lambda kinematics: mass * kinematics.acceleration), delay))
-    own = diagnose(user_model, [fit], [unseen])
-    assert own.verdict == "missing"
-    assert {finding.phenomenon for finding in own.findings} == {"channel_skew", "inertia"}
-    values = {fitted.name: fitted for finding in own.findings for fitted in finding.parameters}
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.verdict == "missing"
+    assert {finding.phenomenon for finding in found.findings} == {"channel_skew", "inertia"}
+    values = {fitted.name: fitted for finding in found.findings for fitted in finding.parameters}
     assert abs(values["channel_skew.skew"].value) == pytest.approx(delay, abs=1e-4)
     assert values["inertia.mass"].value == pytest.approx(mass, rel=0.03)
-    for finding in own.findings:  # neither is credited with what only both explain
-        assert finding.rmse_before_n == pytest.approx(own.rmse_n) and finding.rmse_after_n < 0.4 * own.rmse_n
+    for finding in found.findings:  # neither is credited with what only both explain
+        assert finding.rmse_before_n == pytest.approx(found.rmse_n) and finding.rmse_after_n < 0.4 * found.rmse_n

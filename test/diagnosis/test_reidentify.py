@@ -17,7 +17,7 @@ from damper_estimator.signals import Measurement, load_signal_map, measure
 def identified_again(model: DamperModel, fit: Measurement, unseen: Measurement) -> Reidentified:
     """What a diagnosis that tries no effect finds of the parameters."""
     data = data_of(model, [fit], [unseen])
-    return reidentified(round_of(baseline_of(model, data), [], [], "both"), data)
+    return reidentified(round_of(baseline_of(model, data), [], "both"), data)
 
 
 @pytest.fixture

@@ -30,18 +30,18 @@ def stiffened(user_model, base):
 @pytest.fixture(scope="module")
 def spring(stiffened):
     """The hypothesis of a spring rate with its fit."""
-    own, tried = stiffened
+    baseline, tried = stiffened
     hypothesis = next(one for one in tried.values() if one.phenomenon == "spring_rate_error")
-    return replace(hypothesis, fit=trial_fit(own, hypothesis))
+    return replace(hypothesis, fit=trial_fit(baseline, hypothesis))
 
 
 def test_a_planted_effect_takes_the_error_away_on_both_parts(stiffened, spring):
-    own, tried = stiffened[0], spring.fit
+    baseline, tried = stiffened[0], spring.fit
     (value,) = tried.values.values()
     assert abs(value) == pytest.approx(6000.0, rel=0.05)
     for residual, change in (
-        (own.residual_fit, tried.change_fit),
-        (own.residual_unseen, tried.change_unseen),
+        (baseline.residual_fit, tried.change_fit),
+        (baseline.residual_unseen, tried.change_unseen),
     ):
         assert np.sum((residual + change) ** 2) < 0.2 * np.sum(residual**2)
     assert not tried.hidden and tried.at_bound == ()
@@ -49,25 +49,25 @@ def test_a_planted_effect_takes_the_error_away_on_both_parts(stiffened, spring):
 
 
 def test_what_explains_too_little_gets_no_derivatives(stiffened, spring):
-    own = stiffened[0]
-    assert spring.fit.derivatives_fit.shape == (own.residual_fit.size, 1)
-    assert trial_fit(own, spring, worth=2.0).derivatives_fit.shape == (own.residual_fit.size, 0)
+    baseline = stiffened[0]
+    assert spring.fit.derivatives_fit.shape == (baseline.residual_fit.size, 1)
+    assert trial_fit(baseline, spring, worth=2.0).derivatives_fit.shape == (baseline.residual_fit.size, 0)
 
 
 def test_a_zero_is_hidden_by_the_freed_zero(stiffened):
-    own, tried = stiffened
+    baseline, tried = stiffened
     name = next(name for name, c in tried.items() if c.phenomenon == "force_offset")
-    assert trial_fit(own, tried[name]).hidden
+    assert trial_fit(baseline, tried[name]).hidden
 
 
 def test_standard_errors_are_those_of_a_fit_of_the_effect_alone(stiffened, spring):
-    own = stiffened[0]
-    reported = parameters_of(spring.fitted_element, spring.fit, round_of(own, [spring], "both"))
-    model, _ = spring.added_to(own.model)
-    part = own.data.fit[0].measurement
+    baseline = stiffened[0]
+    reported = parameters_of(spring.fitted_element, spring.fit, round_of(baseline, [spring], "both"))
+    model, _ = spring.added_to(baseline.model)
+    part = baseline.data.fit[0].measurement
     whole = fit(
         model, [part], free=[spring.name], fix=["*"], starts=0, zero_free=True,
-        weights=[weights(own.model, part)],
+        weights=[weights(baseline.model, part)],
     )  # fmt: skip
     (mine,), (theirs,) = reported, whole.parameters
     assert mine.value == pytest.approx(theirs.value, rel=1e-6)
@@ -114,16 +114,16 @@ def test_a_first_order_refit_holds_back_what_would_move_far():
 def test_a_sketch_is_a_few_thousand_samples_of_all_recordings(user_model, base):
     rows = [rows_of(base), rows_of(base)]
     parts = sketch(rows)
-    assert sum(len(own.measurement.kinematics) for own in parts) < 0.8 * 2 * len(base.kinematics)
+    assert sum(len(part.measurement.kinematics) for part in parts) < 0.8 * 2 * len(base.kinematics)
     short = [rows_of(base.part(0, 1500))]
     assert sketch(short) == short
 
 
 def test_the_number_of_workers_does_not_change_a_fit(stiffened):
-    own, tried = stiffened
+    baseline, tried = stiffened
     some = [tried["coulomb"], tried["inertia"]]
     heard = []
-    one, two = (all_fitted(own, some, 0.0, workers, heard.append) for workers in (1, 2))
+    one, two = (all_fitted(baseline, some, 0.0, workers, heard.append) for workers in (1, 2))
     assert heard == [1, 2, 1, 2]
     for a, b in zip(one, two, strict=True):
         assert a.name == b.name and a.fit.values == b.fit.values
