@@ -65,6 +65,7 @@ def state_type(motions: int, forces: int, states: int, solvers: int, inverts: bo
     machine = [
         ("slow", "f8", (len(SLOW),)), ("arrived", "i8", (len(SLOW),)), ("felt", "f8"), ("felt_at", "i8"),
         ("stale_after", "i8"), ("status", "u1"), ("trusted", "u1"), ("begun_once", "u1"),
+        ("restart", "u1"),
         ("block", "f8", (ROWS, 1)), ("chain", "f8", (states,)),
         ("motion", "f8", (motions, ROWS, 1)), ("sums", "f8", (forces, 1)),
         ("solvers", "f8", (solvers, chain.SOLVER_COLUMNS)),
@@ -149,7 +150,7 @@ def _take_sample(kernels, table, parameters, settings, state, place, stamp, dt, 
     if state["lead"] > 0.0:
         predict(state["lead"], block)
     step_before = block[DT, 0]
-    if state["restart"][0] != 0:
+    if state["restart"] != 0:
         block[DT, 0] = 0.0
     if block[DT, 0] <= 0.0:
         state["chain"][:] = 0.0
@@ -167,7 +168,7 @@ def _take_sample(kernels, table, parameters, settings, state, place, stamp, dt, 
         trace,
     )
     force[0] = state["sums"][0, 0]
-    state["restart"][0] = 0 if np.isfinite(force[0]) else 1
+    state["restart"] = 0 if np.isfinite(force[0]) else 1
     block[DT, 0] = step_before
 
 

@@ -115,7 +115,7 @@ def run_with_resets(
         functions, table, parameters, settings, kinematics, state, trace: as in ``run``.
         motions, forces: numbers of registers of the program.
         series: whether the program has a series operation.
-        restart: (1,) int64, carried: whether the next sample is the first after a reset.
+        restart: (1,), carried: 1 if the next sample is the first after a reset, else 0.
         out: (n,) N, the forces; not finite where the model has no finite force.
     """
     size = kinematics.shape[1]

@@ -15,7 +15,7 @@ class Stream:
         """``program`` from ``compile_program``; several streams can share one."""
         self._program = program
         self._state = np.zeros(program.states)
-        self._restart = np.zeros(1, np.int64)
+        self._restart = np.zeros(1)
 
     def force(self, block: np.ndarray) -> np.ndarray:
         """Forces (n,) in N of the next samples, ``block`` (8, n) in the rows of ``signals.layout``.
@@ -37,6 +37,6 @@ class Stream:
         program, force = self._program, np.empty(block.shape[1])
         chain.run_with_resets(
             program.functions, program.table, program.parameters, program.settings, np.ascontiguousarray(block),
-            program.motions, program.forces, self._state, program.series, self._restart, trace, force,
+            program.motions, program.forces, self._state, int(program.series), self._restart, trace, force,
         )  # fmt: skip
         return force

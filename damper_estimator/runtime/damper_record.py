@@ -56,13 +56,12 @@ RECORD = np.dtype(
         ("adaptive", "i8", (len(SLOW),)),  # whether several usual intervals without a message are too old already
         ("matters", "i8", (len(SLOW),)),  # whether the model's force depends on the channel
         ("memory", "i8", (len(SLOW),)),  # ns for which the force remembers a wrong value
-        # State of admission, filter, fusion and model.
+        # State of admission, filter and fusion.
         ("begun", "i8"),
         ("origin", "i8"),  # ns, first stamp
         ("admission", "i8", (2,)),
         ("filter", "f8", (STATE_SIZE,)),
         ("fused", "f8", (FUSION_SIZE,)),
-        ("restart", "i8", (1,)),
         # State of the accelerometer: its last stamp in ns, and its usual interval in ns.
         ("felt_last", "i8"),
         ("felt_interval", "f8"),

@@ -56,7 +56,8 @@ class Line:
         record = damper.record()
         wait_for(watch, take_motion)
         record["first_row"], record["last_row"] = rows - program.table.shape[0], rows
-        record["first_state"], record["last_state"] = states - program.states, states
+        # The last number says whether the model restarts at the next sample.
+        record["first_state"], record["last_state"] = states - program.states - 1, states - 1
         record["motions"], record["forces"], record["series"] = program.motions, program.forces, program.series
         self.names = (*self.names, name)
         self.records = np.concatenate([self.records, record])
@@ -79,7 +80,7 @@ class Line:
         self._table = np.concatenate([self._table, table])
         self._parameters = np.concatenate([self._parameters, program.parameters])
         self._constants = np.concatenate([self._constants, program.settings])
-        self._states = np.concatenate([self._states, np.zeros(program.states)])
+        self._states = np.concatenate([self._states, np.zeros(program.states + 1)])
 
     def step(self, stamp: int, raw: np.ndarray, present: np.ndarray, suspect: bool = False) -> int:
         """Runs the samples of one message, with the slow channels in ``input``; fills ``output``.
@@ -216,7 +217,8 @@ def _run_damper(d, record, functions, program, inputs, outputs, work, usual):
         predict(record["lead"], block)
     chain.run_with_resets(
         functions, table[record["first_row"] : record["last_row"]], parameters, constants, block, record["motions"],
-        record["forces"], states[record["first_state"] : record["last_state"]], record["series"], record["restart"],
+        record["forces"], states[record["first_state"] : record["last_state"]], record["series"],
+        states[record["last_state"] : record["last_state"] + 1],
         np.empty((0, 0)), force,
     )  # fmt: skip
     watch(

@@ -6,7 +6,6 @@ Two processes compile what takes longest, while this one imports ROS and prepare
 import numpy as np
 
 from damper_estimator.compiled import compile_in_background
-from damper_estimator.model import chain
 from damper_estimator.runtime.damper_record import SLOW, fresh_record
 from damper_estimator.runtime.line import take_motion, take_slow
 from damper_estimator.runtime.status import watch
@@ -30,13 +29,6 @@ def _compile_status() -> None:
 
 
 def _compile_motion() -> None:
-    from numba import typeof
-
     (record,) = fresh_record()
     acceleration, stamp = np.zeros((0, 1)), np.zeros((0, 1), np.int64)
     take_motion(record, 0, _WHOLE, _WHOLE, _REAL, _REAL, acceleration, stamp, _BLOCK, _FLAGS)
-    table, functions = np.zeros((0, chain.COLUMNS), np.int64), np.zeros(0, np.int64)
-    arguments = (functions, table, _REAL, _REAL, _BLOCK, 1, 1, _REAL, 1, record["restart"], _BLOCK, _REAL)
-    types = [typeof(argument) for argument in arguments]
-    types[9] = typeof(record).typeof("restart")  # inside of compiled code a field of a record has another type
-    chain.run_with_resets.compile(tuple(types))

@@ -44,7 +44,7 @@ def test_the_node_compiles_only_what_others_did_not_compile_ahead(tmp_path):
         "running.step(10**9, np.zeros(1), np.ones(1, bool))\n"
         "for part in (line.watch, line.take_motion, line.take_slow):\n"
         "    assert sum(part.stats.cache_hits.values()) == 1 and not part.stats.cache_misses, part\n"
-        "assert sum(chain.run_with_resets.stats.cache_hits.values()) == 1\n",
+        "assert len(chain.run_with_resets.signatures) == 1\n",
         tmp_path,
     )
 
