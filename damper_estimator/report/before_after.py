@@ -98,7 +98,7 @@ class BeforeAfter:
     @cached_property
     def worst_index(self) -> int:
         """Which recording has the worst passage."""
-        return int(np.argmax([own.carried() for own in self.recordings]))
+        return int(np.argmax([recording.carried() for recording in self.recordings]))
 
     @property
     def worst(self) -> Recording:
@@ -114,7 +114,7 @@ def before_after(found: Diagnosis | Improvement) -> BeforeAfter:
     """
     first = first_diagnosis(found)
     improved = found.improved if isinstance(found, Diagnosis) else found.model
-    put_right = [corrected(own, found.signals) for own in first.unseen]
+    put_right = [corrected(measurement, found.signals) for measurement in first.unseen]
     before, after = compare(first.model, *first.unseen), compare(improved, *put_right)
     both = zip(first.unseen, put_right, strict=True)
     is_corrected = any(not np.array_equal(old.force, new.force, equal_nan=True) for old, new in both)
@@ -147,11 +147,11 @@ def _recording(before: Trace, after: Trace) -> Recording:
     )
 
 
-def _length(own: Recording) -> float:
+def _length(recording: Recording) -> float:
     """How long some cycles of the motion last, s."""
-    moving = own.velocity[np.abs(own.velocity) > 0.1 * np.sqrt(np.mean(own.velocity**2))]
+    moving = recording.velocity[np.abs(recording.velocity) > 0.1 * np.sqrt(np.mean(recording.velocity**2))]
     turns = np.count_nonzero(np.diff(np.sign(moving)) != 0)
-    seconds = float(own.time[-1] - own.time[0])
+    seconds = float(recording.time[-1] - recording.time[0])
     return float(np.clip(2.0 * _CYCLES * seconds / max(turns, 1), _SHORTEST, _LONGEST))
 
 
@@ -195,17 +195,17 @@ class Explained:
 
 def explained(shown: BeforeAfter, finding: Finding) -> Explained | None:
     """What a found effect accounts for; None where the improved model does not have it."""
-    own = shown.worst
+    worst = shown.worst
     if finding.is_channel:
-        part = own.raw - own.measured
-        return Explained(part - own.error_after, part)
+        part = worst.raw - worst.measured
+        return Explained(part - worst.error_after, part)
     improved, measurement = shown.after.model, shown.after.traces[shown.worst_index].measurement
     label = _label(improved.slots, finding)
     if label is None:
         return None
     rest = improved.without(label).force(measurement.kinematics.block)
     without = measurement.in_band(np.nan_to_num(rest))
-    return Explained(np.where(own.judged, own.measured - without, np.nan), own.after - without)
+    return Explained(np.where(worst.judged, worst.measured - without, np.nan), worst.after - without)
 
 
 def _label(slots: Sequence, finding: Finding) -> str | None:

@@ -18,25 +18,27 @@ _TITLE = {"yref": "paper", "yanchor": "bottom", "font": {"size": 13}}
 
 def passage_figure(shown: BeforeAfter) -> Figure:
     """Measured and modelled force over time, the residual below; opens at the worst passage, holds all of it."""
-    own = shown.worst
-    rows = _rows(own)
-    time, breaks = _with_breaks(own, rows)
+    worst = shown.worst
+    rows = _rows(worst)
+    time, breaks = _with_breaks(worst, rows)
 
     def column(values: np.ndarray) -> np.ndarray:
-        return np.insert(np.where(own.judged, values, np.nan)[rows], breaks, np.nan)
+        return np.insert(np.where(worst.judged, values, np.nan)[rows], breaks, np.nan)
 
-    data = [line(time, column(own.raw), "measured", INK, 2.2)]
+    data = [line(time, column(worst.raw), "measured", INK, 2.2)]
     if shown.corrected:
-        data.append(line(time, column(own.measured), "measured, corrected", GREY, 2.2))
-    same = shown.corrected and np.array_equal(own.before, own.after)
-    data.append(line(time, column(own.before), "model" if same else "model as given", AFTER if same else BEFORE))
-    below = [line(time, column(own.error_before), "error of the model as given", BEFORE, yaxis="y2", showlegend=False)]
+        data.append(line(time, column(worst.measured), "measured, corrected", GREY, 2.2))
+    same = shown.corrected and np.array_equal(worst.before, worst.after)
+    data.append(line(time, column(worst.before), "model" if same else "model as given", AFTER if same else BEFORE))
+    below = [
+        line(time, column(worst.error_before), "error of the model as given", BEFORE, yaxis="y2", showlegend=False)
+    ]
     if shown.changed:
-        data += [] if same else [line(time, column(own.after), "improved model", AFTER)]
+        data += [] if same else [line(time, column(worst.after), "improved model", AFTER)]
         below.append(
             line(
                 time,
-                column(own.error_after),
+                column(worst.error_after),
                 "error with the corrections" if same else "error, improved",
                 AFTER,
                 yaxis="y2",
@@ -44,7 +46,7 @@ def passage_figure(shown: BeforeAfter) -> Figure:
             )
         )
     layout = {
-        "xaxis": axis("time in s", anchor="y2", range=list(own.worst)),
+        "xaxis": axis("time in s", anchor="y2", range=list(worst.worst)),
         "yaxis": axis("force in N", domain=[0.36, 1.0], fixedrange=True),
         "yaxis2": axis("error in N", domain=[0.0, 0.29], fixedrange=True),
         "hovermode": "x",
@@ -53,31 +55,31 @@ def passage_figure(shown: BeforeAfter) -> Figure:
     return {"data": data + below, "layout": layout}
 
 
-def _rows(own: Recording) -> np.ndarray:
-    forces = [own.raw, np.nan_to_num(own.error_before), np.nan_to_num(own.error_after)]
-    return np.union1d(own.passage_rows(), min_max_rows(forces, _MOST_AROUND))
+def _rows(recording: Recording) -> np.ndarray:
+    forces = [recording.raw, np.nan_to_num(recording.error_before), np.nan_to_num(recording.error_after)]
+    return np.union1d(recording.passage_rows(), min_max_rows(forces, _MOST_AROUND))
 
 
-def _with_breaks(own: Recording, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _with_breaks(recording: Recording, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Time at the rows with one more where a stretch ends, and where those are to be put in."""
-    step = np.diff(own.time)
+    step = np.diff(recording.time)
     ends = np.flatnonzero(step > 20.0 * np.median(step)) if step.size else np.zeros(0, int)
     places = np.searchsorted(rows, ends + 1)
-    return np.insert(own.time[rows], places, (own.time[ends] + own.time[ends + 1]) / 2.0), places
+    return np.insert(recording.time[rows], places, (recording.time[ends] + recording.time[ends + 1]) / 2.0), places
 
 
 def loops_figure(shown: BeforeAfter) -> Figure:
     """Force over velocity and over displacement in the worst passage."""
-    own = shown.worst
-    rows = own.passage_rows()
-    places = (own.velocity[rows], 1e3 * own.displacement[rows])
+    worst = shown.worst
+    rows = worst.passage_rows()
+    places = (worst.velocity[rows], 1e3 * worst.displacement[rows])
     data = []
     for index, place in enumerate(places):
         on = {"showlegend": not index, "hoverinfo": "skip"} | ({"xaxis": "x2", "yaxis": "y2"} if index else {})
-        data.append(line(place, own.measured[rows], "measured", INK, 2.2, **on))
-        data.append(line(place, own.before[rows], "model as given", BEFORE, **on))
+        data.append(line(place, worst.measured[rows], "measured", INK, 2.2, **on))
+        data.append(line(place, worst.before[rows], "model as given", BEFORE, **on))
         if shown.changed:
-            data.append(line(place, own.after[rows], "improved model", AFTER, **on))
+            data.append(line(place, worst.after[rows], "improved model", AFTER, **on))
     layout = {
         "xaxis": axis("velocity in m/s", domain=_LEFT),
         "xaxis2": axis("displacement in mm", domain=_RIGHT, anchor="y2"),
@@ -98,7 +100,9 @@ def cloud_figure(shown: BeforeAfter, over: str) -> Figure:
     pieces = [_cloud_rows(recording, _CLOUD // len(shown.recordings)) for recording in shown.recordings]
 
     def gathered(name: str) -> np.ndarray:
-        return np.concatenate([getattr(own, name)[rows] for own, rows in zip(shown.recordings, pieces, strict=True)])
+        return np.concatenate(
+            [getattr(recording, name)[rows] for recording, rows in zip(shown.recordings, pieces, strict=True)]
+        )
 
     place = scale * gathered(over)
     data = [
@@ -123,18 +127,18 @@ def _side_by_side(both: bool, x: str, y: str) -> Figure:
     }
 
 
-def _cloud_rows(own: Recording, most: int) -> np.ndarray:
+def _cloud_rows(recording: Recording, most: int) -> np.ndarray:
     """Evenly spread rows and those of the extremes, judged ones."""
-    judged = np.flatnonzero(own.judged)
+    judged = np.flatnonzero(recording.judged)
     even = judged[:: max(1, 2 * judged.size // max(most, 1))]
-    forces = [own.raw[judged], own.error_before[judged], own.error_after[judged]]
+    forces = [recording.raw[judged], recording.error_before[judged], recording.error_after[judged]]
     return np.union1d(even, judged[min_max_rows(forces, max(most // 2, 12))])
 
 
 def error_maps(shown: BeforeAfter) -> Figure:
     """RMS error over velocity and displacement before and after, on one scale; empty where little was measured."""
     joined = {
-        name: np.concatenate([getattr(own, name)[own.judged] for own in shown.recordings])
+        name: np.concatenate([getattr(recording, name)[recording.judged] for recording in shown.recordings])
         for name in ("velocity", "displacement", "error_before", "error_after")
     }
     speed = float(np.quantile(np.abs(joined["velocity"]), 0.998)) or 1.0
@@ -178,16 +182,16 @@ def _colours(title: str, low: float, high: float, scale: str = "Cividis") -> Fig
 
 def explained_figure(shown: BeforeAfter, found: Explained, name: str) -> Figure:
     """What was missing and what the effect accounts for: over time in the worst passage, over velocity in all of it."""
-    own = shown.worst
-    passage = own.passage_rows()
-    cloud = _cloud_rows(own, _CLOUD)
+    worst = shown.worst
+    passage = worst.passage_rows()
+    cloud = _cloud_rows(worst, _CLOUD)
     cloud = cloud[np.isfinite(found.missing[cloud])]
     on = {"xaxis": "x2", "yaxis": "y2", "showlegend": False}
     data = [
-        line(own.time[passage], found.missing[passage], "missing without it", GREY, 2.4),
-        line(own.time[passage], found.part[passage], name, FOUND, 1.6),
-        points(own.velocity[cloud], found.missing[cloud], "missing without it", GREY, 3.5, **on),
-        points(own.velocity[cloud], found.part[cloud], name, FOUND, 2.5, **on),
+        line(worst.time[passage], found.missing[passage], "missing without it", GREY, 2.4),
+        line(worst.time[passage], found.part[passage], name, FOUND, 1.6),
+        points(worst.velocity[cloud], found.missing[cloud], "missing without it", GREY, 3.5, **on),
+        points(worst.velocity[cloud], found.part[cloud], name, FOUND, 2.5, **on),
     ]
     layout = {
         "xaxis": axis("time in s", domain=[0.0, 0.56]),

@@ -26,7 +26,7 @@ def comfort_page(car: str, names: Sequence[str], runs: Sequence[ComfortRun], oth
     for label, k in zip(("small", "large"), ends, strict=True):
         for axle in AXLES:
             figures[f"{axle}_{label}"] = _transfer(names, [runs[k], others[k]], axle)
-            figures[f"loops_{axle}_{label}"] = _loops(names, [own.begin[axle] for own in (runs[k], others[k])])
+            figures[f"loops_{axle}_{label}"] = _loops(names, [run.begin[axle] for run in (runs[k], others[k])])
     _share(figures, [f"{axle}_{label}" for label in ("small", "large") for axle in AXLES], "y")
     for label in ("small", "large"):
         _share(figures, [f"loops_{axle}_{label}" for axle in AXLES], "xy")
@@ -51,10 +51,10 @@ def _for_drivers(names: Sequence[str], runs: Sequence[ComfortRun], others: Seque
     for size, k in (("small", 0), ("large", -1)):
         ratios = []
         for axle in AXLES:
-            one, other = (np.abs(own[k].transfer[axle].value) for own in (runs, others))
+            one, other = (np.abs(each[k].transfer[axle].value) for each in (runs, others))
             ratios.append(100.0 * (float(np.sqrt(np.mean(one**2) / np.mean(other**2))) - 1.0))
-        words = [f"{abs(own):.0f} % {'more' if own >= 0.0 else 'less'} at the {axle}"
-                 for own, axle in zip(ratios, AXLES, strict=True)]  # fmt: skip
+        words = [f"{abs(ratio):.0f} % {'more' if ratio >= 0.0 else 'less'} at the {axle}"
+                 for ratio, axle in zip(ratios, AXLES, strict=True)]  # fmt: skip
         parts.append(f"on {size} bumps ({1e3 * runs[k].amplitude:g} mm) the body moves {' and '.join(words)}")
     return f"with {names[0]} instead of {names[1]}, {'; '.join(parts)}."
 
@@ -62,7 +62,7 @@ def _for_drivers(names: Sequence[str], runs: Sequence[ComfortRun], others: Seque
 def _share(figures: dict[str, Figure], names: Sequence[str], axes: str) -> None:
     """The same range on the axes of figures that stand side by side."""
     for letter in axes:
-        values = np.concatenate([unpacked(own[letter]) for name in names for own in figures[name]["data"]])
+        values = np.concatenate([unpacked(figure[letter]) for name in names for figure in figures[name]["data"]])
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         ends = [low - 0.04 * (high - low), high + 0.04 * (high - low)]
         for name in names:
@@ -74,9 +74,9 @@ def _share(figures: dict[str, Figure], names: Sequence[str], axes: str) -> None:
 def _transfer(names: Sequence[str], runs: Sequence[ComfortRun], axle: str) -> Figure:
     curves = []
     for name, run, colour in zip(names, runs, COLOURS, strict=True):
-        own = run.transfer[axle]
-        told = "%{x:.2f} Hz: %{y:.3f}<extra>" + name + "</extra>"
-        curves.append(line(own.frequency, np.abs(own.value), name, colour, 2.0, hovertemplate=told))
+        transfer = run.transfer[axle]
+        hover = "%{x:.2f} Hz: %{y:.3f}<extra>" + name + "</extra>"
+        curves.append(line(transfer.frequency, np.abs(transfer.value), name, colour, 2.0, hovertemplate=hover))
     layout = {
         "xaxis": axis("frequency in Hz"),
         "yaxis": axis("body over post (1)", rangemode="tozero"),
@@ -88,8 +88,8 @@ def _transfer(names: Sequence[str], runs: Sequence[ComfortRun], axle: str) -> Fi
 def _loops(names: Sequence[str], loops: Sequence[Loops]) -> Figure:
     """Force over velocity of the left damper in the sweep's first third."""
     curves = [
-        line(own.velocity, own.force, name, colour, 1.0)
-        for name, own, colour in zip(names, loops, COLOURS, strict=True)
+        line(loop.velocity, loop.force, name, colour, 1.0)
+        for name, loop, colour in zip(names, loops, COLOURS, strict=True)
     ]
     layout = {"xaxis": axis("velocity in m/s"), "yaxis": axis("force less that at rest in N"), "showlegend": True}
     return {"data": curves, "layout": layout}

@@ -111,7 +111,9 @@ def _model_text(comparison: Comparison) -> dict[str, object]:
 
 def _grouping(comparison: Comparison) -> str:
     if comparison.grouping:
-        return "; ".join(f"{name}: {', '.join(map(recording_name, own))}" for name, own in comparison.grouping.items())
+        return "; ".join(
+            f"{name}: {', '.join(map(recording_name, recordings))}" for name, recordings in comparison.grouping.items()
+        )
     return (
         "whole cycles by peak velocity (LV low, HV high) and frequency (LF low, HF high), split by the recordings' own "
         "ranges: LVLF is low velocity at low frequency, HVHF high velocity at high frequency"
@@ -136,10 +138,10 @@ def _groups(comparison: Comparison) -> list[list[str]]:
 
 def _by_recording(comparison: Comparison) -> dict[str, object]:
     rows = []
-    for own in per_recording(comparison):
-        record = own.measures.record()
+    for recording in per_recording(comparison):
+        record = recording.measures.record()
         cells = [measure_text(key, record[key]) for key, *_ in MEASURES]
-        rows.append({"name": recording_name(own.recordings[0]), "cells": cells})
+        rows.append({"name": recording_name(recording.recordings[0]), "cells": cells})
     return {"model": comparison.model.name, "rows": rows}
 
 

@@ -96,10 +96,10 @@ def force_figures(shown: BeforeAfter, findings: Sequence[Finding]) -> dict[str, 
     chain = [finding for finding in findings if finding.is_channel]
     for index, finding in enumerate(findings):
         # Corrections of the measurement chain are shown together: what was measured is read anew with all of them.
-        own = None if finding in chain[1:] else explained(shown, finding)
-        if own is not None:
-            name = listed([own.phenomenon for own in chain], "and") if finding.is_channel else finding.phenomenon
-            figures[f"explained{index}"] = explained_figure(shown, own, plain_name(name))
+        drawn = None if finding in chain[1:] else explained(shown, finding)
+        if drawn is not None:
+            name = listed([fault.phenomenon for fault in chain], "and") if finding.is_channel else finding.phenomenon
+            figures[f"explained{index}"] = explained_figure(shown, drawn, plain_name(name))
     return figures
 
 
@@ -148,10 +148,10 @@ def _levels(found: Diagnosis) -> list[tuple[str, float]]:
     if found.verdict == "parameters_changed" and np.isfinite(found.rmse_refit_alone_n):
         return [*levels, ("re-identified", found.rmse_refit_alone_n)]
     with_it: list[tuple[str, float]] = []
-    for own in found.findings:
-        name = f"with {plain_name(own.phenomenon)}"
+    for finding in found.findings:
+        name = f"with {plain_name(finding.phenomenon)}"
         # Of a pair both have the error after the two.
-        if with_it and own.partner and with_it[-1][1] == own.rmse_after_n:
+        if with_it and finding.partner and with_it[-1][1] == finding.rmse_after_n:
             name = f"{with_it.pop()[0]} {name.replace('with', 'and', 1)}"
-        with_it.append((name, own.rmse_after_n))
+        with_it.append((name, finding.rmse_after_n))
     return levels + [("and " + name if i else name, value) for i, (name, value) in enumerate(with_it)]

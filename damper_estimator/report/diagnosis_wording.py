@@ -112,21 +112,21 @@ def moved_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
     """Parameters that re-identification moves."""
     return [
         {
-            "name": own.name,
-            "before": with_error(own.before, own.standard_error)[0],
-            "after": with_error(own.after, own.standard_error)[0],
-            "error": with_error(own.after, own.standard_error)[1],
-            "unit": _UNITS.get(own.unit, own.unit),
+            "name": parameter.name,
+            "before": with_error(parameter.before, parameter.standard_error)[0],
+            "after": with_error(parameter.after, parameter.standard_error)[0],
+            "error": with_error(parameter.after, parameter.standard_error)[1],
+            "unit": _UNITS.get(parameter.unit, parameter.unit),
         }
-        for own in diagnosis.moved
+        for parameter in diagnosis.moved
     ]
 
 
 def data_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
     """Mistakes of the recordings, with what corrects them; those that several recordings share are told once."""
     same: dict[tuple[str, str], list[str]] = {}
-    for own in diagnosis.data:
-        same.setdefault((own.sentence, own.remedy), []).append(recording_name(own.recording))
+    for finding in diagnosis.data:
+        same.setdefault((finding.sentence, finding.remedy), []).append(recording_name(finding.recording))
     return [
         {"sentence": sentence, "remedy": remedy, "recording": ", ".join(filter(None, dict.fromkeys(names)))}
         for (sentence, remedy), names in same.items()

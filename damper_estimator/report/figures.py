@@ -40,7 +40,7 @@ def passage(comparisons: Sequence[Comparison], index: int, most: int) -> dict[st
     return {
         "time": packed(own_time, "f8"),
         "measured": packed(column(first.measured)),
-        "modelled": [packed(column(own)) for own in modelled],
+        "modelled": [packed(column(force)) for force in modelled],
         "motion": {
             "displacement": packed(column(1e3 * kinematics.displacement)),
             "velocity": packed(column(kinematics.velocity)),
@@ -116,7 +116,7 @@ def cycle_map(comparison: Comparison) -> dict[str, object] | None:
     known = np.isfinite(pool.frequency) & (pool.frequency > 0.0) & (pool.amplitude > 0.0)
     if np.count_nonzero(known) < 100:
         return None
-    places = [np.log10(own[known]) for own in (pool.frequency, 1e3 * pool.amplitude)]
+    places = [np.log10(values[known]) for values in (pool.frequency, 1e3 * pool.amplitude)]
     ends = [np.quantile(place, [0.005, 0.995]) for place in places]
     if min(high - low for low, high in ends) < _LEAST_DECADES:
         return None

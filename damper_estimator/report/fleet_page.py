@@ -44,9 +44,9 @@ def fleet_page(
         trends: of dampers that drift away, as ``fleet.trend.Trend`` has them, of ``judged`` that could be judged.
         rule: by which they are named, in words.
     """
-    shown = {verb: _shown(own) for verb, own in rows.items()}
+    shown = {verb: _shown(results) for verb, results in rows.items()}
     data = {
-        "verbs": {verb: _columns(own, verb) for verb, own in shown.items()},
+        "verbs": {verb: _columns(results, verb) for verb, results in shown.items()},
         "measures": _MEASURES,
         "figures": _figures(),
         "first": {verb: _FIRST.get(verb, "rmse_n") for verb in shown},
@@ -54,11 +54,13 @@ def fleet_page(
     text = {
         "damper": "fleet",
         "headline": _headline(rows, trends, judged),
-        "trends": [_trend_row(own) for own in trends],
+        "trends": [_trend_row(trend) for trend in trends],
         "judged": judged,
         "rule": rule,
         "verbs": list(shown),
-        "cut": [f"{verb}: {len(shown[verb])} of {len(own)}" for verb, own in rows.items() if len(own) > MOST],
+        "cut": [
+            f"{verb}: {len(shown[verb])} of {len(results)}" for verb, results in rows.items() if len(results) > MOST
+        ],
         "diagnosed": "diagnose" in shown,
     }
     return render("fleet.html", "fleet", [text], ["page.css", "fleet.css"], "fleet.js", data)
@@ -114,13 +116,13 @@ def _far(rows: Sequence[Mapping[str, object]]) -> list[bool]:
             groups.setdefault((row["vehicle"], row["damper"]), []).append(i)
     # A damper with few recordings is held against all of its name.
     pools: dict[object, list[int]] = {}
-    for (vehicle, damper), own in groups.items():
-        pools.setdefault((vehicle, damper) if len(own) >= 8 else damper, []).extend(own)
+    for (vehicle, damper), pool in groups.items():
+        pools.setdefault((vehicle, damper) if len(pool) >= 8 else damper, []).extend(pool)
     far = np.zeros(len(rows), bool)
-    for own in pools.values():
-        off = errors[own] - np.median(errors[own])
+    for pool in pools.values():
+        off = errors[pool] - np.median(errors[pool])
         spread = max(1.4826 * float(np.median(np.abs(off))), 0.02)
-        far[own] = off > _FAR * spread
+        far[pool] = off > _FAR * spread
     return far.tolist()
 
 
@@ -138,7 +140,7 @@ def _columns(rows: Sequence[Mapping[str, object]], verb: str) -> dict[str, objec
         "verdict": [row["verdict"] for row in rows] if verb == "diagnose" else [],
         "missing": [row["missing"] or [] for row in rows] if verb == "diagnose" else [],
         "far": _far(rows),
-        "measures": {name: own for name, own in measures.items() if any(value is not None for value in own)},
+        "measures": {name: values for name, values in measures.items() if any(value is not None for value in values)},
     }
 
 
@@ -153,7 +155,7 @@ def _coded(names: Sequence[object]) -> dict[str, list]:
 
 
 def _headline(rows: Mapping[str, Sequence[Mapping]], trends: Sequence[Mapping], judged: int) -> str:
-    every = [row for own in rows.values() for row in own]
+    every = [row for results in rows.values() for row in results]
     recordings = len({row["recording"] for row in every})
     vehicles = len({row["vehicle"] for row in every})
     words = [f"{recordings} recordings of {vehicles} vehicle{'s' if vehicles != 1 else ''}."]

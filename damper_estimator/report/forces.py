@@ -28,12 +28,12 @@ def forces_figure(comparisons: Sequence[Comparison]) -> dict[str, object]:
     first = comparisons[0]
     most = max(_MOST // len(first.traces), 2)
     begin, rows, times = 0.0, [], []
-    for i, own in enumerate(first.traces):
-        rows.append(min_max_rows([own.measured, *(c.traces[i].residual for c in comparisons)], most))
-        times.append(begin + own.time[rows[-1]] - own.time[0])
+    for i, trace in enumerate(first.traces):
+        rows.append(min_max_rows([trace.measured, *(c.traces[i].residual for c in comparisons)], most))
+        times.append(begin + trace.time[rows[-1]] - trace.time[0])
         begin = float(times[-1][-1]) + 1.0
     time = _joined(times)
-    measured = _joined([own.measured[at] for own, at in zip(first.traces, rows, strict=True)])
+    measured = _joined([trace.measured[at] for trace, at in zip(first.traces, rows, strict=True)])
     data = [line(time, measured, "measured", INK)]
     for number, c in enumerate(comparisons):
         colour, name = model_colour(number), c.model.name
@@ -80,4 +80,4 @@ def plotly_figure(figure: Mapping[str, object]) -> PlotlyFigure:
 
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
     """Parts behind each other, a NaN between them."""
-    return np.concatenate([own for part in parts for own in (part, [np.nan])][:-1])
+    return np.concatenate([rows for part in parts for rows in (part, [np.nan])][:-1])

@@ -96,4 +96,4 @@ def _log_axis(title: str, values: np.ndarray) -> Figure:
     ticks = ticks[:: -(-ticks.size // _MOST_TICKS)]
     ends = np.log10([low, high]).tolist()
     shown = [f"{tick:.3g}" for tick in ticks]
-    return axis(title, type="log", range=ends, tickvals=[float(own) for own in ticks], ticktext=shown)
+    return axis(title, type="log", range=ends, tickvals=[float(tick) for tick in ticks], ticktext=shown)

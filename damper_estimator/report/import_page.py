@@ -20,10 +20,10 @@ def import_page(guess: Guess, parts: Sequence[Part]) -> str:
     doubts = f"{count} doubt{'s' if count > 1 else ''} to decide" if count else "nothing is in doubt"
     dampers = list(parts[0].dampers) if parts else ["damper"]
     sections = [
-        {"damper": own, "headline": f"in {guess.path.name}: {doubts}", "rows": column_rows(guess), "guess": guess}
-        for own in dampers
+        {"damper": damper, "headline": f"in {guess.path.name}: {doubts}", "rows": column_rows(guess), "guess": guess}
+        for damper in dampers
     ]
-    figures = [import_figures(parts, own) if parts else {} for own in dampers]
+    figures = [import_figures(parts, damper) if parts else {} for damper in dampers]
     title = f"guessed columns of {guess.path.name}"
     return render("import.html", title, sections, ["page.css"], "plots.js", shared_arrays(figures))
 
@@ -31,11 +31,11 @@ def import_page(guess: Guess, parts: Sequence[Part]) -> str:
 def column_rows(guess: Guess) -> list[tuple[str, str, str, str]]:
     """Title, what it is taken for, unit and reason of every column."""
     rows = []
-    for own in guess.columns:
-        what = f"{own.damper} {own.quantity}" if own.damper else own.quantity
-        turned = ", turned round" if own.scale < 0 else ""
-        unit = str(guess.time.get("unit", "")) if own.quantity == "time" else own.unit
-        rows.append((str(own.title or f"column {own.column}"), (what or "left out") + turned, unit, own.why))
+    for column in guess.columns:
+        what = f"{column.damper} {column.quantity}" if column.damper else column.quantity
+        turned = ", turned round" if column.scale < 0 else ""
+        unit = str(guess.time.get("unit", "")) if column.quantity == "time" else column.unit
+        rows.append((str(column.title or f"column {column.column}"), (what or "left out") + turned, unit, column.why))
     return rows
 
 
@@ -57,14 +57,14 @@ def import_figures(parts: Sequence[Part], damper: str) -> dict[str, Figure]:
         few = slice(0, 20 * _MOST)
         speed.append(line(velocity[few], force[few], name, colour, 1.0))
         place.append(line(1e3 * x[few], force[few], name, colour, 1.0))
-    told = {"showlegend": len(parts) > 1}
+    legend = {"showlegend": len(parts) > 1}
     over_time = {
         "xaxis": axis("time in s", anchor="y2"),
         "yaxis": axis("force in N", domain=[0.52, 1.0]),
         "yaxis2": axis("x in mm", domain=[0.0, 0.46]),
     }
     return {
-        "time": {"data": time, "layout": over_time | told, "height": 380},
+        "time": {"data": time, "layout": over_time | legend, "height": 380},
         "velocity": {"data": speed, "layout": {"xaxis": axis("velocity in m/s"), "yaxis": axis("force in N")}},
         "place": {"data": place, "layout": {"xaxis": axis("displacement in mm"), "yaxis": axis("force in N")}},
     }

@@ -88,7 +88,7 @@ def _steps(found: Improvement) -> list[dict[str, object]]:
                 "note": step.note if step.action != "start" else "",
                 "tried": diagnosis is not None,
                 "figure": f"tried{index}",
-                "findings": [] if diagnosis is None else [finding_text(own) for own in diagnosis.findings],
+                "findings": [] if diagnosis is None else [finding_text(finding) for finding in diagnosis.findings],
                 "rejected": [] if diagnosis is None else rejected_rows(diagnosis.ranking, diagnosis.untestable),
             }
         )

@@ -19,34 +19,34 @@ def plan_page(plans: Mapping[str, Plan], title: str) -> str:
     Args:
         plans: by damper.
     """
-    sections = [_section(damper, own) for damper, own in plans.items()]
-    figures = [_figures(own) for own in plans.values()]
+    sections = [_section(damper, plan) for damper, plan in plans.items()]
+    figures = [_figures(plan) for plan in plans.values()]
     return render("plan.html", title, sections, ["page.css"], "plots.js", shared_arrays(figures))
 
 
-def plan_figure(own: Plan) -> Figure:
+def plan_figure(plan: Plan) -> Figure:
     """Force of every hypothesis over time on the most telling step."""
-    return _force(own)
+    return _force(plan)
 
 
-def _section(damper: str, own: Plan) -> dict[str, object]:
-    limits = own.limits.record()
+def _section(damper: str, plan: Plan) -> dict[str, object]:
+    limits = plan.limits.record()
     return {
         "damper": damper,
-        "headline": own.sentence,
-        "telling": own.telling,
-        "several": len(own.force) > 1,
-        "predicted": own.chances is not None,
-        "played": own.rig.kind != "manoeuvres",
+        "headline": plan.sentence,
+        "telling": plan.telling,
+        "several": len(plan.force) > 1,
+        "predicted": plan.chances is not None,
+        "played": plan.rig.kind != "manoeuvres",
         "steps": [
             [step.words, *(f"{step.record()[key]:.3g}" for key in ("speed_m_s", "acceleration_m_s2"))]
-            for step in own.steps
+            for step in plan.steps
         ],
         "limits": [[key, _value(value)] for key, value in limits.items() if value not in ([], False)],
         "parameters": [
-            [one.address, f"{one.value:.4g}", f"{one.before:.2g}", f"{one.after:.2g}"] for one in own.parameters
+            [one.address, f"{one.value:.4g}", f"{one.before:.2g}", f"{one.after:.2g}"] for one in plan.parameters
         ],
-        "would": list(own.would),
+        "would": list(plan.would),
     }
 
 
@@ -54,61 +54,68 @@ def _value(value: object) -> str:
     return " to ".join(f"{one:g}" for one in value) if isinstance(value, list) else f"{value}"
 
 
-def _figures(own: Plan) -> dict[str, Figure]:
-    drawn = {"force": _force(own), "loop": _loop(own), "drive": _drive(own)}
-    if own.chances is not None:
-        drawn["curve"] = _curve(own)
+def _figures(plan: Plan) -> dict[str, Figure]:
+    drawn = {"force": _force(plan), "loop": _loop(plan), "drive": _drive(plan)}
+    if plan.chances is not None:
+        drawn["curve"] = _curve(plan)
     return drawn
 
 
-def _names(own: Plan) -> list[str]:
-    named = [f"{p.replace('_', ' ')} ({e})" for p, e in zip(own.phenomena, own.effects, strict=True)]
+def _names(plan: Plan) -> list[str]:
+    named = [f"{p.replace('_', ' ')} ({e})" for p, e in zip(plan.phenomena, plan.effects, strict=True)]
     return named or ["model"]
 
 
-def _force(own: Plan) -> Figure:
+def _force(plan: Plan) -> Figure:
     """Forces over time; the band of noise and model form lies about the first."""
-    first = own.force[0]
+    first = plan.force[0]
     band = [
         line(
-            own.time, first + sign * own.band_n, "noise and form", GREY, 0.5, showlegend=False, hoverinfo="skip", **more
+            plan.time,
+            first + sign * plan.band_n,
+            "noise and form",
+            GREY,
+            0.5,
+            showlegend=False,
+            hoverinfo="skip",
+            **more,
         )
         for sign, more in ((-1.0, {}), (1.0, {"fill": "tonexty", "fillcolor": GREY, "opacity": 0.3}))
     ]
     curves = [
-        line(own.time, force, name, colour, 1.6)
-        for force, name, colour in zip(own.force, _names(own), COLOURS, strict=False)
+        line(plan.time, force, name, colour, 1.6)
+        for force, name, colour in zip(plan.force, _names(plan), COLOURS, strict=False)
     ]
     layout = {"xaxis": axis("time in s"), "yaxis": axis("damper force in N"), "showlegend": True}
     return {"data": [*band, *curves], "layout": layout}
 
 
-def _loop(own: Plan) -> Figure:
+def _loop(plan: Plan) -> Figure:
     curves = [
-        line(own.velocity, force, name, colour, 1.2)
-        for force, name, colour in zip(own.force, _names(own), COLOURS, strict=False)
+        line(plan.velocity, force, name, colour, 1.2)
+        for force, name, colour in zip(plan.force, _names(plan), COLOURS, strict=False)
     ]
     layout = {"xaxis": axis("velocity in m/s"), "yaxis": axis("damper force in N"), "showlegend": True}
     return {"data": curves, "layout": layout}
 
 
-def _drive(own: Plan) -> Figure:
-    rows = min_max_rows([own.displacement], _MOST)
-    told = "%{y:.2f} mm<extra></extra>"
-    drawn = line(rows / own.limits.rate, 1e3 * own.displacement[rows], "drive", INK, 1.0, hovertemplate=told)
+def _drive(plan: Plan) -> Figure:
+    rows = min_max_rows([plan.displacement], _MOST)
+    hover = "%{y:.2f} mm<extra></extra>"
+    drawn = line(rows / plan.limits.rate, 1e3 * plan.displacement[rows], "drive", INK, 1.0, hovertemplate=hover)
     return {"data": [drawn], "layout": {"xaxis": axis("time in s"), "yaxis": axis("displacement in mm")}}
 
 
-def _curve(own: Plan) -> Figure:
-    tied = np.clip(1.0 - own.curve.right - own.curve.wrong, 0.0, 1.0)
-    told = "%{x:.2f} min: %{y:.1f} %<extra></extra>"
+def _curve(plan: Plan) -> Figure:
+    tied = np.clip(1.0 - plan.curve.right - plan.curve.wrong, 0.0, 1.0)
+    hover = "%{x:.2f} min: %{y:.1f} %<extra></extra>"
     curves = [
         {
-            "type": "scatter", "mode": "lines+markers", "name": name, "x": short(own.curve.minutes),
-            "y": short(100.0 * values), "line": {"color": colour}, "hovertemplate": told,
+            "type": "scatter", "mode": "lines+markers", "name": name, "x": short(plan.curve.minutes),
+            "y": short(100.0 * values), "line": {"color": colour}, "hovertemplate": hover,
         }
         for name, values, colour in (
-            ("right", own.curve.right, "@model0"), ("wrong", own.curve.wrong, "@error"),
+            ("right", plan.curve.right, "@model0"), ("wrong", plan.curve.wrong, "@error"),
             ("the tie stays", tied, "@samples"),
         )
     ]  # fmt: skip

@@ -26,7 +26,7 @@ def ride_page(found: Mapping[str, Surfaces], law: str) -> str:
     """
     sections, figures = [], []
     for damper, surfaces in found.items():
-        best = min(surfaces, key=lambda own: tracking_ratio(surfaces[own]))
+        best = min(surfaces, key=lambda way: tracking_ratio(surfaces[way]))
         figures.append(_figures(surfaces, best))
         ratios = {surface: tracking_ratio(trials) for surface, trials in surfaces.items()}
         sections.append({
@@ -44,7 +44,7 @@ def ride_page(found: Mapping[str, Surfaces], law: str) -> str:
 
 def _for_drivers(surfaces: Surfaces, ratios: Mapping[str, float]) -> str:
     """What a test driver would notice, in a sentence or two."""
-    less = {other: [_body_change(own, other) for own in surfaces.values()] for other in ("table", "passive")}
+    less = {other: [_body_change(surface, other) for surface in surfaces.values()] for other in ("table", "passive")}
     roads = "road" if len(ratios) == 1 else "roads"
     passive, table = _range(less["passive"]), _range(less["table"])
     return (
@@ -56,8 +56,8 @@ def _for_drivers(surfaces: Surfaces, ratios: Mapping[str, float]) -> str:
 
 def _body_change(trials: Mapping[str, Trial], other: str) -> float:
     """%, weighted acceleration of the body with the model over that of another way, less 1."""
-    model, own = (trials[way].measures.weighted_acceleration for way in ("model", other))
-    return 100.0 * (model / own - 1.0)
+    model, rival = (trials[way].measures.weighted_acceleration for way in ("model", other))
+    return 100.0 * (model / rival - 1.0)
 
 
 def _range(changes: list[float]) -> str:
@@ -77,9 +77,9 @@ def _span(low: float, high: float, digits: int = 0) -> str:
 
 def _at_the_ends(trial: Trial) -> str:
     """Why the current jumps between its ends: how often it is there, and how often because nothing better is left."""
-    own, (low, high) = trial.ride, trial.attainable
-    judged = slice(round(1.0 / own.step), None)
-    current, wanted = own.current[judged], own.wanted[judged]
+    ride, (low, high) = trial.ride, trial.attainable
+    judged = slice(round(1.0 / ride.step), None)
+    current, wanted = ride.current[judged], ride.wanted[judged]
     least, most = LIMITS
     margin = 0.02 * (most - least)
     ends = (current <= least + margin) | (current >= most - margin)
@@ -94,7 +94,7 @@ def _at_the_ends(trial: Trial) -> str:
 
 
 def _row(surface: str, trials: Mapping[str, Trial], ratio: float) -> list[str]:
-    rows = [own.measures for own in trials.values()]
+    rows = [trial.measures for trial in trials.values()]
     return [
         surface,
         " / ".join(f"{m.tracking_n:.0f}" for m in rows),
@@ -109,8 +109,8 @@ def _figures(surfaces: Surfaces, best: str) -> dict[str, Figure]:
     start = _strongest(surfaces[best]["model"])
     traces = {way: _trace(surfaces[best][way], start, way) for way in ("table", "model")}
     ends = _common_range([surfaces[best][way] for way in traces], start)
-    for own in traces.values():
-        own["layout"]["yaxis"]["range"] = ends
+    for values in traces.values():
+        values["layout"]["yaxis"]["range"] = ends
     return {
         "error": _bars(surfaces, "tracking_n", 1.0, "rms force error in N"),
         "body": _bars(surfaces, "weighted_acceleration", 1.0, "weighted body acceleration in m/s²"),
@@ -125,7 +125,7 @@ def _figures(surfaces: Surfaces, best: str) -> dict[str, Figure]:
 def _common_range(trials: Sequence[Trial], start: float) -> list[float]:
     """N, from and to on an axis that traces side by side share."""
     values = np.concatenate([
-        own for trial in trials for own in (*trial.attainable[:, _part(trial, start)],
+        curve for trial in trials for curve in (*trial.attainable[:, _part(trial, start)],
                                             trial.ride.force[_part(trial, start)])
     ])  # fmt: skip
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -150,11 +150,11 @@ def _bars(surfaces: Surfaces, measure: str, scale: float, title: str) -> Figure:
 
 def _strongest(trial: Trial) -> float:
     """s, where the stretch with the largest wish begins; after the rest at the start."""
-    own = trial.ride
-    size = round(SHOWN / own.step)
-    summed = np.cumsum(own.wanted**2)
-    first = round(1.0 / own.step)
-    return own.step * (first + int(np.argmax(summed[first + size :] - summed[first:-size])))
+    ride = trial.ride
+    size = round(SHOWN / ride.step)
+    summed = np.cumsum(ride.wanted**2)
+    first = round(1.0 / ride.step)
+    return ride.step * (first + int(np.argmax(summed[first + size :] - summed[first:-size])))
 
 
 def _part(trial: Trial, start: float) -> slice:
@@ -164,18 +164,18 @@ def _part(trial: Trial, start: float) -> slice:
 
 def _trace(trial: Trial, start: float, way: str) -> Figure:
     """The force and the wish, and what could be given between two thin lines."""
-    own, part = trial.ride, _part(trial, start)
+    ride, part = trial.ride, _part(trial, start)
     low, high = trial.attainable[:, part]
-    time = own.time[part]
+    time = ride.time[part]
     edges = [
         line(time, edge, "attainable", LINE, 1.0, showlegend=False, hoverinfo="skip", **more)
         for edge, more in ((low, {}), (high, {"fill": "tonexty", "fillcolor": LINE, "opacity": 0.4}))
     ]
     data = [
         *edges,
-        line(time, np.clip(own.wanted[part], low, high), "wanted, cut to the attainable", INK, 1.2, line={
+        line(time, np.clip(ride.wanted[part], low, high), "wanted, cut to the attainable", INK, 1.2, line={
             "color": INK, "width": 1.2, "dash": "dot"}),
-        line(time, own.force[part], f"force by {way}", COLOURS[way], 1.8),
+        line(time, ride.force[part], f"force by {way}", COLOURS[way], 1.8),
     ]  # fmt: skip
     return {
         "data": data,
@@ -186,8 +186,8 @@ def _trace(trial: Trial, start: float, way: str) -> Figure:
 def _currents(trials: Mapping[str, Trial], start: float) -> Figure:
     data = []
     for way in ("table", "model"):
-        own, part = trials[way].ride, _part(trials[way], start)
-        told = "%{y:.2f} A<extra>" + way + "</extra>"
-        data.append(line(own.time[part], own.current[part], way, COLOURS[way], 1.4, hovertemplate=told))
+        ride, part = trials[way].ride, _part(trials[way], start)
+        hover = "%{y:.2f} A<extra>" + way + "</extra>"
+        data.append(line(ride.time[part], ride.current[part], way, COLOURS[way], 1.4, hovertemplate=hover))
     layout = {"xaxis": axis("time in s"), "yaxis": axis("commanded current in A"), "showlegend": True}
     return {"data": data, "layout": layout}

@@ -64,7 +64,7 @@ def _text(story: Story) -> dict[str, object]:
         "recordings": [recording_name(path) for path in story.before.recordings],
         "data": finding_rows(story.before),
         "quality": quality_rows(story.before),
-        "models": [_model(own, name) for name, own in both.items()],
+        "models": [_model(comparison, name) for name, comparison in both.items()],
         "measures": [{"name": name, "unit": unit, "meaning": meaning} for _, name, unit, meaning in MEASURES],
         "steps": [_step(step) for step in story.steps],
         "parameters": model_rows(story.after.model),
@@ -83,7 +83,7 @@ def _text(story: Story) -> dict[str, object]:
 
 
 def _headline(story: Story) -> str:
-    before, after = (own.measures.rmse_n for own in (story.before, story.after))
+    before, after = (comparison.measures.rmse_n for comparison in (story.before, story.after))
     done = len(story.steps) - 1
     if not done:
         return headline([story.before])
@@ -95,20 +95,20 @@ def _headline(story: Story) -> str:
     )
 
 
-def _model(own: Comparison, name: str) -> dict[str, object]:
-    record = own.measures.record()
+def _model(comparison: Comparison, name: str) -> dict[str, object]:
+    record = comparison.measures.record()
     return {
         "name": name,
         "cells": [measure_text(key, record[key]) for key, *_ in MEASURES],
-        "parts": error_parts(own),
-        "sentences": own.split.sentences,
+        "parts": error_parts(comparison),
+        "sentences": comparison.split.sentences,
         "regions": [{"where": in_signs(r.where), "what": in_signs(r.what), "error": 100.0 * r.share_of_squared_error}
-                    for r in own.regions[:5]],
+                    for r in comparison.regions[:5]],
     }  # fmt: skip
 
 
-def _step(own: Step) -> dict[str, str]:
-    return {"name": step_name(own), "fit": number(own.rmse_fit_n), "unseen": number(own.rmse_unseen_n)}
+def _step(step: Step) -> dict[str, str]:
+    return {"name": step_name(step), "fit": number(step.rmse_fit_n), "unseen": number(step.rmse_unseen_n)}
 
 
 def _both(story: Story) -> dict[str, Comparison]:
@@ -119,9 +119,13 @@ def _both(story: Story) -> dict[str, Comparison]:
 
 
 def _figures(story: Story) -> dict[str, object]:
-    both = [replace(own, model=replace(own.model, name=name)) for name, own in _both(story).items()]
+    both = [
+        replace(comparison, model=replace(comparison.model, name=name)) for name, comparison in _both(story).items()
+    ]
     figures: dict[str, object] = {"forces": forces_figure(both), "errors": _errors(story)}
-    figures |= {f"map{i}": own for i, own in enumerate(_on_one_scale([error_map(own) for own in both]))}
+    figures |= {
+        f"map{i}": drawn for i, drawn in enumerate(_on_one_scale([error_map(comparison) for comparison in both]))
+    }
     found = story.diagnosis
     if found is not None:
         figures["ranking"] = ranking_figure(found.ranking, found.findings, tied_notes(found))
@@ -138,6 +142,6 @@ def _errors(story: Story) -> dict[str, object]:
 
 def _on_one_scale(maps: Sequence[Mapping]) -> list[dict[str, object]]:
     """Maps of the error whose colours mean the same."""
-    values = [v for own in maps for row in own["data"][0]["z"] for v in row if v is not None]
+    values = [v for drawn in maps for row in drawn["data"][0]["z"] for v in row if v is not None]
     top = float(np.quantile(values, 0.995)) if values else 1.0
-    return [{**own, "data": [{**own["data"][0], "zmin": 0.0, "zmax": top}]} for own in maps]
+    return [{**drawn, "data": [{**drawn["data"][0], "zmin": 0.0, "zmax": top}]} for drawn in maps]

@@ -141,9 +141,11 @@ def _emphasised(judged: RankedEffect, found: set[str], tied: set[str]) -> str:
 
 def _gains(way: str, name: str, symbol: str, shift: float, rows, colour, note_of: Mapping[str, str]) -> Figure:
     """One way of judging: a mark and its whisker per row that was judged so."""
-    judged = [(i + shift, own, getattr(own, way)) for i, own in enumerate(rows) if getattr(own, way) is not None]
+    judged = [
+        (i + shift, effect, getattr(effect, way)) for i, effect in enumerate(rows) if getattr(effect, way) is not None
+    ]
     gain = np.array([100.0 * way.gain for _, _, way in judged])
-    paint = [colour(own) for _, own, _ in judged]
+    paint = [colour(effect) for _, effect, _ in judged]
     return {
         "type": "scatter",
         "mode": "markers",
@@ -152,7 +154,7 @@ def _gains(way: str, name: str, symbol: str, shift: float, rows, colour, note_of
         "y": [y for y, _, _ in judged],
         "error_x": _whiskers([(way.low, way.gain, way.high) for *_, way in judged]),
         "marker": {"symbol": symbol, "size": 9, "color": paint, "line": {"width": 2, "color": paint}},
-        "text": [_hover(own, way, note_of.get(own.effect, "")) for _, own, way in judged],
+        "text": [_hover(effect, way, note_of.get(effect.effect, "")) for _, effect, way in judged],
         "hovertemplate": "%{text}<extra></extra>",
     }
 
@@ -200,17 +202,17 @@ def _brackets(rows: Sequence[RankedEffect], findings: Sequence[Finding]) -> Figu
 
 def moved_figure(moved: Sequence[Moved]) -> Figure:
     """Change of each parameter that moved, relative to what it was, with its standard error."""
-    size = [abs(own.before) or abs(own.after) or 1.0 for own in moved]
-    change = [100.0 * (own.after - own.before) / s for own, s in zip(moved, size, strict=True)]
+    size = [abs(parameter.before) or abs(parameter.after) or 1.0 for parameter in moved]
+    change = [100.0 * (parameter.after - parameter.before) / s for parameter, s in zip(moved, size, strict=True)]
     bars = {
         "type": "bar",
         "orientation": "h",
-        "y": [own.name for own in moved],
+        "y": [parameter.name for parameter in moved],
         "x": short(change, 3),
         "marker": {"color": AFTER},
         "error_x": {
             "type": "data",
-            "array": short([100.0 * own.standard_error / s for own, s in zip(moved, size, strict=True)], 3),
+            "array": short([100.0 * parameter.standard_error / s for parameter, s in zip(moved, size, strict=True)], 3),
             "color": INK,
             "thickness": 1.3,
         },

@@ -42,10 +42,10 @@ def headline(comparisons: list[Comparison]) -> str:
         text = f"The measurement comes first: {grave[0]}. {text}"
     if np.isfinite(best.noise_floor_n) and m.rmse_n <= 1.3 * best.noise_floor_n:
         return f"{text}: that is the noise of the measurement."
-    told = [f"{sentence[0].upper()}{sentence[1:].split(':')[0]}" for sentence in best.split.sentences[:1]]
-    told += [f"Its worst region is {region.where}: {region.what}" for region in best.regions[:1]]
-    if told:
-        return in_signs(f"{text}. {'. '.join(told)}.")
+    sentences = [f"{sentence[0].upper()}{sentence[1:].split(':')[0]}" for sentence in best.split.sentences[:1]]
+    sentences += [f"Its worst region is {region.where}: {region.what}" for region in best.regions[:1]]
+    if sentences:
+        return in_signs(f"{text}. {'. '.join(sentences)}.")
     return f"{text}; the error is spread evenly over the operation."
 
 
@@ -56,9 +56,9 @@ def in_signs(text: str) -> str:
 
 def error_parts(comparison: Comparison) -> list[dict[str, object]]:
     """What the error is made of, N rms each, with the share of the sum of their squares in %."""
-    own = comparison.split
-    parts = [("zero", float(np.sqrt(np.mean(np.square(own.offsets))))), ("drift", own.drift_n)]
-    parts += [("gain", own.gain_n), ("scatter", own.scatter_n)]
+    split = comparison.split
+    parts = [("zero", float(np.sqrt(np.mean(np.square(split.offsets))))), ("drift", split.drift_n)]
+    parts += [("gain", split.gain_n), ("scatter", split.scatter_n)]
     total = sum(value**2 for _, value in parts) or 1.0
     return [{"name": name, "text": number(value), "width": 100.0 * value**2 / total} for name, value in parts]
 

@@ -25,18 +25,18 @@ def guessed(folder: Folder, name: str) -> Guess:
 
 def form(guess: Guess) -> list:
     """One row per column: what it is, in which unit, and whether its sign is turned round."""
-    dampers = sorted({own.damper for own in guess.columns if own.damper}) or ["damper"]
+    dampers = sorted({column.damper for column in guess.columns if column.damper}) or ["damper"]
     options = [_OUT, *(f"time in {unit}" for unit in TIME_UNITS)]
-    options += [f"{d} {q} in {unit}" for d in dampers for q, own in QUANTITIES.items() for unit in own.units]
+    options += [f"{d} {q} in {unit}" for d in dampers for q, quantity in QUANTITIES.items() for unit in quantity.units]
     rows = []
-    for i, own in enumerate(guess.columns[:MOST]):
-        name = f"{own.title or f'column {own.column}'}"
+    for i, column in enumerate(guess.columns[:MOST]):
+        name = f"{column.title or f'column {column.column}'}"
         chosen = dcc.Dropdown(options, _chosen(guess, i), id={"type": "bench-column", "index": i}, clearable=False)
         turned = dcc.Checklist(
-            [{"label": "turn round", "value": "turn"}], ["turn"] if own.scale < 0 else [],
+            [{"label": "turn round", "value": "turn"}], ["turn"] if column.scale < 0 else [],
             id={"type": "bench-turn", "index": i},
         )  # fmt: skip
-        cells = [html.Th(name, scope="row"), html.Td(chosen), html.Td(turned), html.Td(own.why, className="hint")]
+        cells = [html.Th(name, scope="row"), html.Td(chosen), html.Td(turned), html.Td(column.why, className="hint")]
         rows.append(html.Tr(cells))
     head = html.Thead(html.Tr([html.Th(text, scope="col") for text in ("column", "is", "sign", "because of")]))
     return [_notes("To decide", guess.doubts, "warning"), _notes("Assumed", guess.assumed, "hint"),
@@ -45,7 +45,7 @@ def form(guess: Guess) -> list:
 
 def kept(guess: Guess, name: str) -> dict[str, object]:
     """What the page keeps of a guess while it is corrected."""
-    columns = [own.column for own in guess.columns[:MOST]]
+    columns = [column.column for column in guess.columns[:MOST]]
     return {
         "file": name,
         "columns": columns,
@@ -61,12 +61,16 @@ def corrected(data: object, chosen: Sequence[object], turned: Sequence[object]) 
     Raises:
         InputError: where it is not complete, such as without a displacement; or two columns are the same.
     """
-    own = dict(data) if isinstance(data, Mapping) else {}
-    columns = own.get("columns")
+    entries = dict(data) if isinstance(data, Mapping) else {}
+    columns = entries.get("columns")
     if not isinstance(columns, list) or not len(columns) == len(chosen) == len(turned):
         raise InputError("the form is not that of a file; choose the file again")
     dampers: dict[str, dict[str, object]] = {}
-    time = own.get("time") if "column" not in dict(own.get("time") or {}) or "format" in dict(own["time"]) else None
+    time = (
+        entries.get("time")
+        if "column" not in dict(entries.get("time") or {}) or "format" in dict(entries["time"])
+        else None
+    )
     for column, what, turn in zip(columns, map(str, chosen), turned, strict=True):
         name, _, unit = what.rpartition(" in ")
         if what == _OUT:
@@ -78,7 +82,7 @@ def corrected(data: object, chosen: Sequence[object], turned: Sequence[object]) 
         if quantity in dampers.setdefault(damper, {}):
             raise InputError(f"two columns are the {quantity} of {damper}; leave one of them out")
         dampers[damper][quantity] = {"column": column, "unit": unit} | ({"scale": -1.0} if turn else {})
-    content = {"dampers": dampers, "time": time, "text": own.get("text"), "split": own.get("split")}
+    content = {"dampers": dampers, "time": time, "text": entries.get("text"), "split": entries.get("split")}
     return {key: value for key, value in content.items() if value}
 
 
@@ -107,10 +111,10 @@ def imported(folder: Folder, parts: Sequence[Part]) -> list[str]:
 
 
 def _chosen(guess: Guess, index: int) -> str:
-    own = guess.columns[index]
-    if own.quantity == "time":
+    column = guess.columns[index]
+    if column.quantity == "time":
         return f"time in {guess.time.get('unit', 's')}" if "format" not in guess.time else _OUT
-    return f"{own.damper} {own.quantity} in {own.unit}" if own.quantity in QUANTITIES else _OUT
+    return f"{column.damper} {column.quantity} in {column.unit}" if column.quantity in QUANTITIES else _OUT
 
 
 def _notes(title: str, texts: Sequence[str], kind: str) -> html.Div:

@@ -88,7 +88,7 @@ class Cards:
 
     def _recording(self, name: str) -> Card:
         path = self._folder.existing(name)
-        size = sum(own.stat().st_size for own in ([path] if path.is_file() else path.iterdir()))
+        size = sum(file.stat().st_size for file in ([path] if path.is_file() else path.iterdir()))
         if size > LARGEST:
             return Card("recordings", name, (f"{size / 1e6:.0f} MB: too large for a glance; open it",))
         with captured_warnings() as warned:

@@ -24,7 +24,7 @@ def corners_section() -> html.Section:
 
 def corner_cards(session: Session) -> html.Div:
     """One card per damper."""
-    cards = [_card(session, own) for own in sorted(session.corners.values(), key=lambda own: place(own.damper))]
+    cards = [_card(session, corner) for corner in sorted(session.corners.values(), key=lambda each: place(each.damper))]
     return html.Div(cards, className="corner-grid")
 
 
@@ -36,13 +36,13 @@ def _card(session: Session, corner: Corner) -> html.Section:
     if corner.failed:
         return html.Section([title, html.P(corner.failed, className="warning")], className="card corner")
     history = session.histories().get(name, corner.history)
-    steps = [step_name(own.step) for own in history.done[1:]]
+    steps = [step_name(version.step) for version in history.done[1:]]
     verdict = corner.verdict or "not diagnosed yet"
     facts = [(corner.rms, "rms error"), (corner.relative, "of the force"), (str(len(steps)), "steps")]
     lines = [html.P([html.Span("worst region", className="label"), corner.worst])]
     lines.append(html.P([html.Span("diagnosis", className="label"), verdict]))
     if steps:
-        first, last = (own.step.rmse_unseen_n for own in (history.versions[0], history.now))
+        first, last = (version.step.rmse_unseen_n for version in (history.versions[0], history.now))
         words = f"{', '.join(steps)}: {number(first)} → {number(last)} N on unseen data"
         lines.append(html.P([html.Span("what was done", className="label"), words]))
     if len(history.done) != len(corner.history.done):

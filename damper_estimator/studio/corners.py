@@ -147,10 +147,10 @@ def _summary(stage: Stage, history: History, found: Diagnosis | None) -> Corner:
 
 
 def _picture(view: ModelRun) -> str:
-    own = view.traces[0]
-    velocity = own.measurement.kinematics.velocity
+    trace = view.traces[0]
+    velocity = trace.measurement.kinematics.velocity
     clouds = []
-    for force, colour in ((own.measured, COLOURS[LIGHT]["samples"]), (own.modelled, COLOURS[LIGHT]["model0"])):
+    for force, colour in ((trace.measured, COLOURS[LIGHT]["samples"]), (trace.modelled, COLOURS[LIGHT]["model0"])):
         rows = cloud_rows(velocity, force)
         rows = rows[:: max(rows.size // _MOST_DOTS, 1)]
         clouds.append((velocity[rows], force[rows], colour))

@@ -16,11 +16,11 @@ def cursor_table(scene: Scene) -> html.Table | str:
     time = scene.whole_time
     at = [min(int(np.searchsorted(time, cursor)), time.size - 1) for cursor in cursors]
     quantities = [("time", "s", time), *scene.at_cursors()]
-    values = np.array([[float(own[row]) for _, _, own in quantities] for row in at])
+    values = np.array([[float(values_of[row]) for _, _, values_of in quantities] for row in at])
     lines = [(name, row) for name, row in zip("AB", values, strict=False)]
     if len(at) == 2:
         lines.append(("B − A", values[1] - values[0]))
-    rows = [html.Tr([html.Th(name, scope="row"), *(html.Td(_text(own)) for own in row)]) for name, row in lines]
+    rows = [html.Tr([html.Th(name, scope="row"), *(html.Td(_text(value)) for value in row)]) for name, row in lines]
     titles = [html.Th([name, html.Small(f" {unit}")], scope="col") for name, unit, _ in quantities]
     return html.Table([html.Thead(html.Tr([html.Th(""), *titles])), html.Tbody(rows)], className="measures cursors")
 

@@ -36,7 +36,7 @@ def density_rows(over: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, ...]:
     extremes = extremes[np.isfinite(over[extremes]) & np.isfinite(force[extremes])]
     limits = np.quantile(counts, _DENSE) if counts.size else np.zeros(len(_DENSE))
     level = np.searchsorted(limits, counts)
-    parts = [even[first[level == own]] for own in range(len(_DENSE) + 1)]
+    parts = [even[first[level == density]] for density in range(len(_DENSE) + 1)]
     return np.unique(np.concatenate([parts[0], extremes])), *parts[1:]
 
 

@@ -14,11 +14,11 @@ _SECONDS = 2.0  # that are shown, about the worst moment
 
 def explained_figure(found: Diagnosis, effect: str) -> Figure:
     """The residual of the diagnosed model in its worst seconds, and what the effect would leave of it."""
-    change = next((own.explains for own in found.ranking if own.effect == effect), ())
+    change = next((ranked.explains for ranked in found.ranking if ranked.effect == effect), ())
     traces = [trace(found.model, m) for m in found.unseen]
     before = [np.where(t.judged, t.residual, np.nan) for t in traces]
     index, span = _worst([t.time for t in traces], before)
-    own, time = traces[index], traces[index].time
+    worst, time = traces[index], traces[index].time
     rows = span.start + line_rows(before[index][span], 1200)
     data = [line(time[rows], before[index][rows], "residual now", BEFORE)]
     notes = []
@@ -26,7 +26,7 @@ def explained_figure(found: Diagnosis, effect: str) -> Figure:
         data.append(line(time[rows], (before[index] + change[index])[rows], "with this effect", AFTER))
     else:
         notes = [note("it explains next to nothing", 0.5, 0.95)]
-    where = own.measurement.recording.rpartition("/")[2]
+    where = worst.measurement.recording.rpartition("/")[2]
     layout = {
         "xaxis": axis(f"time in s ({where}, unseen)"),
         "yaxis": axis("model - measured in N"),

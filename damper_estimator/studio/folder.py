@@ -114,7 +114,7 @@ class Folder:
                 names.append(str(here.relative_to(self.root)))
                 below.clear()
                 continue
-            below[:] = sorted(own for own in below if not own.startswith(".")) if depth < DEEPEST else []
+            below[:] = sorted(name for name in below if not name.startswith(".")) if depth < DEEPEST else []
             there = (str((here / file).relative_to(self.root)) for file in files if not file.startswith("."))
             names += [name for name in there if self._is_file(name) and wanted(self.root / name)]
         return sorted(name for name in names if not Path(name).name.startswith("."))[:MOST]

@@ -62,7 +62,7 @@ class Door:
         if not name or port != str(self.port):
             return False
         name = name.strip("[]").lower()
-        if name in ("localhost", self.host.lower(), *(own.lower() for own in self.names)):
+        if name in ("localhost", self.host.lower(), *(allowed.lower() for allowed in self.names)):
             return True
         try:
             address = ipaddress.ip_address(name)

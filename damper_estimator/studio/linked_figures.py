@@ -43,9 +43,9 @@ class Scene:
     @cached_property
     def span(self) -> slice:
         """The samples on view; what follows is of these."""
-        own, view = self._trace(0).time, self.view
-        ends = (None, None) if view.start is None or view.stop is None else (own[0] + view.start, own[0] + view.stop)
-        return span_of(own, *ends)
+        time, view = self._trace(0).time, self.view
+        ends = (None, None) if view.start is None or view.stop is None else (time[0] + view.start, time[0] + view.stop)
+        return span_of(time, *ends)
 
     @cached_property
     def measured(self) -> np.ndarray:
@@ -73,28 +73,28 @@ class Scene:
     @property
     def gaps(self) -> np.ndarray:
         """(k,) indices of the first samples after gaps of the recording."""
-        own = self._curves(0).gaps
-        return own[np.searchsorted(own, self.span.start) : np.searchsorted(own, self.span.stop)] - self.span.start
+        gaps = self._curves(0).gaps
+        return gaps[np.searchsorted(gaps, self.span.start) : np.searchsorted(gaps, self.span.stop)] - self.span.start
 
     def time(self, rows: np.ndarray) -> np.ndarray:
         """(k,) s since the first sample of the recording, at some of the samples."""
-        own = self._trace(0).time
-        return own[self.span][rows] - own[0]
+        time = self._trace(0).time
+        return time[self.span][rows] - time[0]
 
     @property
     def whole_time(self) -> np.ndarray:
         """(m,) s since the first sample, of the whole recording."""
-        own = self._trace(0).time
-        return own - own[0]
+        time = self._trace(0).time
+        return time - time[0]
 
     def at_cursors(self) -> list[tuple[str, str, np.ndarray]]:
         """Name, unit and values (m,) over the whole recording of what cursors read."""
-        own = self._trace(0)
-        given = [("measured", "N", own.measured)]
+        trace = self._trace(0)
+        given = [("measured", "N", trace.measured)]
         for i, name in enumerate(self.names):
             curves = self._curves(i)
             given += [(name, "N", curves.modelled), (f"{name} - measured", "N", curves.residual)]
-        kinematics = own.measurement.kinematics
+        kinematics = trace.measurement.kinematics
         for name, (unit, factor) in TRACES.items():
             values = getattr(kinematics, name)
             if np.isfinite(values).any():
@@ -192,13 +192,13 @@ def cloud_figure(scene: Scene, motion: str) -> Figure:
     """Force over one motion in the stretch on view, and what is marked: loops where it is short, else the density."""
     x = SCALES[motion] * scene.motion(motion)
     outline = cloud_rows(x, scene.measured)
-    reach = np.array([np.ptp(own[outline]) if outline.size else 0.0 for own in (x, scene.measured)])
+    reach = np.array([np.ptp(values[outline]) if outline.size else 0.0 for values in (x, scene.measured)])
 
     def cloud(force: np.ndarray, rows: np.ndarray, name: str, colour: str, size: float = 1.0) -> Figure:
         return dots(x[rows], force[rows], size * _DOT * reach, name, colour)
 
     def loop(force: np.ndarray, name: str, colour: str, width: float) -> list[Figure]:
-        across, up = (np.insert(own.astype(float), scene.gaps, np.nan) for own in (x, force))
+        across, up = (np.insert(values.astype(float), scene.gaps, np.nan) for values in (x, force))
         hover = f"%{{x:.4g}}: %{{y:.4g}} N<extra>{name}</extra>"
         return [line(across, up, name, colour, width=width, hovertemplate=hover)]
 

@@ -58,12 +58,15 @@ class Live:
     def figures(self) -> dict[str, Figure]:
         """Force and residual of each damper over the last seconds."""
         with self._lock:
-            return {name: _figure(own) for name, own in sorted(self.dampers.items())}
+            return {name: _figure(damper) for name, damper in sorted(self.dampers.items())}
 
     def states(self) -> dict[str, tuple[str, int, str, bool]]:
         """By damper: status of the last estimate, level and message of the node's health, and the drift alarm."""
         with self._lock:
-            return {n: (own.status, own.level, own.message, own.alarm) for n, own in sorted(self.dampers.items())}
+            return {
+                n: (damper.status, damper.level, damper.message, damper.alarm)
+                for n, damper in sorted(self.dampers.items())
+            }
 
     def save(self, path: Path) -> int:
         """Writes the last minutes of all inputs as a recording; how many messages.
@@ -113,16 +116,16 @@ class Live:
     def _take(self, content: Mapping) -> None:
         self.held = content["held"]
         for name, given in content["dampers"].items():
-            own = self.dampers.setdefault(name, LiveDamper())
+            damper = self.dampers.setdefault(name, LiveDamper())
             for kind in ("force", "residual"):
-                getattr(own, kind).extend(zip(*given[kind], strict=True))
-            own.status, own.level = given["status"], given["level"]
-            own.message, own.alarm = given["message"], given["alarm"]
+                getattr(damper, kind).extend(zip(*given[kind], strict=True))
+            damper.status, damper.level = given["status"], given["level"]
+            damper.message, damper.alarm = given["message"], given["alarm"]
 
 
-def _figure(own: LiveDamper) -> Figure:
+def _figure(damper: LiveDamper) -> Figure:
     """Times count back from the newest."""
-    force, residual = (np.array(points, float).reshape(-1, 2) for points in (own.force, own.residual))
+    force, residual = (np.array(points, float).reshape(-1, 2) for points in (damper.force, damper.residual))
     newest = max((float(points[-1, 0]) for points in (force, residual) if len(points)), default=0.0)
     force, residual = (points[points[:, 0] > newest - SHOWN] for points in (force, residual))
     data = [

@@ -33,12 +33,12 @@ def identified_alone(case: Case, element: Element, progress: Progress) -> Elemen
     """An entry with its parameters identified beside a model that keeps its own."""
     progress(f"identifying {element.effect.name}", 0.1)
     model = case.model.with_effect(element)
-    label = [own for own, entry in labels(model.effects) if entry.effect is element.effect][-1]
+    label = [name for name, entry in labels(model.effects) if entry.effect is element.effect][-1]
     found = locally_fitted(model, case.fit, free=[label], fix=["*"])
     return dict(labels(found.effects))[label]
 
 
 def judged(case: Case, deed: Deed) -> Step:
     """A step with the errors of its model."""
-    errors = [pooled_error(case.model, own)[0] for own in (case.fit, case.unseen)]
+    errors = [pooled_error(case.model, group)[0] for group in (case.fit, case.unseen)]
     return Step(deed.action, deed.effect, deed.phenomenon, case.model, *errors, None, "")

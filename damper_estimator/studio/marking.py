@@ -38,7 +38,7 @@ def stretches(shown: ModelRun, view: View) -> tuple[Stretch, ...]:
     rows = np.flatnonzero(inside)
     parts = np.split(rows, np.flatnonzero(np.diff(rows) > 2) + 1)
     step = float(np.median(np.diff(time))) if time.size > 1 else 0.0
-    seconds = [(float(time[own[0]] - time[0]), float(time[own[-1]] - time[0])) for own in parts]
+    seconds = [(float(time[part[0]] - time[0]), float(time[part[-1]] - time[0])) for part in parts]
     return tuple((view.recording, first - 0.4 * step, last + 0.4 * step) for first, last in seconds)
 
 
@@ -52,8 +52,8 @@ def in_words(shown: ModelRun, view: View) -> str:
 def errors_in_words(shown: ModelRun, view: View, name: str) -> str:
     """The rms error of a model on what is marked, and on the rest of the recording."""
     inside = inside_of(shown, view)
-    own = shown.traces[view.recording]
-    there, elsewhere = (_rms(own.residual[part & own.judged]) for part in (inside, ~inside))
+    trace = shown.traces[view.recording]
+    there, elsewhere = (_rms(trace.residual[part & trace.judged]) for part in (inside, ~inside))
     return (
         f"marked: {in_words(shown, view)}, {int(inside.sum())} samples; rms error of {name} there {there}, "
         f"elsewhere in the recording {elsewhere}"
@@ -67,16 +67,16 @@ def marked_alone(shown: ModelRun, view: View) -> Measurement:
         InputError: where nothing of it can be judged, or it is too long.
     """
     inside = inside_of(shown, view)
-    own = shown.traces[view.recording].measurement
-    rows = np.flatnonzero(inside & own.judged)
+    measurement = shown.traces[view.recording].measurement
+    rows = np.flatnonzero(inside & measurement.judged)
     if rows.size < 3:
         raise InputError("none of the marked samples can be judged; mark more")
-    time = own.kinematics.time
+    time = measurement.kinematics.time
     first = int(np.searchsorted(time, time[rows[0]] - RUN_IN))
     last = int(rows[-1]) + 1
     if last - first > MOST_JUDGED:
         raise InputError(f"the marked region spans more than {MOST_JUDGED} samples; mark less")
-    return replace(own, judged=own.judged & inside).part(first, last)
+    return replace(measurement, judged=measurement.judged & inside).part(first, last)
 
 
 def parted(measurement: Measurement) -> tuple[Measurement, Measurement]:
@@ -84,7 +84,7 @@ def parted(measurement: Measurement) -> tuple[Measurement, Measurement]:
     rows = np.flatnonzero(measurement.judged)
     cut = rows[int(_SHARE * rows.size)]
     early = np.arange(measurement.judged.size) < cut
-    return tuple(replace(measurement, judged=measurement.judged & own) for own in (early, ~early))
+    return tuple(replace(measurement, judged=measurement.judged & part) for part in (early, ~early))
 
 
 def table(models: Sequence[ModelRun], names: Sequence[str], view: View) -> str:
@@ -95,22 +95,22 @@ def table(models: Sequence[ModelRun], names: Sequence[str], view: View) -> str:
     Raises:
         InputError: for more than ``MOST_ROWS`` samples.
     """
-    own = models[0].traces[view.recording]
+    trace = models[0].traces[view.recording]
     inside = marked(models[0], view)
-    time = own.time - own.time[0]
+    time = trace.time - trace.time[0]
     if inside is None:
         ends = (-np.inf, np.inf) if view.start is None or view.stop is None else (view.start, view.stop)
         inside = (time >= ends[0]) & (time <= ends[1])
     rows = np.flatnonzero(inside)
     if rows.size > MOST_ROWS:
         raise InputError(f"{rows.size} samples are more than {MOST_ROWS}; zoom in or mark less")
-    kinematics = own.measurement.kinematics
+    kinematics = trace.measurement.kinematics
     columns = {
         "time_s": time,
         "displacement_m": kinematics.displacement,
         "velocity_m_s": kinematics.velocity,
         "acceleration_m_s2": kinematics.acceleration,
-        "force_measured_n": own.measured,
+        "force_measured_n": trace.measured,
     }
     for shown, name in zip(models, names, strict=True):
         trace = shown.traces[view.recording]

@@ -43,7 +43,7 @@ class ModelRun:
     @cached_property
     def curves(self) -> tuple[Curves, ...]:
         """One per recording."""
-        return tuple(_curves(own) for own in self.traces)
+        return tuple(_curves(trace) for trace in self.traces)
 
     def comparison(self) -> Comparison:
         """Where it fails, on the judged passages."""
@@ -70,6 +70,6 @@ def run_model(model: DamperModel, stage: Stage) -> ModelRun:
     return ModelRun(model, stage, traces, agreement)
 
 
-def _curves(own: Trace) -> Curves:
-    modelled = np.where(own.judged, own.modelled, np.nan)
-    return Curves(modelled, modelled - own.measured, np.flatnonzero(own.measurement.kinematics.dt <= 0.0))
+def _curves(trace: Trace) -> Curves:
+    modelled = np.where(trace.judged, trace.modelled, np.nan)
+    return Curves(modelled, modelled - trace.measured, np.flatnonzero(trace.measurement.kinematics.dt <= 0.0))

@@ -64,7 +64,7 @@ def read_session_file(folder: Folder, name: str, kept: SavedSession, step: int |
         history = replace(history, at=step)
     progress(f"running {history.now.step.model.name}", 0.9)
     others = tuple(load_chosen(folder, model, stage.damper) for model in kept.models[1:] if _is_there(folder, model))
-    saved = tuple((version, own) for version, own in zip(history.versions, files, strict=True) if own)
+    saved = tuple((version, file) for version, file in zip(history.versions, files, strict=True) if file)
     return Opened(stage, history, others, kept.models, _views(stage, history, others), saved)
 
 

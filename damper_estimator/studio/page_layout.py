@@ -191,7 +191,7 @@ def _learn() -> list:
 
 
 def _change() -> list:
-    effects = [name for name, own in all_effects().items() if own.kind not in ("channel", "path")]
+    effects = [name for name, effect in all_effects().items() if effect.kind not in ("channel", "path")]
     return [
         html.Div(
             [
@@ -213,7 +213,10 @@ def _steps() -> list:
 def _save() -> list:
     return [
         dcc.RadioItems(
-            [{"label": own.label, "value": kind} for kind, own in KINDS.items()], "model", id="kind", className="choice"
+            [{"label": file_kind.label, "value": kind} for kind, file_kind in KINDS.items()],
+            "model",
+            id="kind",
+            className="choice",
         ),
         labelled("name in the folder", dcc.Input(id="name", type="text", value="", className="wide")),
         html.Button("Save", id="save", className="primary"),

@@ -104,18 +104,18 @@ class PageState:
         """A model's forces over what is open; kept for the last few."""
         with self._lock:
             stage = self.here if model is self.model else self.stage
-            for own in self._shown:
-                if own.model is model and own.stage.signals == stage.signals:
-                    return own
-            own = run_model(model, stage)
-            self._shown = [*self._shown[1 - _KEPT :], own]
-            return own
+            for run in self._shown:
+                if run.model is model and run.stage.signals == stage.signals:
+                    return run
+            run = run_model(model, stage)
+            self._shown = [*self._shown[1 - _KEPT :], run]
+            return run
 
     def comparison(self, shown: ModelRun) -> Comparison:
         """Where a model fails; kept for the last few. Long recordings take seconds, in which the page is looked at."""
         with self._judging:
-            for own, comparison in self._compared:
-                if own is shown:
+            for run, comparison in self._compared:
+                if run is shown:
                     return comparison
             comparison = shown.comparison()
             self._compared = [*self._compared[1 - _KEPT :], (shown, comparison)]
@@ -124,12 +124,12 @@ class PageState:
     def histories(self) -> dict[str, History]:
         """The steps of every damper of the recordings that was looked at, by its name."""
         here = {self.stage.damper: self.history} if self.stage and self.history else {}
-        return {name: own.history for name, own in self.beside.items()} | here
+        return {name: other.history for name, other in self.beside.items()} | here
 
     def choice_of(self, damper: str) -> Choice:
         """What is open, for another damper: with what was left out of its own recordings."""
-        own = self.beside.get(damper)
-        left_out = self.stage.choice.left_out if damper == self.stage.damper else own.left_out if own else ()
+        other = self.beside.get(damper)
+        left_out = self.stage.choice.left_out if damper == self.stage.damper else other.left_out if other else ()
         return replace(self.stage.choice, damper=damper, left_out=left_out)
 
     @property
@@ -145,12 +145,12 @@ class PageState:
     def saved(self, name: str) -> None:
         """The model on view was written to a file of the folder."""
         with self._lock:
-            self._saved = [*((own, file) for own, file in self._saved if file != name), (self._now(), name)]
+            self._saved = [*((version, file) for version, file in self._saved if file != name), (self._now(), name)]
             self._changed(rebuilt=False)
 
     def saved_as(self, version: Version) -> str:
         """The file that a version's model was written to last; "" where there is none."""
-        return next((file for own, file in reversed(self._saved) if own is version), "")
+        return next((file for saved, file in reversed(self._saved) if saved is version), "")
 
     def rest(self) -> None:
         """Ends the work that goes on."""
@@ -190,11 +190,13 @@ class PageState:
     def _restaged(self, stage: Stage) -> None:
         """Takes other samples for judging; every step is judged again on them."""
         history, before = self.history, self.history.versions
-        versions = [_judged_again(own, stage) for own in before]
-        places = {id(own): i for i, own in enumerate(before)}
+        versions = [_judged_again(version, stage) for version in before]
+        places = {id(version): i for i, version in enumerate(before)}
         with self._lock:
             self.stage, self.history = stage, replace(history, versions=tuple(versions))
-            self._saved = [(versions[places[id(own)]], file) for own, file in self._saved if id(own) in places]
+            self._saved = [
+                (versions[places[id(version)]], file) for version, file in self._saved if id(version) in places
+            ]
             self._shown, self._compared = [], []
             self._changed()
 
@@ -214,5 +216,5 @@ class PageState:
 
 def _judged_again(version: Version, stage: Stage) -> Version:
     step = version.step
-    own = judged(stage.corrected(version.signals).case(step.model), Deed(step.action))
-    return replace(version, step=replace(step, rmse_fit_n=own.rmse_fit_n, rmse_unseen_n=own.rmse_unseen_n))
+    step_now = judged(stage.corrected(version.signals).case(step.model), Deed(step.action))
+    return replace(version, step=replace(step, rmse_fit_n=step_now.rmse_fit_n, rmse_unseen_n=step_now.rmse_unseen_n))

@@ -28,8 +28,8 @@ def measures_table(models: Sequence[ModelRun], names: Sequence[str]) -> Piece:
         )
     )
     rows = []
-    for i, (own, name) in enumerate(zip(models, names, strict=True)):
-        record = own.measures.record()
+    for i, (run, name) in enumerate(zip(models, names, strict=True)):
+        record = run.measures.record()
         key = html.I(className=f"key model{i % 5}")
         cells = [html.Td(measure_text(measure, record[measure])) for measure, *_ in MEASURES]
         rows.append(html.Tr([html.Th([key, name], scope="row"), *cells]))
@@ -159,17 +159,19 @@ def _finding(finding) -> Piece:
 def candidates(found: Diagnosis) -> Piece:
     """Every phenomenon that was tried: hovering shows what it would explain, the button adds it."""
     rows = []
-    for own in ranked(found.ranking, found.findings):
-        best = max((way for way in (own.kept, own.refitted) if way is not None), key=lambda way: way.gain)
+    for effect in ranked(found.ranking, found.findings):
+        best = max((way for way in (effect.kept, effect.refitted) if way is not None), key=lambda way: way.gain)
         gain = f"{100.0 * best.gain:.0f} % ({100.0 * best.low:.0f} to {100.0 * best.high:.0f})"
         button = html.Button(
-            "add", id={"type": "add", "effect": own.effect, "from": "ranking"}, title=f"add {own.effect} and refit"
+            "add",
+            id={"type": "add", "effect": effect.effect, "from": "ranking"},
+            title=f"add {effect.effect} and refit",
         )
         name = html.Span(
-            [html.B(plain_name(own.phenomenon)), html.Small(f" {own.effect}")], tabIndex="0", className="looked"
+            [html.B(plain_name(effect.phenomenon)), html.Small(f" {effect.effect}")], tabIndex="0", className="looked"
         )
         rows.append(
-            html.Li([name, button, html.Span(f"{gain}: {own.reason or 'found'}")], **{"data-effect": own.effect})
+            html.Li([name, button, html.Span(f"{gain}: {effect.reason or 'found'}")], **{"data-effect": effect.effect})
         )
     untried = list(rejected_rows((), found.untestable))
     more = [html.Details([html.Summary(f"{len(untried)} could not be tried"), html.Ul(
@@ -180,9 +182,9 @@ def candidates(found: Diagnosis) -> Piece:
 
 def equation(effect: str) -> Piece:
     """What an effect is, in its author's words: the equation, symbols, source."""
-    own = all_effects()[effect]
-    shows = [html.P([html.Span("shows as", className="label"), own.shows])] if own.shows else []
-    return html.Div([html.Pre(own.description.strip().replace("``", ""), className="equation"), *shows])
+    declared = all_effects()[effect]
+    shows = [html.P([html.Span("shows as", className="label"), declared.shows])] if declared.shows else []
+    return html.Div([html.Pre(declared.description.strip().replace("``", ""), className="equation"), *shows])
 
 
 def steps_list(errors: Sequence[float], names: Sequence[str], files: Sequence[str], at: int) -> Piece:

@@ -51,11 +51,11 @@ def save(session: Session, kind: str, name: str, replace: bool) -> str:
     """
     if kind not in KINDS:
         raise InputError("choose what to save")
-    own = KINDS[kind]
-    target = session.folder.target(name, own.suffix, replace)
-    for suffix in own.beside:
+    chosen = KINDS[kind]
+    target = session.folder.target(name, chosen.suffix, replace)
+    for suffix in chosen.beside:
         session.folder.target(str(Path(name).with_suffix(suffix)), suffix, replace)
-    return own.write(session, target)
+    return chosen.write(session, target)
 
 
 def _model(session: Session, path: Path) -> str:
@@ -93,8 +93,8 @@ def _diagnosis(session: Session, path: Path) -> str:
 def _report(session: Session, path: Path) -> str:
     history, stage = session.history, session.stage
     models = (history.versions[0].step.model, session.model)
-    before, after = (session.comparison(session.shown(own)) for own in models)
-    steps, notes = [own.step for own in history.done], [*filter(None, [stage.note]), *stage.warnings]
+    before, after = (session.comparison(session.shown(model)) for model in models)
+    steps, notes = [version.step for version in history.done], [*filter(None, [stage.note]), *stage.warnings]
     left_out = sum(stop - start for _, start, stop in stage.choice.left_out)
     if left_out:
         notes.append(f"{left_out:.3g} s of the recordings were left out of fits and errors.")

@@ -126,15 +126,15 @@ def serve(
 def _bound(host: str, port: int) -> socket.socket:
     """A socket that listens: werkzeug would end the process where the port is taken."""
     family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-    own = socket.socket(family, kind, protocol)
+    listener = socket.socket(family, kind, protocol)
     try:
-        own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        own.bind(address)
-        own.listen(128)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(128)
     except OSError:
-        own.close()
+        listener.close()
         raise
-    return own
+    return listener
 
 
 def _nothing(environment: dict, start_response: Callable) -> list[bytes]:

@@ -131,13 +131,13 @@ class Session(PageState):
             self.history = history
             self.diagnosis = corner.diagnosis or self.diagnosis
             return
-        own = self.beside.get(corner.damper, OtherDamper(history))
-        if history is not own.history or history.at:
+        other = self.beside.get(corner.damper, OtherDamper(history))
+        if history is not other.history or history.at:
             writer = SessionWriter(SessionFiles(self.folder), self.owner)
-            writer.begin(*own.file)
-            writer.write(corner.stage, self.names, history, own.saved)
-            own = replace(own, history=history, file=writer.file)
-        self.beside[corner.damper] = own
+            writer.begin(*other.file)
+            writer.write(corner.stage, self.names, history, other.saved)
+            other = replace(other, history=history, file=writer.file)
+        self.beside[corner.damper] = other
 
     def _take(self, given: Opened, file: str = "", stamp: Stamp = None, same: bool = False) -> None:
         """Puts what was read on view; with ``same`` it is another damper of the same recordings."""
@@ -157,10 +157,10 @@ class Session(PageState):
 
     def diagnose_marked(self, view: View, mode: str) -> None:
         """The same in a marked region alone: parameters on the first 60 % of its samples, judged on the others."""
-        own = self.shown(self.model)
-        fit, unseen = parted(marked_alone(own, view))
+        run = self.shown(self.model)
+        fit, unseen = parted(marked_alone(run, view))
         case = replace(self._case(), fit=(fit,), unseen=(unseen,))
-        self._diagnose(case, mode, in_words(own, view))
+        self._diagnose(case, mode, in_words(run, view))
 
     def _diagnose(self, case: Case, mode: str, of: str) -> None:
 
@@ -180,8 +180,8 @@ class Session(PageState):
             found = run_in_process(improve_case, (case, mode, os.cpu_count() or 1), progress)
             with self._lock:
                 for step in found.steps[1:]:
-                    own = found.signals if step.action == "correct" else self._now().signals
-                    self.history = self.history.then(Version(step, own))
+                    signals = found.signals if step.action == "correct" else self._now().signals
+                    self.history = self.history.then(Version(step, signals))
                 self.diagnosis, self.diagnosed = found.final, ""
                 self._changed()
 
@@ -204,9 +204,9 @@ class Session(PageState):
 
     def refit_marked(self, view: View) -> None:
         """Identifies the free parameters on a marked region alone; judged as all steps are."""
-        own = self.shown(self.model)
-        case = replace(self._case(), fit=(marked_alone(own, view),))
-        self._refit(self.model, Deed("refit", None, f"on the marked {in_words(own, view)}"), case)
+        run = self.shown(self.model)
+        case = replace(self._case(), fit=(marked_alone(run, view),))
+        self._refit(self.model, Deed("refit", None, f"on the marked {in_words(run, view)}"), case)
 
     def leave_out(self, view: View) -> None:
         """Takes a marked region out of all that is fitted to and judged on."""
@@ -274,8 +274,8 @@ class Session(PageState):
         now, case = self._now(), self._case()
 
         def work(progress: Progress) -> None:
-            own = run_in_process(identified_alone, (case, element), progress)
-            signals = corrected_signals(now.signals, own)
+            fitted = run_in_process(identified_alone, (case, element), progress)
+            signals = corrected_signals(now.signals, fitted)
             stage = self.stage.corrected(signals)
             self._then(Version(judged(stage.case(case.model), deed), signals))
 

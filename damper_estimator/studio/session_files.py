@@ -162,7 +162,7 @@ def _kept(content: Mapping, stamp: Stamp) -> SavedSession:
         tuple(map(str, given["fit"])), tuple(map(str, given["unseen"])), str(given["damper"]), str(given["signals"]),
         *window, tuple((int(i), float(a), float(b)) for i, a, b in given.get("left_out", ())),
     )  # fmt: skip
-    models, steps = tuple(map(str, content["models"])), tuple(dict(own) for own in content["steps"])
+    models, steps = tuple(map(str, content["models"])), tuple(dict(step) for step in content["steps"])
     if not (choice.fit and models and steps):
         raise ValueError(content)
     return SavedSession(choice, models, int(content["at"]), steps, str(content["owner"]), stamp)
@@ -176,15 +176,15 @@ def history_of(kept: SavedSession, stage: Stage, name: str) -> tuple[History, li
     """
     where, versions = f"session {name}", []
     try:
-        for own in kept.steps:
-            model = parse_model(yaml.safe_load(str(own["model"])), where)
+        for step in kept.steps:
+            model = parse_model(yaml.safe_load(str(step["model"])), where)
             signals = stage.signals
-            if own["map"] is not None:
-                signals = parse_signal_map(yaml.safe_load(str(own["map"])), where).dampers[stage.damper]
-            errors = [float("nan") if own[n] is None else float(own[n]) for n in ("rmse_fit_n", "rmse_unseen_n")]
-            action, effect, phenomenon = (None if own[n] is None else str(own[n]) for n in _WORDS)
+            if step["map"] is not None:
+                signals = parse_signal_map(yaml.safe_load(str(step["map"])), where).dampers[stage.damper]
+            errors = [float("nan") if step[n] is None else float(step[n]) for n in ("rmse_fit_n", "rmse_unseen_n")]
+            action, effect, phenomenon = (None if step[n] is None else str(step[n]) for n in _WORDS)
             versions.append(Version(Step(str(action), effect, phenomenon, model, *errors, None, ""), signals))
-        files = [str(own["saved"]) for own in kept.steps]
+        files = [str(step["saved"]) for step in kept.steps]
     except (ValueError, TypeError, KeyError, yaml.YAMLError) as error:
         raise InputError(f"{where}: its file is damaged; open the recordings again") from error
     return History(tuple(versions), min(max(kept.at, 0), len(versions) - 1)), files

@@ -34,7 +34,7 @@ class SessionWriter:
         self, stage: Stage, models: Sequence[str], history: History, saved: Sequence[tuple[Version, str]]
     ) -> None:
         """Writes all steps; ``saved`` are the versions that are in a model file, and the file's name."""
-        self._records = [(own, self._record(stage, own)) for own in history.versions]
+        self._records = [(version, self._record(stage, version)) for version in history.versions]
         files = {id(version): name for version, name in saved}
         steps = [record | {"saved": files.get(id(version), "")} for version, record in self._records]
         try:
@@ -45,4 +45,6 @@ class SessionWriter:
             self.failed = f"The steps of this page are not saved: {error}"
 
     def _record(self, stage: Stage, version: Version) -> dict[str, object]:
-        return next((record for own, record in self._records if own is version), None) or step_record(stage, version)
+        return next((record for recorded, record in self._records if recorded is version), None) or step_record(
+            stage, version
+        )

@@ -42,8 +42,8 @@ class Sessions:
         with self._lock:
             left = self._to_leave()
             self._open[page] = (Session(self.folder, owner), monotonic())
-        for own in left:
-            self.leave(own)
+        for other in left:
+            self.leave(other)
         return page
 
     def of(self, page: object) -> Session:
@@ -80,19 +80,19 @@ class Sessions:
     def _to_leave(self) -> list[str]:
         """Which pages have to go for one more."""
         count = len(self._open) - MOST + 1
-        idle = [page for page, (own, _) in self._open.items() if not (own.unsaved or own.busy)]
+        idle = [page for page, (session, _) in self._open.items() if not (session.unsaved or session.busy)]
         if count > len(idle):
             raise InputError(
                 f"{len(self._open)} pages with unsaved steps are open in this studio; save or close one, then load "
                 "this page again"
             )
-        return sorted(idle, key=lambda own: self._open[own][1])[: max(count, 0)]
+        return sorted(idle, key=lambda page: self._open[page][1])[: max(count, 0)]
 
     def _sweep(self) -> None:
         while not self._stop.wait(min(self._silence / 4.0, 5.0)):
             now = monotonic()
             with self._lock:
-                silent = [(page, *own) for page, own in self._open.items() if now - own[1] > self._silence]
+                silent = [(page, *entry) for page, entry in self._open.items() if now - entry[1] > self._silence]
             for page, session, seen in silent:
                 session.rest()
                 if now - seen > self._kept and not (session.unsaved and session.writer.failed):

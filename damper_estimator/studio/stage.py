@@ -171,17 +171,17 @@ def opened(folder: Folder, choice: Choice, progress: Progress) -> Stage:
         progress(f"reading {name}", number / len(names))
         with captured_warnings() as read_warnings:
             path = folder.existing(name)
-            own = read(path, signals=given, dampers=damper, start=choice.start, stop=choice.stop)
-            recordings.append(own.with_force("the studio"))
+            recording = read(path, signals=given, dampers=damper, start=choice.start, stop=choice.stop)
+            recordings.append(recording.with_force("the studio"))
         warnings += read_warnings
-    whole = [own.measurements[damper][0] for own in recordings]
+    whole = [recording.measurements[damper][0] for recording in recordings]
     count = len(choice.fit)
     passages = [_passages(m, i, MOST_JUDGED // len(whole)) for i, m in enumerate(whole)]
-    fit = [p.measurement for own in passages[:count] for p in own]
-    unseen = [p.measurement for own in passages[count:] for p in own]
+    fit = [p.measurement for passage in passages[:count] for p in passage]
+    unseen = [p.measurement for passage in passages[count:] for p in passage]
     if not unseen:
         fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
-    judged = tuple(p for own in passages for p in own)
+    judged = tuple(p for passage in passages for p in passage)
     read_all = Stage(
         choice, damper, recordings[0].signal_map, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings)
     )

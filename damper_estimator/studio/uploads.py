@@ -87,12 +87,12 @@ def _unpacked(folder: Folder, packed: Path) -> str:
     try:
         with zipfile.ZipFile(packed) as archive:
             chosen = _bag_members(packed.name, archive)
-            if sum(own.file_size for own in chosen) > shutil.disk_usage(folder.root).free - SPARE:
+            if sum(member.file_size for member in chosen) > shutil.disk_usage(folder.root).free - SPARE:
                 raise InputError(f"{packed.name}: does not fit on the disk when it is unpacked")
-            for own in chosen:
-                inside = f"{name}/{PurePosixPath(own.filename).name}"
-                with archive.open(own) as stream:
-                    _written(_place(folder, inside), partial(_copied, inside, stream, length=own.file_size))
+            for member in chosen:
+                inside = f"{name}/{PurePosixPath(member.filename).name}"
+                with archive.open(member) as stream:
+                    _written(_place(folder, inside), partial(_copied, inside, stream, length=member.file_size))
     except InputError:
         shutil.rmtree(packed.with_suffix(""), ignore_errors=True)  # it was not there before
         raise
@@ -104,10 +104,10 @@ def _unpacked(folder: Folder, packed: Path) -> str:
 
 def _bag_members(name: str, archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
     """The archive's metadata.yaml and the storage files beside it."""
-    members = [own for own in archive.infolist() if not own.is_dir()][: _MOST_MEMBERS + 1]
+    members = [member for member in archive.infolist() if not member.is_dir()][: _MOST_MEMBERS + 1]
     places = [PurePosixPath(member.filename) for member in members]
     bags = [place.parent for place in places if place.name == "metadata.yaml"]
     if len(bags) != 1 or len(members) > _MOST_MEMBERS:
         raise InputError(f"{name}: holds {len(bags)} rosbag2 folders (metadata.yaml); pack one into each archive")
     wanted = (".yaml", *STORAGE)
-    return [own for own, at in zip(members, places, strict=True) if at.parent == bags[0] and at.suffix in wanted]
+    return [member for member, at in zip(members, places, strict=True) if at.parent == bags[0] and at.suffix in wanted]

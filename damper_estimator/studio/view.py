@@ -45,10 +45,10 @@ def parsed_view(data: object, recordings: int) -> View:
         InputError: for what no page of ours sends.
     """
     try:
-        own = dict(data or {})
-        cursors = tuple(_number(value) or 0.0 for value in list(own.get("cursors") or ())[:2])
-        ends = _number(own.get("start")), _number(own.get("stop"))
-        view = View(int(own.get("recording", 0)), *ends, _mark(own), cursors)
+        given = dict(data or {})
+        cursors = tuple(_number(value) or 0.0 for value in list(given.get("cursors") or ())[:2])
+        ends = _number(given.get("start")), _number(given.get("stop"))
+        view = View(int(given.get("recording", 0)), *ends, _mark(given), cursors)
     except (TypeError, ValueError, KeyError):
         raise InputError("the page asked for a view that does not exist; load it again") from None
     if not 0 <= view.recording < recordings:
@@ -63,8 +63,8 @@ def _number(value: object) -> float | None:
     return number
 
 
-def _mark(own: Mapping) -> Mark | None:
-    mark = own.get("mark")
+def _mark(given: Mapping) -> Mark | None:
+    mark = given.get("mark")
     if not mark:
         return None
     x, y = (tuple(_number(v) for v in mark[name]) for name in "xy")
@@ -83,7 +83,7 @@ def marked(shown: ModelRun, view: View) -> np.ndarray | None:
     """(n,) bool: the samples of the recording that are marked; None where nothing is."""
     if view.mark is None:
         return None
-    own = shown.traces[view.recording]
-    x = own.time - own.time[0] if view.mark.figure == "time" else place(shown, view.recording, view.mark.figure)
-    inside = view.mark.inside(x, own.measured)
-    return inside | view.mark.inside(x, own.modelled) if view.mark.figure != "time" else inside
+    trace = shown.traces[view.recording]
+    x = trace.time - trace.time[0] if view.mark.figure == "time" else place(shown, view.recording, view.mark.figure)
+    inside = view.mark.inside(x, trace.measured)
+    return inside | view.mark.inside(x, trace.modelled) if view.mark.figure != "time" else inside

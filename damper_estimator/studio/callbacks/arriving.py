@@ -45,12 +45,12 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
 
 def _connect_address(app: Dash) -> None:
-    def own(name: str, *arguments: object) -> None:
+    def in_browser(name: str, *arguments: object) -> None:
         app.clientside_callback(ClientsideFunction("studio", name), *arguments)
 
-    own("arrive", Output("address", "data"), Input("studio", "id"))
-    own("reload", Output("studio", "data-lost"), Input("lost", "data"))
-    own(
+    in_browser("arrive", Output("address", "data"), Input("studio", "id"))
+    in_browser("reload", Output("studio", "data-lost"), Input("lost", "data"))
+    in_browser(
         "locate", Output("studio", "data-place"), Input("place", "data"), Input("view", "data"), Input("tab", "value"),
     )  # fmt: skip
 
@@ -104,7 +104,7 @@ def _shown(address: Address, chosen: Choice, models: tuple[str, ...]) -> list:
 def _earlier(listed: list[tuple[str, str, str]], name: str) -> html.Details | str:
     """Links to the sessions of the folder, newest first."""
     rows = []
-    for own, words, when in listed:
-        here = " (this page)" if own == name else ""
-        rows.append(html.Li([html.A(words, href=f"/?session={own}"), html.Small(f" {when}{here}")]))
+    for session, words, when in listed:
+        here = " (this page)" if session == name else ""
+        rows.append(html.Li([html.A(words, href=f"/?session={session}"), html.Small(f" {when}{here}")]))
     return html.Details([html.Summary(f"Earlier work ({len(rows)})"), html.Ul(rows)]) if rows else ""

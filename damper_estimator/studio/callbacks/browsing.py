@@ -44,7 +44,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
             raise PreventUpdate
         kind, name = ctx.triggered_id["kind"], ctx.triggered_id["name"]
         chosen = list((recordings if kind == "recordings" else models) or [])
-        chosen = [own for own in chosen if own != name] if name in chosen else [*chosen, name]
+        chosen = [other for other in chosen if other != name] if name in chosen else [*chosen, name]
         return (chosen, no_update) if kind == "recordings" else (no_update, chosen)
 
 

@@ -91,7 +91,7 @@ def _connect_parameters(app: Dash, sessions: Sessions) -> None:
     )
     def move(dragged, places, numbers, ids, page):
         session = opened(sessions, page)
-        addresses = [own["address"] for own in ids]
+        addresses = [entry["address"] for entry in ids]
         if session is None or [s.address for s in session.model.slots] != addresses:
             raise PreventUpdate
         return _moved(sessions, session, page, _wanted(session, addresses, dragged, places, numbers), addresses)
@@ -100,10 +100,10 @@ def _connect_parameters(app: Dash, sessions: Sessions) -> None:
                   State(_FREE, "id"), State("page", "data"), prevent_initial_call=True)  # fmt: skip
     def free(chosen, ids, page):
         session = opened(sessions, page)
-        fixed = [own["address"] for own, value in zip(ids, chosen, strict=True) if not value]
+        fixed = [entry["address"] for entry, value in zip(ids, chosen, strict=True) if not value]
         if session is None or set(fixed) == {slot.address for slot in session.model.slots if slot.fixed}:
             raise PreventUpdate
-        return answered(sessions, page, lambda own: own.fix(fixed))
+        return answered(sessions, page, lambda changed: changed.fix(fixed))
 
 
 def _wanted(session: Session, addresses: list[str], dragged: object, places: list, numbers: list) -> tuple:
@@ -124,7 +124,7 @@ def _wanted(session: Session, addresses: list[str], dragged: object, places: lis
 
 
 def _value(session: Session, address: str, place: float) -> float:
-    slot = next(own for own in session.model.slots if own.address == address)
+    slot = next(candidate for candidate in session.model.slots if candidate.address == address)
     low, high = slot.parameter.lower, slot.parameter.upper
     return from_place(float(place), session.centres[address], low, high)
 
@@ -139,17 +139,17 @@ def _moved(sessions: Sessions, session: Session, page: str, wanted: tuple, addre
     now = slots[address].value
     untouched = [no_update] * len(addresses)
     if moving:
-        numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
+        numbers = [float(f"{value:.6g}") if other == address else no_update for other in addresses]
         moved = abs(_place(session, slots[address], value) - _place(session, slots[address], now)) > _AT_REST
         preview = {"generation": session.generation, "values": {address: value}} if moved else None
         return no_update, no_update, no_update, preview, untouched, numbers
     if abs(value - now) <= 1e-5 * abs(now):  # what was shown with six digits and came back
         raise PreventUpdate
-    *changes, message = answered(sessions, page, lambda own: own.set(address, value))
+    *changes, message = answered(sessions, page, lambda changed: changed.set(address, value))
     value = now if message else value
     place = _place(session, slots[address], value)
     sliders = [place if slider_address == address else no_update for slider_address in addresses]
-    numbers = [float(f"{value:.6g}") if own == address else no_update for own in addresses]
+    numbers = [float(f"{value:.6g}") if other == address else no_update for other in addresses]
     return *changes, message, None, sliders, numbers
 
 
@@ -176,8 +176,8 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         history = session.history
         floor = session.comparison(session.shown(session.model)).noise_floor_n
         errors = [version.step.rmse_unseen_n for version in history.versions]
-        names = [step_name(own.step) for own in history.versions]
-        files = [session.saved_as(own) for own in history.versions]
+        names = [step_name(version.step) for version in history.versions]
+        files = [session.saved_as(version) for version in history.versions]
         listed = panels.steps_list(errors, names, files, history.at)
         drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n)
         return themed(drawn, theme), height_style(drawn), listed
@@ -185,7 +185,7 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
 
 def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:
     """The error of the model as given, or what each step took off it."""
-    steps = [own.step for own in history.done]
+    steps = [version.step for version in history.done]
     if len(steps) == 1:
         return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor_n, force_n)
     drawn = waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n))

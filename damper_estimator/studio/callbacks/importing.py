@@ -56,8 +56,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
         except InputError as error:
             return EMPTY, EMPTY, str(error)
         drawn = import_figures(parts, next(iter(parts[0].dampers)))
-        for own in drawn.values():
-            own["layout"]["height"] = _HEIGHT  # the form may still be hidden, and have no size of its own
+        for figure in drawn.values():
+            figure["layout"]["height"] = _HEIGHT  # the form may still be hidden, and have no size of its own
         return themed(drawn["time"], theme), themed(drawn["velocity"], theme), ""
 
     _connect_import(app, folder)
@@ -79,8 +79,8 @@ def _connect_import(app: Dash, folder: Folder) -> None:
         if not clicks or not data:
             raise PreventUpdate
         try:
-            own = dict(data).get("file")
-            parts = bench_form.parts_of(folder, own, bench_form.corrected(data, chosen, turned))
+            file = dict(data).get("file")
+            parts = bench_form.parts_of(folder, file, bench_form.corrected(data, chosen, turned))
             names = bench_form.imported(folder, parts)
         except (InputError, OSError) as error:
             return str(error), no_update

@@ -48,7 +48,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
         listed = panels.findings(found, found.model != session.model, session.diagnosed)
         atlas = atlas_figure(found.atlas, found.findings, _NARROW)
-        figures = [part for own in (drawn, atlas) for part in (themed(own, theme), height_style(own))]
+        figures = [part for figure in (drawn, atlas) for part in (themed(figure, theme), height_style(figure))]
         return listed, *figures, panels.candidates(found), False
 
     @app.callback(
@@ -89,5 +89,5 @@ def _button(app: Dash, sessions: Sessions, name: str) -> None:
 
 
 def _title(found: Diagnosis, effect: str) -> str:
-    phenomenon = next((own.phenomenon for own in found.ranking if own.effect == effect), "")
+    phenomenon = next((ranked.phenomenon for ranked in found.ranking if ranked.effect == effect), "")
     return f"{plain_name(phenomenon)} by {effect}" if phenomenon else effect

@@ -38,7 +38,7 @@ def connect(app: Dash, sessions: Sessions, live: Live) -> None:
         held = live.held
         words = f"{held.get('seconds', 0.0):.0f} s, {held.get('messages', 0):.0f} messages in memory"
         words = words if live.running else "what listens to the node has ended; start the studio again"
-        if not names or names == [own["damper"] for own in ids]:
+        if not names or names == [entry["damper"] for entry in ids]:
             return no_update, words
         return [live_card(name) for name in names], words
 
@@ -51,7 +51,7 @@ def connect(app: Dash, sessions: Sessions, live: Live) -> None:
     )
     def roll(_, ids, theme):
         figures, states = live.figures(), live.states()
-        names = [own["damper"] for own in ids]
+        names = [entry["damper"] for entry in ids]
         if not names or not set(names) <= set(figures):
             raise PreventUpdate
         theme = DARK if theme == DARK else LIGHT

@@ -42,7 +42,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
             raise PreventUpdate
         try:
             view = viewed(session, data)
-            models = [session.shown(own) for own in session.models()]
+            models = [session.shown(model) for model in session.models()]
             content = table(models, names_of(session.models(), session.history.at > 0), view)
         except InputError as error:
             return no_update, str(error)

@@ -38,7 +38,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         if session is None or (cause == "overview" and (session.corners or session.busy)):
             raise PreventUpdate
         deed = "compare" if cause == "overview" else cause.removesuffix("-all")
-        return answered(sessions, page, lambda own: own.work_on_all(deed, mode if mode in MODES else MODES[0]))
+        return answered(sessions, page, lambda session: session.work_on_all(deed, mode if mode in MODES else MODES[0]))
 
     @app.callback(
         *CHANGES,
@@ -83,5 +83,5 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         several = len(session.stage.signal_map.dampers) > 1
         if not session.corners:
             return "The dampers are compared when this page is opened.", not several, True
-        improved = any(own.at for own in session.histories().values())
+        improved = any(history.at for history in session.histories().values())
         return corner_cards(session), not several if several else no_update, not improved

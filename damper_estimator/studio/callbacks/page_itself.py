@@ -19,13 +19,13 @@ _STEPPING = ("improving", "identifying")  # works that end in a step more
 def connect(app: Dash, sessions: Sessions) -> None:
     """Theme and tabs need no server; the work is looked at twice a second, which is the page's sign of life."""
 
-    def own(name: str, *arguments: object) -> None:
+    def in_browser(name: str, *arguments: object) -> None:
         app.clientside_callback(ClientsideFunction("studio", name), *arguments)
 
-    own("theme", Output("theme", "data"), Input("theme-button", "n_clicks"), State("theme", "data"))
-    own("introduce", Output("studio", "data-page"), Input("page", "data"))
+    in_browser("theme", Output("theme", "data"), Input("theme-button", "n_clicks"), State("theme", "data"))
+    in_browser("introduce", Output("studio", "data-page"), Input("page", "data"))
     panels = {"type": "panel", "name": ALL}
-    own("tab", Output(panels, "hidden"), Output("work", "data-tab"), Input("tab", "value"), State(panels, "id"))
+    in_browser("tab", Output(panels, "hidden"), Output("work", "data-tab"), Input("tab", "value"), State(panels, "id"))
 
     @app.callback(
         *CHANGES,

@@ -17,12 +17,12 @@ def connect(app: Dash, sessions: Sessions) -> None:
 
     @app.callback(Output("name", "value"), Input("kind", "value"), State("name", "value"))
     def name(kind, before):
-        own = KINDS.get(kind)
+        chosen = KINDS.get(kind)
         # A name that the user gave stays where it suits; one that was proposed follows the kind.
         proposed = not before or before in {f"{other.stem}{other.suffix}" for other in KINDS.values()}
-        if own is None or (not proposed and Path(before).suffix == own.suffix):
+        if chosen is None or (not proposed and Path(before).suffix == chosen.suffix):
             return no_update
-        return f"{own.stem}{own.suffix}"
+        return f"{chosen.stem}{chosen.suffix}"
 
     @app.callback(
         Output("save-message", "children"),
@@ -39,7 +39,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         prevent_initial_call=True,
     )
     def write(_save, _replace, _enter, name, kind, page):
-        if [own["prop_id"] for own in ctx.triggered] == ["name.value"]:
+        if [trigger["prop_id"] for trigger in ctx.triggered] == ["name.value"]:
             return "", True, no_update, no_update
         session = opened(sessions, page)
         try:

@@ -152,7 +152,7 @@ def _connect_judgement(app: Dash, sessions: Sessions) -> None:
 
 def _never_identified(session: Session) -> str:
     """The name of the model on view where nobody has identified it, neither here nor before; else ""."""
-    done = {own.step.action for own in session.history.done}
+    done = {version.step.action for version in session.history.done}
     return session.model.name if not session.model.fit and done == {"start"} else ""
 
 
@@ -182,11 +182,11 @@ def _scene(session: Session, data: object, preview: dict | None, traces: object 
         InputError: for a view that no page of ours asks for, and parameters that give no force.
     """
     view = viewed(session, data)
-    models = [session.shown(own) for own in session.models()]
+    models = [session.shown(model) for model in session.models()]
     force = preview_force(models[0], preview["values"], view) if _is_current(session, preview) else None
     kinematics = session.stage.whole[view.recording].kinematics
     chosen = [str(trace) for trace in traces] if isinstance(traces, list | tuple) else []
-    further = tuple(own["value"] for own in further_choices(kinematics) if own["value"] in chosen)
+    further = tuple(choice["value"] for choice in further_choices(kinematics) if choice["value"] in chosen)
     return Scene(models, _names(session), view, force, further)
 
 
