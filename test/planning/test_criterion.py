@@ -23,26 +23,26 @@ def rng():
 
 def test_a_difference_that_the_rival_can_take_over_is_worth_nothing(rng):
     columns = rng.standard_normal((4, 50, 3))
-    own = pair(rng, columns @ np.array([1.0, -2.0, 0.5]), columns)
-    assert own.differences(np.ones(4))[0][0] < 1e-6 * own.square.sum()
+    distinguished = pair(rng, columns @ np.array([1.0, -2.0, 0.5]), columns)
+    assert distinguished.differences(np.ones(4))[0][0] < 1e-6 * distinguished.square.sum()
 
 
 def test_what_is_left_is_the_residual_of_least_squares(rng):
     columns, difference = rng.standard_normal((4, 50, 3)), rng.standard_normal((4, 50))
-    own = pair(rng, difference, columns)
+    told_apart = pair(rng, difference, columns)
     counts = np.array([1.0, 2.0, 0.0, 1.0])
     rows = np.repeat(np.arange(4), counts.astype(int))
     design, target = columns[rows].reshape(-1, 3), difference[rows].ravel()
     residual = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
-    assert own.differences(counts)[0][0] == pytest.approx(float(residual @ residual), rel=1e-6)
+    assert told_apart.differences(counts)[0][0] == pytest.approx(float(residual @ residual), rel=1e-6)
 
 
 def test_more_steps_never_take_difference_away(rng):
-    own = pair(rng, rng.standard_normal((5, 40)), rng.standard_normal((5, 40, 4)), prior=2.0)
+    told_apart = pair(rng, rng.standard_normal((5, 40)), rng.standard_normal((5, 40, 4)), prior=2.0)
     counts, last = np.zeros(5), 0.0
     for step in (2, 0, 0, 4, 1):
         counts[step] += 1.0
-        now = own.differences(counts)[0][0]
+        now = told_apart.differences(counts)[0][0]
         assert now >= last - 1e-9
         last = now
 
@@ -53,16 +53,16 @@ def test_knowledge_from_old_recordings_holds_the_rival_back(rng):
     assert free < held <= np.sum(difference**2) * (1.0 + 1e-9)
 
 
-def judge(own, expected, form, noise):
-    one = np.ones((1, own.square.shape[0]))
-    return Criterion((own,), ("a", "b"), expected * one, form * one, noise * one)
+def judge(compared, expected, form, noise):
+    one = np.ones((1, compared.square.shape[0]))
+    return Criterion((compared,), ("a", "b"), expected * one, form * one, noise * one)
 
 
 def test_a_large_difference_is_decided_rightly_and_none_stays_a_tie(rng):
     columns = rng.standard_normal((1, 200, 2))
     for size, low, high in ((30.0, 0.99, 1.0), (1e-3, 0.0, 0.01)):
-        own = judge(pair(rng, size * rng.standard_normal((1, 200)), columns), 200.0, 0.5, 0.5)
-        chances = own.chances(np.ones(1))
+        judged = judge(pair(rng, size * rng.standard_normal((1, 200)), columns), 200.0, 0.5, 0.5)
+        chances = judged.chances(np.ones(1))
         assert low <= chances.right <= high
         assert 0.0 <= chances.wrong <= 0.02 and chances.right + chances.wrong + chances.tied == pytest.approx(1.0)
 

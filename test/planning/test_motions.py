@@ -42,55 +42,55 @@ def wanted(draw):
     }
 
 
-def obeys(x, own):
+def obeys(x, bounds):
     """Whether samples stay inside displacement, speed and acceleration."""
     tiny = 1e-9
     return (
-        own.low - tiny <= x.min()
-        and x.max() <= own.high + tiny
-        and np.abs(speed_of(x, own.rate)).max() <= ROUNDING * own.speed
-        and np.abs(acceleration_of(x, own.rate)).max() <= ROUNDING * own.acceleration + 1e-6
+        bounds.low - tiny <= x.min()
+        and x.max() <= bounds.high + tiny
+        and np.abs(speed_of(x, bounds.rate)).max() <= ROUNDING * bounds.speed
+        and np.abs(acceleration_of(x, bounds.rate)).max() <= ROUNDING * bounds.acceleration + 1e-6
     )
 
 
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - {"crank"}))
 @settings(max_examples=60, deadline=None)
-@given(own=limits(), values=wanted())
-def test_every_motion_obeys_its_limits_from_rest_to_rest(kind, own, values):
+@given(bounds=limits(), values=wanted())
+def test_every_motion_obeys_its_limits_from_rest_to_rest(kind, bounds, values):
     if kind == "triangle":
         values = values | {"amplitude": min(values["amplitude"], values["speed"] * 2.0)}
-    x = motion(kind, values, own)
+    x = motion(kind, values, bounds)
     assert np.isfinite(x).all()
-    assert abs(x[0] - own.home) < 1e-12 and abs(x[-1] - own.home) < 1e-12
-    assert obeys(np.concatenate([x, x]), own)
+    assert abs(x[0] - bounds.home) < 1e-12 and abs(x[-1] - bounds.home) < 1e-12
+    assert obeys(np.concatenate([x, x]), bounds)
 
 
 @settings(max_examples=20, deadline=None)
-@given(own=limits(), data=st.data())
-def test_every_step_of_a_rig_obeys_the_limits(own, data):
+@given(bounds=limits(), data=st.data())
+def test_every_step_of_a_rig_obeys_the_limits(bounds, data):
     rig = load_rig(data.draw(st.sampled_from(["servo_hydraulic", "four_post", "track"])))
-    for step in steps_of(rig, own, currents=False, temperatures=False):
-        assert obeys(step.displacement, own), step.words
+    for step in steps_of(rig, bounds, currents=False, temperatures=False):
+        assert obeys(step.displacement, bounds), step.words
         if step.kind == "sine":
-            assert own.frequency[0] <= step.values["frequency"] <= own.frequency[1]
+            assert bounds.frequency[0] <= step.values["frequency"] <= bounds.frequency[1]
 
 
 def test_a_crank_has_one_amplitude():
     rig = load_rig("crank")
-    own = Limits(-0.025, 0.025, 0.0, 1.0, 80.0, 1e4, (0.1, 8.0), 1000.0, amplitude=0.025)
-    steps = steps_of(rig, own, currents=False, temperatures=False)
+    bounds = Limits(-0.025, 0.025, 0.0, 1.0, 80.0, 1e4, (0.1, 8.0), 1000.0, amplitude=0.025)
+    steps = steps_of(rig, bounds, currents=False, temperatures=False)
     assert len(steps) > 3
     for step in steps:
-        assert step.kind == "crank" and obeys(step.displacement, own)
+        assert step.kind == "crank" and obeys(step.displacement, bounds)
         assert np.abs(step.displacement).max() == pytest.approx(0.025, rel=0.02)
 
 
 def test_levels_of_current_and_temperature_multiply_the_steps():
     rig = load_rig("crank")
-    own = Limits(
+    bounds = Limits(
         -0.025, 0.025, 0.0, 1.0, 80.0, 1e4, (0.1, 8.0), 1000.0, amplitude=0.025, temperature=(20.0, 60.0),
         current=(0.0, 1.0, 2.0),
     )  # fmt: skip
-    plain, all_ = (steps_of(rig, own, currents=both, temperatures=both) for both in (False, True))
+    plain, all_ = (steps_of(rig, bounds, currents=both, temperatures=both) for both in (False, True))
     assert len(all_) == 6 * len(plain)
     assert any("at 2 A" in step.words and "at 60 deg C" in step.words for step in all_)

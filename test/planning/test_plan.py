@@ -26,11 +26,11 @@ def found(fitted, old, rig):
 
 
 def test_the_drive_obeys_the_limits_and_rests_at_both_ends(found):
-    x, own = found.displacement, found.limits
-    assert own.low <= x.min() and x.max() <= own.high
-    assert np.abs(speed_of(x, own.rate)).max() <= own.speed
-    assert np.abs(acceleration_of(x, own.rate)).max() <= own.acceleration
-    assert np.ptp(x[: round(own.rate)]) == 0.0 and np.ptp(x[-round(0.9 * own.rate) :]) == 0.0
+    x, limits = found.displacement, found.limits
+    assert limits.low <= x.min() and x.max() <= limits.high
+    assert np.abs(speed_of(x, limits.rate)).max() <= limits.speed
+    assert np.abs(acceleration_of(x, limits.rate)).max() <= limits.acceleration
+    assert np.ptp(x[: round(limits.rate)]) == 0.0 and np.ptp(x[-round(0.9 * limits.rate) :]) == 0.0
     assert found.minutes <= 1.0 + 1e-6
 
 
@@ -59,7 +59,7 @@ def test_the_planned_test_decides_rightly_with_the_old_recording(fitted, old, ri
 def test_a_test_of_parameters_lowers_their_standard_errors(fitted, old, rig):
     found = plan(fitted, old.measurements["damper"], (), rig, minutes=0.5)
     assert found.chances is None and found.parameters
-    assert all(0.0 < own.after < own.before for own in found.parameters)
+    assert all(0.0 < parameter.after < parameter.before for parameter in found.parameters)
 
 
 def test_one_phenomenon_is_no_tie(fitted, old, rig):
@@ -83,25 +83,25 @@ def test_a_rig_that_may_not_push_is_refused(fitted, old):
 
 
 def diagnosis(path, groups):
-    findings = [{"phenomenon": own[0], "tied_with": list(own[1:])} for own in groups]
+    findings = [{"phenomenon": group[0], "tied_with": list(group[1:])} for group in groups]
     path.write_text(json.dumps({"dampers": {"damper": {"findings": findings}}}))
     return path
 
 
 def test_the_files_are_written_and_agree(fitted, old, tmp_path):
-    told = diagnosis(tmp_path / "d.json", [TIED])
-    results = de.plan(old, fitted, diagnosis=told, minutes=0.5)
+    file = diagnosis(tmp_path / "d.json", [TIED])
+    results = de.plan(old, fitted, diagnosis=file, minutes=0.5)
     folder = results.save(tmp_path / "drive")
     rows = np.loadtxt(folder / "drive.csv", delimiter=",", skiprows=1)
     written = yaml.safe_load((folder / "plan.yaml").read_text())
     assert rows.shape == (results.plan.displacement.size, 2)
     assert rows[:, 1] == pytest.approx(results.plan.displacement, abs=1e-9)
-    assert next(own["phenomenon"] for own in written["hypotheses"]) == "gas_spring"
+    assert next(hypothesis["phenomenon"] for hypothesis in written["hypotheses"]) == "gas_spring"
     assert set(written["predicted"]) >= {"right", "wrong", "stays_tied"}
     assert len(written["steps"]) == len(results.plan.steps)
     page = (folder / "plan.html").read_text()
     assert results.sentence in page and "gas spring" in page
-    assert sorted(own.name for own in folder.iterdir()) == ["drive.csv", "plan.html", "plan.yaml"]
+    assert sorted(path.name for path in folder.iterdir()) == ["drive.csv", "plan.html", "plan.yaml"]
 
 
 def test_a_vehicle_gets_words_and_no_drive_file(fitted, old, tmp_path):
@@ -123,13 +123,13 @@ def test_a_diagnosis_that_cannot_be_used_is_refused(fitted, old, tmp_path, conte
 
 
 def test_without_a_tie_there_is_nothing_to_plan(fitted, old, tmp_path):
-    told = diagnosis(tmp_path / "d.json", [("gas_spring",)])
+    file = diagnosis(tmp_path / "d.json", [("gas_spring",)])
     with pytest.raises(de.InputError, match="no damper has tied findings"):
-        de.plan(old, fitted, diagnosis=told)
+        de.plan(old, fitted, diagnosis=file)
 
 
 def test_a_set_current_stands_in_the_drive_file(found):
-    steps = tuple(replace(own, current=0.5 * k) for k, own in enumerate(found.steps))
+    steps = tuple(replace(step, current=0.5 * k) for k, step in enumerate(found.steps))
     lines = drive_csv(replace(found, steps=steps)).splitlines()
     assert lines[0] == "time_s,displacement_m,current_a" and len(lines) == found.displacement.size + 1
     assert float(lines[1].split(",")[2]) == 0.0

@@ -53,8 +53,8 @@ def test_an_unknown_name_is_answered_with_the_known_ones():
 
 
 def test_the_recordings_limit_the_stroke_unless_the_travel_is_stated():
-    own = limits_of(parse_rig(RIG, "rig"), DRIVEN, 30.0)
-    assert (own.low, own.high, own.home) == (-0.02, 0.03, 0.0)
+    bounds = limits_of(parse_rig(RIG, "rig"), DRIVEN, 30.0)
+    assert (bounds.low, bounds.high, bounds.home) == (-0.02, 0.03, 0.0)
     stated = limits_of(parse_rig(RIG | {"travel": [-0.04, 0.06]}, "rig"), DRIVEN, 30.0)
     assert (stated.low, stated.high) == (-0.04, 0.05)
 

@@ -60,7 +60,7 @@ def measured():
 @pytest.fixture(scope="session")
 def nothing_found(found) -> Diagnosis:
     """A diagnosis of the improved model that finds nothing."""
-    ranking = tuple(replace(own, reason=own.reason or "explains nothing on unseen data") for own in found.ranking)
+    ranking = tuple(replace(row, reason=row.reason or "explains nothing on unseen data") for row in found.ranking)
     last = found.findings[-1].rmse_after_n
     return replace(
         found,

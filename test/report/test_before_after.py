@@ -17,17 +17,17 @@ def with_unseen(found, *unseen):
 
 def test_errors_are_modelled_less_measured_in_band_where_they_are_judged(found):
     shown = before_after(found)
-    (own,), trace = shown.recordings, shown.before.traces[0]
-    inside = own.judged
-    assert np.isnan(own.error_before[~inside]).all()
-    assert own.error_before[inside] == pytest.approx((trace.residual - own.zero)[inside])
-    assert own.error_after[inside] == pytest.approx((shown.after.traces[0].residual - own.zero)[inside])
+    (recording,), trace = shown.recordings, shown.before.traces[0]
+    inside = recording.judged
+    assert np.isnan(recording.error_before[~inside]).all()
+    assert recording.error_before[inside] == pytest.approx((trace.residual - recording.zero)[inside])
+    assert recording.error_after[inside] == pytest.approx((shown.after.traces[0].residual - recording.zero)[inside])
 
 
 def test_the_gauges_zero_and_drift_change_nothing(found):
     plain = found.unseen[0]
     drifting = replace(plain, force=plain.force + 25.0 + 3.0 * plain.kinematics.time)
-    a, b = (before_after(with_unseen(found, own)).recordings[0] for own in (plain, drifting))
+    a, b = (before_after(with_unseen(found, measurement)).recordings[0] for measurement in (plain, drifting))
     inner = a.judged & (a.time > 0.5) & (a.time < a.time[-1] - 0.5)  # the band's filter rings at the ends
     assert b.error_after[inner] == pytest.approx(a.error_after[inner], abs=0.05)
     assert b.error_before[inner] == pytest.approx(a.error_before[inner], abs=0.05)
@@ -81,12 +81,14 @@ def test_shares_of_effects_inside_a_compliance_add_up_to_the_force(found):
 
 def test_the_found_instance_is_told_from_another_of_the_same_effect(found):
     finding = found.findings[0]
-    own = found.elements[0]
-    halved = own.with_values({name: 0.5 * value for name, value in own.parameters.items() if np.isscalar(value)})
-    both = replace(found.model, effects=(*found.model.effects, halved, own))
+    element = found.elements[0]
+    halved = element.with_values(
+        {name: 0.5 * value for name, value in element.parameters.items() if np.isscalar(value)}
+    )
+    both = replace(found.model, effects=(*found.model.effects, halved, element))
     shown = before_after(replace(found, improved=both))
     part = explained(shown, finding)
-    alone = own.effect.name
+    alone = element.effect.name
     unseen = shown.after.traces[0].measurement
     expected = unseen.in_band(both.contributions(unseen.kinematics.block)[f"{alone}#2"])
     assert part.part == pytest.approx(expected, abs=1e-6)

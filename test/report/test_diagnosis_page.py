@@ -44,8 +44,8 @@ def figure(page, name, section=0):
             packed = data["arrays"][value["array"]]
             return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=f"<{packed['dtype']}")
         if isinstance(value, dict):
-            return {key: back(own) for key, own in value.items()}
-        return [back(own) for own in value] if isinstance(value, list) else value
+            return {key: back(item) for key, item in value.items()}
+        return [back(item) for item in value] if isinstance(value, list) else value
 
     return back(data["sections"][section][name])
 
@@ -57,8 +57,8 @@ def test_the_verdict_and_all_that_was_found_stand_in_words(found):
     text = words(page_of(replace(found, findings=(tied,))))
     for word in (found.sentence, tied.evidence, "Drive slowly.", "They disagree.", "hysteresis", tied.effect):
         assert word.replace("'", "&#39;") in text
-    for own in found.ranking:
-        assert own.reason.replace("'", "&#39;") in text
+    for row in found.ranking:
+        assert row.reason.replace("'", "&#39;") in text
     for name, reason in found.untestable.items():
         assert name in text and reason in text
 
@@ -91,8 +91,8 @@ def test_mistakes_of_the_recordings_are_printed_once_with_their_remedy(found):
 
 def test_before_and_after_are_mapped_on_one_scale(found):
     maps = figure(page_of(found), "maps")
-    assert [own["coloraxis"] for own in maps["data"]] == ["coloraxis", "coloraxis"]
-    before, after = (np.array(own["z"], float) for own in maps["data"])
+    assert [trace["coloraxis"] for trace in maps["data"]] == ["coloraxis", "coloraxis"]
+    before, after = (np.array(trace["z"], float) for trace in maps["data"])
     assert np.array_equal(np.isnan(before), np.isnan(after)) and np.nanmean(after) < 0.2 * np.nanmean(before)
     assert np.nanquantile(before, 0.9) <= maps["layout"]["coloraxis"]["cmax"] <= np.nanmax(before)
     assert maps["layout"]["coloraxis"]["cmin"] == 0.0
@@ -101,31 +101,31 @@ def test_before_and_after_are_mapped_on_one_scale(found):
 def test_the_worst_passage_shows_every_sample_of_it(found):
     passage = figure(page_of(found), "passage")
     start, end = passage["layout"]["xaxis"]["range"]
-    names = [own["name"] for own in passage["data"]]
+    names = [trace["name"] for trace in passage["data"]]
     assert names[:3] == ["measured", "model as given", "improved model"]
     time = passage["data"][0]["x"]
-    own = found.unseen[0].kinematics.time
-    own = own - own[0]
-    inside = (own >= start) & (own <= end)
+    seconds = found.unseen[0].kinematics.time
+    seconds = seconds - seconds[0]
+    inside = (seconds >= start) & (seconds <= end)
     assert np.count_nonzero((time >= start - 1e-4) & (time <= end + 1e-4)) == np.count_nonzero(inside)
 
 
 def test_a_phenomenon_has_one_row_and_tied_ones_stand_beside_what_was_found(found):
-    others = [own.phenomenon for own in found.ranking if own.phenomenon != found.findings[0].phenomenon and own.kept]
+    others = [row.phenomenon for row in found.ranking if row.phenomenon != found.findings[0].phenomenon and row.kept]
     tied = replace(found.findings[0], tied_with=(others[-1],))
-    names = [own.phenomenon for own in ranked(found.ranking, [tied])]
+    names = [row.phenomenon for row in ranked(found.ranking, [tied])]
     assert names[:2] == [tied.phenomenon, others[-1]]
     assert len(names) == len(set(names)) == len({tied.phenomenon, *others})
 
 
 def test_the_ranking_shows_both_ways_of_judging_with_their_whiskers(found):
-    own = replace(
+    first_row = replace(
         found.ranking[0], kept=EvaluationSummary(5.0, 0.8, 0.7, 0.9), refitted=EvaluationSummary(6.0, 0.6, 0.55, 0.7)
     )
     other = replace(
         found.ranking[1], phenomenon="gas_spring", kept=EvaluationSummary(50.0, -3.0, -4.0, -1.0), refitted=None
     )
-    drawn = ranking_figure([own, replace(other, reason="it is absurd")], found.findings, {})
+    drawn = ranking_figure([first_row, replace(other, reason="it is absurd")], found.findings, {})
     kept, refitted = drawn["data"]
     assert kept["x"][0] == 80.0 and kept["error_x"]["array"][0] == 10.0 and kept["error_x"]["arrayminus"][0] == 10.0
     assert refitted["x"] == [60.0] and kept["marker"]["symbol"] != refitted["marker"]["symbol"]
@@ -135,11 +135,11 @@ def test_the_ranking_shows_both_ways_of_judging_with_their_whiskers(found):
 
 
 def test_tied_explanations_are_bracketed(found):
-    own = found.ranking[0]
-    other = next(judged for judged in found.ranking if judged.kept and judged.phenomenon != own.phenomenon)
-    alone = ranking_figure([own, other], found.findings, {})
+    first_row = found.ranking[0]
+    other = next(judged for judged in found.ranking if judged.kept and judged.phenomenon != first_row.phenomenon)
+    alone = ranking_figure([first_row, other], found.findings, {})
     tied = replace(found.findings[0], tied_with=(other.phenomenon,))
-    drawn = ranking_figure([own, other], [tied], {})
+    drawn = ranking_figure([first_row, other], [tied], {})
     assert not alone["layout"]["shapes"] and len(drawn["layout"]["shapes"]) == 1
 
 
@@ -244,5 +244,5 @@ def test_the_atlas_shows_what_explains_most_first_and_paints_what_was_found(foun
 def test_a_pair_is_one_bar_and_each_says_that_it_acts_against_the_other(found):
     first = found.findings[0]
     two = replace(first, phenomenon="inertia", effect="inertia", partner=first.phenomenon)
-    own = replace(found, findings=(replace(first, partner="inertia"), two))
-    assert len(diagnosis_section("x", own).figures["errors"]["data"][0]["y"]) == 2
+    with_partner = replace(found, findings=(replace(first, partner="inertia"), two))
+    assert len(diagnosis_section("x", with_partner).figures["errors"]["data"][0]["y"]) == 2

@@ -15,10 +15,10 @@ const seen = []; const wait = () => new Promise((go) => setTimeout(go, 300));
 window.addEventListener("error", (event) => seen.push("error " + event.message));
 (async () => {
   await wait();
-  const shown = (own) => !own.closest("main[hidden], details:not([open])");
+  const shown = (part) => !part.closest("main[hidden], details:not([open])");
   const plots = () => [...document.querySelectorAll(".plot")].filter(shown);
-  const drawn = (own) => own.querySelector(".main-svg") && own.offsetWidth > 200;
-  const undrawn = () => plots().filter((own) => !drawn(own)).map((own) => own.dataset.name).join(" ");
+  const drawn = (part) => part.querySelector(".main-svg") && part.offsetWidth > 200;
+  const undrawn = () => plots().filter((part) => !drawn(part)).map((part) => part.dataset.name).join(" ");
   seen.push("undrawn [" + undrawn() + "]", "wide " + (document.documentElement.scrollWidth > innerWidth));
   const passage = document.querySelector("#damper0 [data-name=passage]");
   const points = passage._fullData[0].x.length, colour = passage.data[1].line.color;
@@ -26,7 +26,7 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   document.getElementById("theme").click(); await wait();
   seen.push("theme " + (passage.data[1].line.color !== colour));
   const before = plots().length;
-  for (const own of document.querySelectorAll("#damper0 details")) own.open = true;
+  for (const part of document.querySelectorAll("#damper0 details")) part.open = true;
   await wait();
   seen.push("unfolded " + (plots().length - before) + " [" + undrawn() + "]");
   document.querySelectorAll(".tab")[1].click(); await wait();
@@ -41,9 +41,9 @@ def walked(page, folder):
     (folder / "page.html").write_text(page.replace("</body>", WALK))
     command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={folder / 'profile'}", f"file://{folder / 'page.html'}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
-    told = re.search(r'<pre id="seen">(.*?)</pre>', dom)
-    assert told, "the walk did not end"
-    return told.group(1).split(";")
+    seen = re.search(r'<pre id="seen">(.*?)</pre>', dom)
+    assert seen, "the walk did not end"
+    return seen.group(1).split(";")
 
 
 def expected(unfolded):

@@ -13,8 +13,8 @@ TEXT = ("recording", "vehicle", "damper", "status", "reason", "report", "verdict
 
 
 def row(vehicle="car 1", damper="left", number=0, error=0.05, **more):
-    own = dict.fromkeys((*TEXT, *module._MEASURES, "begin", "temperature_c", "missing"))
-    return own | {
+    fields = dict.fromkeys((*TEXT, *module._MEASURES, "begin", "temperature_c", "missing"))
+    return fields | {
         "recording": f"/f/{vehicle}/{number}.mcap", "vehicle": vehicle, "damper": damper, "status": "done",
         "reason": "", "report": f"tasks/{number}-ab/{damper}.compare.html", "begin": 1_700_000_000_000_000_000 + number,
         "temperature_c": 20.0, "nrmse": error, "rmse_n": 10.0,
@@ -26,9 +26,9 @@ def data_of(page):
 
 
 def rows():
-    own = [row(number=k, error=0.05 + 0.001 * (k % 5)) for k in range(20)]
+    several = [row(number=k, error=0.05 + 0.001 * (k % 5)) for k in range(20)]
     return [
-        *own,
+        *several,
         row(number=20, error=0.4),
         row(number=21, status="failed", reason="cut <off>", nrmse=None, rmse_n=None, report=None),
     ]
@@ -45,10 +45,10 @@ def test_nothing_is_fetched_and_nothing_foreign_is_taken_as_html():
 
 
 def test_outliers_and_failures_are_marked_and_linked():
-    own = data_of(fleet_page({"compare": rows()}, [], 1, "the rule"))["verbs"]["compare"]
-    assert [k for k, far in enumerate(own["far"]) if far] == [20]
-    assert own["link"][20] == "tasks/20-ab/left.compare.html" and own["link"][21] == ""
-    assert own["reason"][21] == "cut <off>" and own["measures"]["nrmse"][21] is None
+    table = data_of(fleet_page({"compare": rows()}, [], 1, "the rule"))["verbs"]["compare"]
+    assert [k for k, far in enumerate(table["far"]) if far] == [20]
+    assert table["link"][20] == "tasks/20-ab/left.compare.html" and table["link"][21] == ""
+    assert table["reason"][21] == "cut <off>" and table["measures"]["nrmse"][21] is None
 
 
 def test_drifts_and_missing_phenomena_are_told():
@@ -61,8 +61,8 @@ def test_drifts_and_missing_phenomena_are_told():
 def test_too_many_rows_are_an_even_choice_with_all_that_stand_out(monkeypatch):
     monkeypatch.setattr(module, "MOST", 10)
     page = fleet_page({"compare": rows()}, [], 1, "the rule")
-    own = data_of(page)["verbs"]["compare"]
-    assert len(own["link"]) <= 10 and own["recording"][-2:] == ["20", "21"] and "compare: " in page
+    table = data_of(page)["verbs"]["compare"]
+    assert len(table["link"]) <= 10 and table["recording"][-2:] == ["20", "21"] and "compare: " in page
 
 
 @pytest.mark.parametrize("verbs", [{}, {"replay": [row(nrmse=None, residual_rms_n=3.0)]}, {"compare": []}])

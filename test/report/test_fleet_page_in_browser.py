@@ -20,7 +20,7 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   const tick = (id) => { at(id).checked = true; at(id).dispatchEvent(new Event("change")); };
   const told = (name) => seen.push(name + ": " + at("count").textContent + ", " + first());
   told("worst first");
-  seen.push("points: " + at("time").data.map((own) => own.x.length));
+  seen.push("points: " + at("time").data.map((trace) => trace.x.length));
   seen.push("link: " + document.querySelector("#rows tbody a").getAttribute("href"));
   document.querySelector("#rows thead button").click(); told("by name");
   document.querySelector("#rows thead button").click(); told("turned round");

@@ -55,8 +55,8 @@ def unpacked(column):
 
 def test_the_page_needs_no_network():
     page = comparison_page([damper_section([compare(VISCOUS, measurement())])], "title")
-    own = page.replace(_plotly(), "")
-    assert not re.search(r"https?://", own)
+    text = page.replace(_plotly(), "")
+    assert not re.search(r"https?://", text)
     assert not re.search(r"<(?:script|link|img|iframe)[^>]+(?:src|href)=[\"'](?!data:)", page)
 
 
@@ -64,9 +64,9 @@ def test_names_from_files_cannot_become_markup():
     evil = "</script><b>&"
     model = DamperModel(evil, "", VISCOUS.effects)
     page = comparison_page([damper_section([compare(model, measurement(name=evil))])], evil)
-    own = page.replace(_plotly(), "")
-    assert evil not in own and "&lt;/script&gt;" in own
-    assert data_of(own)[0]["models"] == [evil]
+    text = page.replace(_plotly(), "")
+    assert evil not in text and "&lt;/script&gt;" in text
+    assert data_of(text)[0]["models"] == [evil]
 
 
 def test_the_embedded_signals_are_the_compared_ones():

@@ -86,9 +86,9 @@ def test_the_page_can_be_walked_through(tmp_path):
     (tmp_path / "page.html").write_text(page.replace("</body>", WALK))
     command = [BROWSER, *PAGE_FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"file://{tmp_path / 'page.html'}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
-    told = re.search(r'<pre id="seen">(.*?)</pre>', dom)
-    assert told, "the walk did not end"
-    assert told.group(1).split(";") == [
+    seen = re.search(r'<pre id="seen">(.*?)</pre>', dom)
+    assert seen, "the walk did not end"
+    assert seen.group(1).split(";") == [
         "figures 8",
         "opens on 1.0 s",
         "all 0.0,20.0",

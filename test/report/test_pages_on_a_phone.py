@@ -41,8 +41,8 @@ def of_a_ride() -> str:
 def of_comfort() -> str:
     car, model = load_car("compact_car"), load_model("linear_viscous")
     stiffer = model.with_values({model.slots[0].address: 2.0 * model.slots[0].value})
-    runs = [[comfort_run(car, dict.fromkeys(AXLES, own), amplitude, seconds=10.0) for amplitude in AMPLITUDES]
-            for own in (stiffer, single_curve(model))]  # fmt: skip
+    runs = [[comfort_run(car, dict.fromkeys(AXLES, rider), amplitude, seconds=10.0) for amplitude in AMPLITUDES]
+            for rider in (stiffer, single_curve(model))]  # fmt: skip
     return comfort_page("compact", ("stiffer", "softer"), *runs)
 
 
@@ -71,18 +71,18 @@ def test_it_fits_and_stands_alone(page):
     foreign: list[str] = []
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"])
-        own = browser.new_page(viewport={"width": 390, "height": 800})
-        own.set_default_timeout(300_000)
-        own.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
-        own.on("pageerror", lambda error: faults.append(str(error)))
-        own.on(
+        phone = browser.new_page(viewport={"width": 390, "height": 800})
+        phone.set_default_timeout(300_000)
+        phone.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        phone.on("pageerror", lambda error: faults.append(str(error)))
+        phone.on(
             "request", lambda sent: foreign.append(sent.url) if not sent.url.startswith(("data:", "blob:")) else None
         )
         headers = {"Content-Security-Policy": POLICY, "Content-Type": "text/html; charset=utf-8"}
-        own.route("http://page.test/", lambda way: way.fulfill(body=page, headers=headers))
-        own.goto("http://page.test/")
-        own.wait_for_selector(".js-plotly-plot .main-svg")
-        assert own.evaluate("document.documentElement.scrollWidth") <= 390
+        phone.route("http://page.test/", lambda way: way.fulfill(body=page, headers=headers))
+        phone.goto("http://page.test/")
+        phone.wait_for_selector(".js-plotly-plot .main-svg")
+        assert phone.evaluate("document.documentElement.scrollWidth") <= 390
         browser.close()
     assert not faults and foreign == ["http://page.test/"]
 

@@ -34,9 +34,9 @@ def folder(tmp_path) -> Path:
 @pytest.fixture
 def session(folder) -> Session:
     """Four seconds of both recordings, open."""
-    own = Session(Folder(folder))
-    own.open(Choice(("hidden_fit.mcap",), ("hidden_unseen.mcap",), stop=6.0), ["before.yaml", "linear_viscous"])
-    own.job.wait()
-    assert own.job.state == "done", own.job.error
-    yield own
-    own.close()
+    session = Session(Folder(folder))
+    session.open(Choice(("hidden_fit.mcap",), ("hidden_unseen.mcap",), stop=6.0), ["before.yaml", "linear_viscous"])
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    yield session
+    session.close()

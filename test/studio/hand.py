@@ -37,11 +37,11 @@ class Hand:
         self.page = page
         self.faults: list[str] = []
         self.foreign: list[str] = []
-        own = (url.partition("?")[0], "data:", "blob:")
+        allowed = (url.partition("?")[0], "data:", "blob:")
         page.set_default_timeout(1000.0 * ACTION)
         page.on("pageerror", lambda error: self.faults.append(str(error)))
         page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
-        page.on("request", lambda sent: None if sent.url.startswith(own) else self.foreign.append(sent.url))
+        page.on("request", lambda sent: None if sent.url.startswith(allowed) else self.foreign.append(sent.url))
         page.goto(url)
         page.wait_for_selector("#recordings")
 
@@ -129,7 +129,7 @@ def hand(url: str, width: int = 1280, height: int = 720, scheme: str = "light") 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
         try:
-            own = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
-            yield Hand(own.new_page(), url)
+            context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+            yield Hand(context.new_page(), url)
         finally:
             browser.close()

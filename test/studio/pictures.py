@@ -31,92 +31,92 @@ class Camera:
         self._out, self._wanted = out, wanted
         self._kind = ("_dark" if scheme == "dark" else "") + ("_large" if size == LARGE else "")
 
-    def shot(self, own: Hand, name: str) -> None:
+    def shot(self, user: Hand, name: str) -> None:
         """A picture when the page has come to rest; none of a state that is not wanted."""
         if not self._wanted or name in self._wanted:
-            own.page.wait_for_timeout(1500)
-            own.page.screenshot(path=self._out / f"studio_{name}{self._kind}.png")
+            user.page.wait_for_timeout(1500)
+            user.page.screenshot(path=self._out / f"studio_{name}{self._kind}.png")
 
 
 def walk(url: str, camera: Camera) -> None:
     """The whole way, and what can go wrong."""
-    with hand(url, *camera.size, camera.scheme) as own:
-        camera.shot(own, "empty")
-        own.choose("bench-file", "run.csv")
-        own.until(lambda: own.page.locator(".bench-velocity .scatterlayer .trace").count() > 0)
-        camera.shot(own, "import")
-        own.page.locator("#bench-file .dash-dropdown-clear").click()
-        own.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",))
-        own.until(lambda: own.text_of("regions"))
-        camera.shot(own, "opened")
-        compare(own, camera)
-        learn(own, camera)
-        change(own, camera)
-    with hand(url, *camera.size, camera.scheme) as own:
-        own.open(["four_corners_road.mcap"], ["linear_viscous"])
-        own.page.click("#overview")
-        own.done("comparing all")
-        own.until(lambda: own.page.locator(".corner").count() == 4)
-        camera.shot(own, "overview")
-    with hand(url, *camera.size, camera.scheme) as own:
-        own.choose("recordings", "cut.mcap")
-        own.choose("models", "linear_viscous")
-        own.page.click("#open")
-        own.until(lambda: "cut off" in own.text_of("open-message"))
-        camera.shot(own, "error")
+    with hand(url, *camera.size, camera.scheme) as user:
+        camera.shot(user, "empty")
+        user.choose("bench-file", "run.csv")
+        user.until(lambda: user.page.locator(".bench-velocity .scatterlayer .trace").count() > 0)
+        camera.shot(user, "import")
+        user.page.locator("#bench-file .dash-dropdown-clear").click()
+        user.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",))
+        user.until(lambda: user.text_of("regions"))
+        camera.shot(user, "opened")
+        compare(user, camera)
+        learn(user, camera)
+        change(user, camera)
+    with hand(url, *camera.size, camera.scheme) as user:
+        user.open(["four_corners_road.mcap"], ["linear_viscous"])
+        user.page.click("#overview")
+        user.done("comparing all")
+        user.until(lambda: user.page.locator(".corner").count() == 4)
+        camera.shot(user, "overview")
+    with hand(url, *camera.size, camera.scheme) as user:
+        user.choose("recordings", "cut.mcap")
+        user.choose("models", "linear_viscous")
+        user.page.click("#open")
+        user.until(lambda: "cut off" in user.text_of("open-message"))
+        camera.shot(user, "error")
 
 
-def compare(own: Hand, camera: Camera) -> None:
+def compare(user: Hand, camera: Camera) -> None:
     """The worst region, a band of velocities marked, the map of the error and the quality of the data."""
-    own.page.locator(".region").first.click()
-    own.until(lambda: own.seen()[1] - own.seen()[0] < 2.1)
-    camera.shot(own, "compare")
-    own.page.locator("#tool").get_by_text("mark").click()
-    own.until(lambda: own.figure("velocity")["layout"]["dragmode"] == "select")
-    own.drag(".figure.velocity .nsewdrag", (0.35, 0.05), (0.65, 0.95))
-    own.until(lambda: "rms error" in own.text_of("marked-summary"))
-    camera.shot(own, "marked")
-    own.page.click("#unmark")
-    own.page.locator("#quality").scroll_into_view_if_needed()
-    camera.shot(own, "map")
+    user.page.locator(".region").first.click()
+    user.until(lambda: user.seen()[1] - user.seen()[0] < 2.1)
+    camera.shot(user, "compare")
+    user.page.locator("#tool").get_by_text("mark").click()
+    user.until(lambda: user.figure("velocity")["layout"]["dragmode"] == "select")
+    user.drag(".figure.velocity .nsewdrag", (0.35, 0.05), (0.65, 0.95))
+    user.until(lambda: "rms error" in user.text_of("marked-summary"))
+    camera.shot(user, "marked")
+    user.page.click("#unmark")
+    user.page.locator("#quality").scroll_into_view_if_needed()
+    camera.shot(user, "map")
 
 
-def learn(own: Hand, camera: Camera) -> None:
+def learn(user: Hand, camera: Camera) -> None:
     """The diagnosis while it goes on, what it found, and what an effect would explain."""
-    own.tab("What is missing")
-    own.page.locator("#mode").get_by_text("parameters kept").click()
-    own.page.click("#diagnose")
-    own.until(lambda: re.match("diagnosing: [2-9][0-9] %", own.text_of("job")))
-    camera.shot(own, "diagnosing")
-    own.done("diagnosing")
-    own.until(lambda: "oil compressibility" in own.text_of("findings"))
-    own.page.mouse.move(5, 300)
-    camera.shot(own, "diagnosis")
-    own.page.locator("#candidates li").first.hover()
-    own.until(lambda: own.text_of("equation"))
-    camera.shot(own, "evidence")
+    user.tab("What is missing")
+    user.page.locator("#mode").get_by_text("parameters kept").click()
+    user.page.click("#diagnose")
+    user.until(lambda: re.match("diagnosing: [2-9][0-9] %", user.text_of("job")))
+    camera.shot(user, "diagnosing")
+    user.done("diagnosing")
+    user.until(lambda: "oil compressibility" in user.text_of("findings"))
+    user.page.mouse.move(5, 300)
+    camera.shot(user, "diagnosis")
+    user.page.locator("#candidates li").first.hover()
+    user.until(lambda: user.text_of("equation"))
+    camera.shot(user, "evidence")
 
 
-def change(own: Hand, camera: Camera) -> None:
+def change(user: Hand, camera: Camera) -> None:
     """The error falls, sliders, saving; a value that is out of bounds and a file that is there."""
-    own.page.locator(".finding button").first.click()
-    own.done("identifying")
-    own.tab("Steps")
-    own.until(lambda: own.page.locator("#steps li").count() == 2)
-    camera.shot(own, "steps")
-    own.tab("Model")
-    camera.shot(own, "model")
-    value = own.page.locator("#parameters input.dash-input-element").first
+    user.page.locator(".finding button").first.click()
+    user.done("identifying")
+    user.tab("Steps")
+    user.until(lambda: user.page.locator("#steps li").count() == 2)
+    camera.shot(user, "steps")
+    user.tab("Model")
+    camera.shot(user, "model")
+    value = user.page.locator("#parameters input.dash-input-element").first
     value.fill("1e12")
     value.press("Enter")
-    own.until(lambda: "is outside" in own.text_of("change-message"))
-    camera.shot(own, "refused")
-    own.tab("Save")
-    own.page.fill("#name", "before.yaml")
-    own.page.keyboard.press("Enter")
-    own.page.click("#save")
-    own.until(lambda: "exists already" in own.text_of("save-message"))
-    camera.shot(own, "save")
+    user.until(lambda: "is outside" in user.text_of("change-message"))
+    camera.shot(user, "refused")
+    user.tab("Save")
+    user.page.fill("#name", "before.yaml")
+    user.page.keyboard.press("Enter")
+    user.page.click("#save")
+    user.until(lambda: "exists already" in user.text_of("save-message"))
+    camera.shot(user, "save")
 
 
 def bench_file() -> str:

@@ -28,9 +28,9 @@ def test_cards_say_what_is_in_a_file_and_follow_it(folder, monkeypatch):
     (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:3000])
     cards = Cards(Folder(folder))
     found = made(cards)
-    own = found["hidden_fit.mcap"]
-    assert "1 damper: passenger_front" in own.lines[0] and "Hz" in own.lines[1] and "force" in own.lines[2]
-    assert own.picture and not own.bad
+    card = found["hidden_fit.mcap"]
+    assert "1 damper: passenger_front" in card.lines[0] and "Hz" in card.lines[1] and "force" in card.lines[2]
+    assert card.picture and not card.bad
     assert found["cut.mcap"].bad.startswith(str(folder / "cut.mcap")) and not found["cut.mcap"].picture
     assert "13 parameters" in found["before.yaml"].lines[1] and found["before.yaml"].picture
     (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes())
@@ -63,10 +63,10 @@ def test_a_search_looks_at_names_and_lines():
 @needs_browser
 @needs_playwright
 def test_a_card_is_found_and_chosen(folder):
-    with served(folder) as (_, url), hand(url) as own:
-        own.page.click("#library summary")
-        own.page.fill("#search", "hidden_unseen")
-        own.until(lambda: own.page.locator(".library-card").count() == 1)
-        own.page.locator(".library-card").click()
-        own.until(lambda: "hidden_unseen.mcap" in own.text_of("recordings"))
-        assert not own.faults
+    with served(folder) as (_, url), hand(url) as user:
+        user.page.click("#library summary")
+        user.page.fill("#search", "hidden_unseen")
+        user.until(lambda: user.page.locator(".library-card").count() == 1)
+        user.page.locator(".library-card").click()
+        user.until(lambda: "hidden_unseen.mcap" in user.text_of("recordings"))
+        assert not user.faults

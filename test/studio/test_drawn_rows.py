@@ -29,8 +29,8 @@ def test_a_cloud_keeps_its_outline():
     x, force = draw.standard_normal((2, 500_000))
     rows = cloud_rows(x, force)
     assert rows.size < 5000
-    for own in (x, force):
-        assert own[rows].max() == own.max() and own[rows].min() == own.min()
+    for values in (x, force):
+        assert values[rows].max() == values.max() and values[rows].min() == values.min()
 
 
 @settings(max_examples=30, deadline=None)

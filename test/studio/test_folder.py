@@ -59,19 +59,19 @@ def test_what_is_there_is_listed_by_kind(folder):
     (folder / ".hidden.mcap").write_bytes(b"")
     (folder / "deep").mkdir()
     os.link(folder / "before.yaml", folder / "deep" / "other.yaml")
-    own = Folder(folder)
-    assert own.recordings() == ["hidden_fit.mcap", "hidden_unseen.mcap"]
-    assert own.models() == ["before.yaml", "deep/other.yaml"]
-    assert own.maps() == ["map.yaml"]
+    opened = Folder(folder)
+    assert opened.recordings() == ["hidden_fit.mcap", "hidden_unseen.mcap"]
+    assert opened.models() == ["before.yaml", "deep/other.yaml"]
+    assert opened.maps() == ["map.yaml"]
 
 
 def test_a_file_is_replaced_only_when_asked(outside):
-    own = Folder(outside)
-    assert own.target("new/model.yaml", ".yaml", replace=False).parent.is_dir()
+    opened = Folder(outside)
+    assert opened.target("new/model.yaml", ".yaml", replace=False).parent.is_dir()
     (outside / "old.yaml").write_text("")
     with pytest.raises(Taken, match="exists already"):
-        own.target("old.yaml", ".yaml", replace=False)
-    assert own.target("old.yaml", ".yaml", replace=True) == outside / "old.yaml"
+        opened.target("old.yaml", ".yaml", replace=False)
+    assert opened.target("old.yaml", ".yaml", replace=True) == outside / "old.yaml"
 
 
 @pytest.mark.parametrize("name", ["model.txt", "below", "../out.yaml", ".yaml", "/tmp/out.yaml"])

@@ -21,8 +21,8 @@ def client_of(folder, door):
 
 @pytest.fixture
 def client(tmp_path):
-    own, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
-    yield own
+    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
+    yield client
     sessions.close()
 
 
@@ -71,9 +71,9 @@ def arrived(client, headers):
     """The answer to the request with which a page asks for its session."""
     specs = client.get("/_dash-dependencies", headers=headers).json
     found = next(
-        own
-        for own in specs or []
-        if own["inputs"] == [{"id": "address", "property": "data"}] and "page" in own["output"]
+        item
+        for item in specs or []
+        if item["inputs"] == [{"id": "address", "property": "data"}] and "page" in item["output"]
     )
     parts = [part.rpartition(".") for part in found["output"].strip(".").split("...")]
     body = ARRIVE | {"output": found["output"], "outputs": [{"id": i, "property": p} for i, _, p in parts]}

@@ -33,7 +33,7 @@ def _watch(event: str, arguments: tuple) -> None:
         "os.remove",
         "sqlite3.connect",
     ):
-        names = [os.fsdecode(own) for own in arguments if isinstance(own, str | bytes | os.PathLike)]
+        names = [os.fsdecode(path) for path in arguments if isinstance(path, str | bytes | os.PathLike)]
         _seen.extend(name for name in names if any(watched[0] in place for place in (name, os.path.realpath(name))))
 
 
@@ -56,15 +56,15 @@ def outside(folder, tmp_path_factory):
     (folder / "bag").mkdir()
     (folder / "bag" / "metadata.yaml").write_text("rosbag2_bagfile_information: {relative_file_paths: [pipe.mcap]}\n")
     os.mkfifo(folder / "bag" / "pipe.mcap")
-    own = socket.socket(socket.AF_UNIX)
+    opened = socket.socket(socket.AF_UNIX)
     here = Path.cwd()
     os.chdir(folder)  # the name of a socket is short
-    own.bind("socket.yaml")
+    opened.bind("socket.yaml")
     os.chdir(here)
     _watched[:], _seen[:] = [str(place)], []
     yield place
     _watched.clear()
-    own.close()
+    opened.close()
 
 
 def hostile(place: Path) -> list[str]:
@@ -89,24 +89,24 @@ def hostile(place: Path) -> list[str]:
 def request_of(spec: dict, page: str, name: object) -> dict:
     """A request of one callback in which every value that the page chooses is a name."""
 
-    def value(own: dict) -> object:
-        if own["property"] == "n_clicks":
+    def value(item: dict) -> object:
+        if item["property"] == "n_clicks":
             return 3
         known = {"page": page, "theme": "light", "kind": "model", "tool": "zoom", "mode": "kept"}
-        if own["id"] in known:
-            return known[own["id"]]
-        if own["id"] == "address":
+        if item["id"] in known:
+            return known[item["id"]]
+        if item["id"] == "address":
             return {"query": f"?session={name}&recording={name}&model={name}&map={name}&damper={name}", "tab": name}
-        return [name] if own["id"] in ("recordings", "unseen", "models") else name
+        return [name] if item["id"] in ("recordings", "unseen", "models") else name
 
-    def filled(own: dict) -> object:
-        if not own["id"].startswith("{"):
-            return {"id": own["id"], "property": own["property"], "value": value(own)}
-        one = {key: name if isinstance(v, list) else v for key, v in json.loads(own["id"]).items()}
-        return [{"id": one, "property": own["property"], "value": 3 if own["property"] == "n_clicks" else name}]
+    def filled(item: dict) -> object:
+        if not item["id"].startswith("{"):
+            return {"id": item["id"], "property": item["property"], "value": value(item)}
+        one = {key: name if isinstance(v, list) else v for key, v in json.loads(item["id"]).items()}
+        return [{"id": one, "property": item["property"], "value": 3 if item["property"] == "n_clicks" else name}]
 
-    inputs, state = ([filled(own) for own in spec[kind]] for kind in ("inputs", "state"))
-    first = next((own for own in spec["inputs"] if own["property"] == "n_clicks"), spec["inputs"][0])
+    inputs, state = ([filled(item) for item in spec[kind]] for kind in ("inputs", "state"))
+    first = next((item for item in spec["inputs"] if item["property"] == "n_clicks"), spec["inputs"][0])
     output = spec["output"]
     parts = output.strip(".").split("...") if output.startswith("..") else [output]
     outputs = [_output(part) for part in parts]
@@ -128,11 +128,11 @@ def _output(part: str) -> object:
 
 def ended(sessions: Sessions, page: str) -> None:
     """Waits until nothing goes on for a page, or for one that the request made, and lets them go."""
-    for own, (session, _) in list(sessions._open.items()):
+    for name, (session, _) in list(sessions._open.items()):
         if session.job is not None:
             session.job.wait(20.0)
             assert session.job.state == "failed" and "should not have happened" not in session.job.error
-        sessions.leave(own)
+        sessions.leave(name)
     assert page not in sessions._open
 
 
@@ -174,7 +174,7 @@ def test_no_session_of_a_callback_with_a_name_that_is_no_text(folder, outside):
 
 
 def test_the_listing_does_not_look_at_what_leads_out(folder, outside):
-    own = Folder(folder)
-    assert own.models() == ["before.yaml"] and own.maps() == []
-    assert own.recordings() == ["bag", "hidden_fit.mcap", "hidden_unseen.mcap"]
+    opened = Folder(folder)
+    assert opened.models() == ["before.yaml"] and opened.maps() == []
+    assert opened.recordings() == ["bag", "hidden_fit.mcap", "hidden_unseen.mcap"]
     assert not _seen

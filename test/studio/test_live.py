@@ -57,9 +57,9 @@ while True:
 
 @pytest.fixture
 def live():
-    own = Live(1.0, (sys.executable, "-c", STANDS_IN))
-    yield own
-    own.close()
+    live = Live(1.0, (sys.executable, "-c", STANDS_IN))
+    yield live
+    live.close()
 
 
 def waited(live):
@@ -72,7 +72,7 @@ def test_what_the_node_says_is_on_the_page_and_a_drift_is_an_alarm(live, tmp_pat
     waited(live)
     assert live.states()["left"][0] == "degraded" and live.states()["left"][3]
     figure = live.figures()["left"]
-    assert [own["name"] for own in figure["data"]] == ["force", "residual"]
+    assert [trace["name"] for trace in figure["data"]] == ["force", "residual"]
     assert live.save(tmp_path / "a.mcap") == 7
     with pytest.raises(InputError, match="no room"):
         live.save(tmp_path / "full.mcap")
@@ -127,30 +127,30 @@ def running():
 @needs_browser
 @needs_playwright
 def test_a_running_node_is_watched_saved_and_diagnosed(running, tmp_path):
-    with served(tmp_path, "--live", "0.2") as (_, url), hand(url, 1400, 900) as own:
-        page = own.page
-        own.until(lambda: page.locator("#live-dampers .card").count() == 2)
-        own.until(lambda: page.locator("#live .figure .scatterlayer .trace").count() >= 4)
-        own.until(lambda: "never identified" in own.text_of("live-dampers"))
+    with served(tmp_path, "--live", "0.2") as (_, url), hand(url, 1400, 900) as user:
+        page = user.page
+        user.until(lambda: page.locator("#live-dampers .card").count() == 2)
+        user.until(lambda: page.locator("#live .figure .scatterlayer .trace").count() >= 4)
+        user.until(lambda: "never identified" in user.text_of("live-dampers"))
         page.click("#freeze")
-        own.until(lambda: own.text_of("freeze") == "Resume")
+        user.until(lambda: user.text_of("freeze") == "Resume")
         page.click("#freeze")
-        own.until(lambda: float(own.text_of("live-seconds").split()[0]) >= 8.0)
+        user.until(lambda: float(user.text_of("live-seconds").split()[0]) >= 8.0)
         page.click("#live-save")
-        own.until(lambda: "saved live_" in own.text_of("live-words"))
+        user.until(lambda: "saved live_" in user.text_of("live-words"))
         [path] = tmp_path.glob("live_*.mcap")
         with open_bag(path) as bag:
             topics = {topic.name for topic in bag.topics}
         assert {"/suspension/displacement", "/suspension/force", "/damper_estimator/force"} <= topics
-        own.choose("live-model", "linear_viscous")
+        user.choose("live-model", "linear_viscous")
         page.click("#live-diagnose")
-        own.until(lambda: own.text_of("live-words").endswith("diagnosing it"))
+        user.until(lambda: user.text_of("live-words").endswith("diagnosing it"))
         for process in running:  # the machine is the diagnosis's from here on
             process.terminate()
-        own.done("diagnosing all")
-        own.until(lambda: page.locator(".corner").count() == 2)
-        assert "not diagnosed yet" not in own.text_of("corners")
-        assert not own.faults and not own.foreign
+        user.done("diagnosing all")
+        user.until(lambda: page.locator(".corner").count() == 2)
+        assert "not diagnosed yet" not in user.text_of("corners")
+        assert not user.faults and not user.foreign
 
 
 def test_what_leads_out_of_the_folder_is_not_opened_for_a_diagnosis(session):

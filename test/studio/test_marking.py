@@ -23,9 +23,9 @@ def finished(session):
 
 
 def test_a_passage_alone_has_its_samples_judged_and_no_others(session):
-    own = session.shown(session.model)
-    part = marked_alone(own, PASSAGE)
-    time = part.kinematics.time[part.judged] - own.traces[0].time[0]
+    shown = session.shown(session.model)
+    part = marked_alone(shown, PASSAGE)
+    time = part.kinematics.time[part.judged] - shown.traces[0].time[0]
     assert 2.0 <= time.min() < 2.01 and 3.99 < time.max() <= 4.0
     fit, unseen = parted(part)
     assert not (fit.judged & unseen.judged).any() and (fit.judged | unseen.judged).sum() == part.judged.sum()
@@ -74,7 +74,7 @@ def test_a_fit_on_a_band_of_velocities_is_best_there(session):
 
 
 def test_the_table_holds_every_marked_sample(session):
-    models = [session.shown(own) for own in session.models()]
+    models = [session.shown(model) for model in session.models()]
     rows = list(csv.DictReader(io.StringIO(table(models, ["a, b", "c"], PASSAGE))))
     trace = models[0].traces[0]
     inside = (trace.time - trace.time[0] >= 2.0) & (trace.time - trace.time[0] <= 4.0)
@@ -86,16 +86,16 @@ def test_the_table_holds_every_marked_sample(session):
 @needs_browser
 @needs_playwright
 def test_in_the_browser(folder):
-    with served(folder) as (_, url), hand(url, 1400, 900) as own:
-        page = own.page
-        own.open(["hidden_fit.mcap"], ["before.yaml"], stop=10.0)
+    with served(folder) as (_, url), hand(url, 1400, 900) as user:
+        page = user.page
+        user.open(["hidden_fit.mcap"], ["before.yaml"], stop=10.0)
         assert page.locator("#marked-bar").is_hidden()
         page.locator("#tool").get_by_text("mark").click()
-        own.until(lambda: own.figure("time")["layout"]["dragmode"] == "select")
-        own.drag(".figure.time .nsewdrag", (0.2, 0.3), (0.5, 0.3))
-        own.until(
+        user.until(lambda: user.figure("time")["layout"]["dragmode"] == "select")
+        user.drag(".figure.time .nsewdrag", (0.2, 0.3), (0.5, 0.3))
+        user.until(
             lambda: (
-                "s of hidden_fit.mcap" in own.text_of("marked-summary") and "before" in own.text_of("marked-summary")
+                "s of hidden_fit.mcap" in user.text_of("marked-summary") and "before" in user.text_of("marked-summary")
             )
         )
         with page.expect_download() as loaded:
@@ -103,34 +103,34 @@ def test_in_the_browser(folder):
         rows = list(csv.DictReader(open(loaded.value.path())))
         assert len(rows) > 1000 and 1.0 < float(rows[0]["time_s"]) < 3.0
         page.click("#fit-marked")
-        own.done("identifying")
-        own.tab("Steps")
-        own.until(lambda: "refit on the marked" in own.text_of("steps"))
+        user.done("identifying")
+        user.tab("Steps")
+        user.until(lambda: "refit on the marked" in user.text_of("steps"))
         page.click("#leave-out")
-        own.done("judging")
-        own.until(
-            lambda: "there not judged" in own.text_of("marked-summary") and "1 stretch" in own.text_of("left-out")
+        user.done("judging")
+        user.until(
+            lambda: "there not judged" in user.text_of("marked-summary") and "1 stretch" in user.text_of("left-out")
         )
         page.reload()
-        own.until(lambda: "1 stretch" in own.text_of("left-out"))
+        user.until(lambda: "1 stretch" in user.text_of("left-out"))
         page.click("#take-back")
-        own.until(page.locator("#left-out").is_hidden)
-        assert not own.faults and not own.foreign
+        user.until(page.locator("#left-out").is_hidden)
+        assert not user.faults and not user.foreign
 
 
 @needs_browser
 @needs_playwright
 def test_a_marked_region_is_diagnosed_alone(folder):
-    with served(folder) as (_, url), hand(url, 1400, 900) as own:
-        page = own.page
-        own.open(["hidden_fit.mcap"], ["before.yaml"], stop=15.0)
+    with served(folder) as (_, url), hand(url, 1400, 900) as user:
+        page = user.page
+        user.open(["hidden_fit.mcap"], ["before.yaml"], stop=15.0)
         page.locator("#tool").get_by_text("mark").click()
-        own.until(lambda: own.figure("time")["layout"]["dragmode"] == "select")
-        own.drag(".figure.time .nsewdrag", (0.05, 0.3), (0.95, 0.3))
-        own.until(page.locator("#diagnose-marked").is_visible)
-        own.tab("What is missing")
+        user.until(lambda: user.figure("time")["layout"]["dragmode"] == "select")
+        user.drag(".figure.time .nsewdrag", (0.05, 0.3), (0.95, 0.3))
+        user.until(page.locator("#diagnose-marked").is_visible)
+        user.tab("What is missing")
         page.locator("#mode").get_by_text("parameters kept").click()
         page.click("#diagnose-marked")
-        own.done("diagnosing")
-        own.until(lambda: "of hidden_fit.mcap alone" in own.text_of("findings"))
-        assert not own.faults
+        user.done("diagnosing")
+        user.until(lambda: "of hidden_fit.mcap alone" in user.text_of("findings"))
+        assert not user.faults

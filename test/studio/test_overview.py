@@ -25,11 +25,11 @@ def car(tmp_path):
 
 @pytest.fixture
 def session(car):
-    own = Session(Folder(car))
-    own.open(Choice((BAG,), stop=5.0), ["linear_viscous"])
-    finished(own)
-    yield own
-    own.close()
+    session = Session(Folder(car))
+    session.open(Choice((BAG,), stop=5.0), ["linear_viscous"])
+    finished(session)
+    yield session
+    session.close()
 
 
 def finished(session):
@@ -77,9 +77,9 @@ def test_all_are_improved_in_one_go_kept_and_saved(session, car):
     histories = session.histories()
     assert sorted(histories, key=place) == CORNERS
     for name, history in histories.items():
-        errors = [own.step.rmse_unseen_n for own in history.versions]
+        errors = [version.step.rmse_unseen_n for version in history.versions]
         assert history.at == 0 or errors[-1] < errors[0], name
-    stepped = [name for name, own in histories.items() if own.at]
+    stepped = [name for name, steps in histories.items() if steps.at]
     assert stepped and len(list((car / ".damper_studio").glob("*.json"))) == len(stepped)
     assert "improved" in session.save_all()
     for name in CORNERS:
@@ -90,26 +90,26 @@ def test_all_are_improved_in_one_go_kept_and_saved(session, car):
 @needs_browser
 @needs_playwright
 def test_from_the_overview_into_one_damper_and_back(car):
-    with served(car) as (_, url), hand(url, 1400, 900) as own:
-        page = own.page
-        own.open([BAG], ["linear_viscous"], stop=5.0)
-        own.until(page.locator("#overview").is_visible)
+    with served(car) as (_, url), hand(url, 1400, 900) as user:
+        page = user.page
+        user.open([BAG], ["linear_viscous"], stop=5.0)
+        user.until(page.locator("#overview").is_visible)
         page.click("#overview")
-        own.done("comparing all")
-        own.until(lambda: page.locator(".corner").count() == 4)
+        user.done("comparing all")
+        user.until(lambda: page.locator(".corner").count() == 4)
         titles = [text.split()[0] for text in page.locator(".corner h2").all_inner_texts()]
         assert titles == CORNERS
         assert all("N" in text for text in page.locator(".corner .facts").all_inner_texts())
         page.locator(".corner").nth(3).get_by_role("button").click()
-        own.done("opening")
-        own.until(lambda: "rear_right" in own.text_of("opened"))
-        own.until(page.locator(".figure.time").is_visible)
-        own.tab("Model")
+        user.done("opening")
+        user.until(lambda: "rear_right" in user.text_of("opened"))
+        user.until(page.locator(".figure.time").is_visible)
+        user.tab("Model")
         page.click("#refit")
-        own.done("identifying")
+        user.done("identifying")
         page.click("#overview")
-        own.until(lambda: "Changed since" in page.locator(".corner").nth(3).inner_text())
+        user.until(lambda: "Changed since" in page.locator(".corner").nth(3).inner_text())
         page.click("#compare-all")
-        own.until(lambda: "refit" in page.locator(".corner").nth(3).inner_text())
-        own.until(lambda: "Changed since" not in own.text_of("corners"))
-        assert not own.faults and not own.foreign
+        user.until(lambda: "refit" in page.locator(".corner").nth(3).inner_text())
+        user.until(lambda: "Changed since" not in user.text_of("corners"))
+        assert not user.faults and not user.foreign

@@ -42,7 +42,7 @@ def test_adding_lowers_the_error_and_undo_brings_it_back(session):
     assert error(session) == before
     session.redo()
     assert error(session) == after
-    steps = [own.step.action for own in session.history.versions]
+    steps = [version.step.action for version in session.history.versions]
     assert steps == ["start", "add"]
     assert session.history.now.step.rmse_unseen_n < session.history.versions[0].step.rmse_unseen_n
 
@@ -51,7 +51,7 @@ def test_a_parameter_moved_again_is_one_step_and_what_was_undone_is_forgotten(se
     address = session.model.slots[0].address
     session.set(address, -900.0)
     session.set(address, -950.0)
-    assert [own.step.action for own in session.history.versions] == ["start", "set"]
+    assert [version.step.action for version in session.history.versions] == ["start", "set"]
     session.undo()
     session.set(session.model.slots[1].address, -700.0)
     assert len(session.history.versions) == 2
@@ -72,7 +72,10 @@ def test_a_fixed_parameter_keeps_its_value_in_a_refit(session):
     session.job.wait()
     values = {slot.address: slot.value for slot in session.model.slots}
     assert values[fixed.address] == fixed.value
-    assert sum(values[own.address] != own.value for own in session.history.versions[0].step.model.slots) > 5
+    assert (
+        sum(values[parameter.address] != parameter.value for parameter in session.history.versions[0].step.model.slots)
+        > 5
+    )
 
 
 def test_a_correction_goes_to_the_map_and_not_into_the_model(session):
@@ -160,12 +163,18 @@ def test_what_was_saved_is_known_until_the_model_changes(session, folder):
 
 
 def test_nothing_can_be_done_before_something_is_open(folder):
-    own = Session(Folder(folder))
-    for verb in (own.refit, own.undo, own.redo, lambda: own.diagnose("kept"), lambda: own.add("coulomb")):
+    session = Session(Folder(folder))
+    for verb in (
+        session.refit,
+        session.undo,
+        session.redo,
+        lambda: session.diagnose("kept"),
+        lambda: session.add("coulomb"),
+    ):
         with pytest.raises(InputError, match="nothing is open yet"):
             verb()
     with pytest.raises(InputError, match="choose a model"):
-        own.open(Choice(("hidden_fit.mcap",)), [])
+        session.open(Choice(("hidden_fit.mcap",)), [])
 
 
 def test_a_bug_in_a_work_is_reported_and_does_not_hang(capsys):

@@ -20,11 +20,11 @@ def error(session):
 
 
 def resumed(folder, name, owner="", **how):
-    own = Session(Folder(folder), owner)
-    own.resume(name, **how)
-    own.job.wait()
-    assert own.job.state == "done", own.job.error
-    return own
+    session = Session(Folder(folder), owner)
+    session.resume(name, **how)
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    return session
 
 
 def changed(session, *values):
@@ -46,19 +46,19 @@ def test_everything_comes_back(session, folder):
     session.fix([session.model.slots[3].address])
     session.saved("mine.yaml")
     session.undo()
-    own = resumed(folder, session.writer.name)
-    assert own.stage.choice == Choice(("hidden_fit.mcap",), ("hidden_unseen.mcap",), "passenger_front", stop=6.0)
-    assert own.names == ("before.yaml", "linear_viscous") and len(own.others) == 1
-    assert own.history.at == session.history.at == 2 and len(own.history.versions) == 4
-    for mine, other in zip(own.history.versions, session.history.versions, strict=True):
+    again = resumed(folder, session.writer.name)
+    assert again.stage.choice == Choice(("hidden_fit.mcap",), ("hidden_unseen.mcap",), "passenger_front", stop=6.0)
+    assert again.names == ("before.yaml", "linear_viscous") and len(again.others) == 1
+    assert again.history.at == session.history.at == 2 and len(again.history.versions) == 4
+    for mine, other in zip(again.history.versions, session.history.versions, strict=True):
         assert mine.step.model == other.step.model and mine.step.action == other.step.action
         assert np.isclose(mine.step.rmse_unseen_n, other.step.rmse_unseen_n, rtol=1e-12)
-        assert own.saved_as(mine) == session.saved_as(other)
-    assert error(own) == pytest.approx(error(session), rel=1e-9)
-    own.redo()
+        assert again.saved_as(mine) == session.saved_as(other)
+    assert error(again) == pytest.approx(error(session), rel=1e-9)
+    again.redo()
     session.redo()
-    assert own.model == session.model and error(own) == pytest.approx(error(session), rel=1e-9)
-    assert own.here.signals == session.here.signals != own.stage.signals
+    assert again.model == session.model and error(again) == pytest.approx(error(session), rel=1e-9)
+    assert again.here.signals == session.here.signals != again.stage.signals
     assert resumed(folder, session.writer.name, step=1).history.at == 1
 
 
@@ -80,10 +80,10 @@ def test_the_tab_that_wrote_a_file_goes_on_in_it_and_others_get_their_own(sessio
     name = session.writer.name
     mine, colleague = resumed(folder, name, "tab"), resumed(folder, name, "other")
     crowded = resumed(folder, name, "tab", alone=False)
-    for own in (colleague, crowded):
-        own.undo()
-        changed(own, -800.0)
-        assert own.writer.name not in ("", name)
+    for other in (colleague, crowded):
+        other.undo()
+        changed(other, -800.0)
+        assert other.writer.name not in ("", name)
     assert resumed(folder, name).model.slots[0].value == -950.0
     changed(mine, -900.0)
     assert mine.writer.name == name
@@ -155,17 +155,19 @@ def test_a_damaged_or_hostile_file_is_refused_in_one_line(session, folder):
     code = "effects:\n- !!python/object/apply:os.system [touch hacked]\n"
     for model in (code, "effects: 3", "&a [*a]", "x"):
         path.write_text(json.dumps(whole | {"steps": [first, last | {"model": model}]}))
-        own = Session(Folder(folder))
-        own.resume(path.stem)
-        own.job.wait()
+        writing = Session(Folder(folder))
+        writing.resume(path.stem)
+        writing.job.wait()
         assert (
-            own.job.state == "failed" and "\n" not in own.job.error and "should not have happened" not in own.job.error
+            writing.job.state == "failed"
+            and "\n" not in writing.job.error
+            and "should not have happened" not in writing.job.error
         )
     path.write_text(json.dumps(whole | {"choice": whole["choice"] | {"fit": ["../secret.mcap"]}}))
-    own = Session(Folder(folder))
-    own.resume(path.stem)
-    own.job.wait()
-    assert "is not a name in the studio's folder" in own.job.error
+    writing = Session(Folder(folder))
+    writing.resume(path.stem)
+    writing.job.wait()
+    assert "is not a name in the studio's folder" in writing.job.error
     assert not list(folder.glob("**/hacked"))
 
 
@@ -203,10 +205,10 @@ def test_where_all_pages_have_unsaved_steps_a_further_one_is_refused(folder, mon
 def test_an_address_names_what_is_open():
     choice = Choice(("a.mcap", "b & c.mcap"), ("d.mcap",), "", "map.yaml", 1.5, None)
     fields = fields_of(choice, "front", ("m.yaml", "coulomb"), "abcdefgh", 2)
-    pairs = [(name, own) for name, value in fields.items() for own in (value if isinstance(value, list) else [value])]
+    pairs = [(name, item) for name, value in fields.items() for item in (value if isinstance(value, list) else [value])]
     from urllib.parse import urlencode
 
-    text = urlencode([(name, own) for name, own in pairs if own not in (None, "")])
+    text = urlencode([(name, item) for name, item in pairs if item not in (None, "")])
     found = parsed_address(f"?{text}&from=1&to=2.5&show=1&tab=steps")
     assert found.choice == Choice(choice.fit, choice.unseen, "front", "map.yaml", 1.5, None)
     assert (found.models, found.session, found.step) == (("m.yaml", "coulomb"), "abcdefgh", 2)

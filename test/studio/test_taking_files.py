@@ -22,31 +22,31 @@ def test_dropped_files_are_taken_and_a_bench_file_is_corrected_and_opened(folder
     rows = "\n".join(f"{a:.4f};{1e3 * b:.5f};{c:.3f}".replace(".", ",") for a, b, c in zip(t, x, f, strict=True))
     bench = f"Zeit [s];Weg;Kraft [N]\n{rows}\n"
     other = (folder / "hidden_fit.mcap").read_bytes()
-    with served(folder) as (_, url), hand(url) as own:
-        own.page.evaluate(DROP, [["run.csv", "evil.exe"], [bench, "x"]])
-        own.until(lambda: "added run.csv" in own.text_of("upload-message"))
-        assert "evil.exe: is no recording" in own.text_of("upload-message") and not (folder / "evil.exe").exists()
-        own.until(own.page.locator("#bench").is_visible)
-        assert "the unit of 'Weg' (displacement) is not named" in own.text_of("bench-form")
-        own.page.locator(".bench .dash-dropdown").nth(1).click()
-        own.page.locator(".dash-dropdown-content").get_by_text("damper displacement in mm", exact=True).click()
-        own.until(lambda: own.page.locator(".bench-velocity .scatterlayer .trace").count())
-        own.page.click("#bench-import")
-        own.until(lambda: "imported as run.mcap" in own.text_of("bench-message"))
+    with served(folder) as (_, url), hand(url) as user:
+        user.page.evaluate(DROP, [["run.csv", "evil.exe"], [bench, "x"]])
+        user.until(lambda: "added run.csv" in user.text_of("upload-message"))
+        assert "evil.exe: is no recording" in user.text_of("upload-message") and not (folder / "evil.exe").exists()
+        user.until(user.page.locator("#bench").is_visible)
+        assert "the unit of 'Weg' (displacement) is not named" in user.text_of("bench-form")
+        user.page.locator(".bench .dash-dropdown").nth(1).click()
+        user.page.locator(".dash-dropdown-content").get_by_text("damper displacement in mm", exact=True).click()
+        user.until(lambda: user.page.locator(".bench-velocity .scatterlayer .trace").count())
+        user.page.click("#bench-import")
+        user.until(lambda: "imported as run.mcap" in user.text_of("bench-message"))
         (folder / "later.mcap").write_bytes(other)  # the lists notice it by themselves
-        own.until(lambda: _offers(own, "later.mcap"))
-        own.open(["run.mcap"], ["linear_viscous"])
-        assert float(own.rms()) > 0.0
-        with own.page.expect_file_chooser() as chooser:
-            own.page.click("#chooser summary")
-            own.page.click("#add-files")
+        user.until(lambda: _offers(user, "later.mcap"))
+        user.open(["run.mcap"], ["linear_viscous"])
+        assert float(user.rms()) > 0.0
+        with user.page.expect_file_chooser() as chooser:
+            user.page.click("#chooser summary")
+            user.page.click("#add-files")
         chooser.value.set_files(str(folder / "before.yaml"))
-        own.until(lambda: "before.yaml: exists already" in own.text_of("upload-message"))
-        assert len([text for text in own.faults if "409" not in text and "400" not in text]) == 0
+        user.until(lambda: "before.yaml: exists already" in user.text_of("upload-message"))
+        assert len([text for text in user.faults if "409" not in text and "400" not in text]) == 0
 
 
-def _offers(own, name: str) -> bool:
-    own.page.click("#recordings")
-    there = own.page.locator(".dash-dropdown-content").get_by_text(name, exact=True).count() > 0
-    own.page.keyboard.press("Escape")
+def _offers(user, name: str) -> bool:
+    user.page.click("#recordings")
+    there = user.page.locator(".dash-dropdown-content").get_by_text(name, exact=True).count() > 0
+    user.page.keyboard.press("Escape")
     return there

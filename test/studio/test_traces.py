@@ -32,12 +32,12 @@ def test_the_parts_of_a_cloud_are_the_cloud_and_dense_cells_are_in_the_last():
 
 
 def test_zoomed_in_force_is_a_loop_and_zoomed_out_a_density(session):
-    models = [session.shown(own) for own in session.models()]
+    models = [session.shown(model) for model in session.models()]
     near = Scene(models, ["a", "b"], View(0, 1.0, 2.0))
     far = Scene(models, ["a", "b"], View(0))
     assert near.measured.size < LOOP_SAMPLES < far.measured.size
-    assert {own["mode"] for own in cloud_figure(near, "velocity")["data"]} == {"lines"}
-    assert {own["mode"] for own in cloud_figure(far, "velocity")["data"]} == {"none"}
+    assert {trace["mode"] for trace in cloud_figure(near, "velocity")["data"]} == {"lines"}
+    assert {trace["mode"] for trace in cloud_figure(far, "velocity")["data"]} == {"none"}
 
 
 def test_cursors_read_the_nearest_sample_and_their_difference(session):
@@ -55,7 +55,7 @@ def test_cursors_read_the_nearest_sample_and_their_difference(session):
 
 
 def test_only_what_was_recorded_is_offered(session):
-    offered = [own["value"] for own in further_choices(session.stage.whole[0].kinematics)]
+    offered = [choice["value"] for choice in further_choices(session.stage.whole[0].kinematics)]
     assert offered == ["displacement", "velocity", "acceleration", "temperature"]
 
 
@@ -63,20 +63,20 @@ def test_only_what_was_recorded_is_offered(session):
 @needs_playwright
 def test_in_the_browser(tmp_path):
     shutil.copy(BAGS / "semi_active_road.mcap", tmp_path)
-    with served(tmp_path) as (_, url), hand(url, 1400, 900) as own:
-        page = own.page
-        own.open(["semi_active_road.mcap"], ["linear_viscous"], stop=10.0)
-        own.choose("traces", "current", "displacement")
-        names = lambda: [trace["name"] for trace in own.figure("time")["data"]]  # noqa: E731
-        own.until(lambda: {"current", "displacement"} <= set(names()))
+    with served(tmp_path) as (_, url), hand(url, 1400, 900) as user:
+        page = user.page
+        user.open(["semi_active_road.mcap"], ["linear_viscous"], stop=10.0)
+        user.choose("traces", "current", "displacement")
+        names = lambda: [trace["name"] for trace in user.figure("time")["data"]]  # noqa: E731
+        user.until(lambda: {"current", "displacement"} <= set(names()))
         page.locator("#tool").get_by_text("cursors").click()
-        own.until(lambda: own.figure("time")["layout"]["dragmode"] is False)
+        user.until(lambda: user.figure("time")["layout"]["dragmode"] is False)
         for place, rows in ((0.3, 1), (0.6, 3)):
             box = page.locator(".figure.time .nsewdrag").first.bounding_box()
             page.mouse.move(box["x"] + place * box["width"], box["y"] + 0.3 * box["height"])
             page.mouse.click(box["x"] + place * box["width"], box["y"] + 0.3 * box["height"])
-            own.until(lambda rows=rows: page.locator("#cursor-values tbody tr").count() == rows)
-        assert "current" in own.text_of("cursor-values")
+            user.until(lambda rows=rows: page.locator("#cursor-values tbody tr").count() == rows)
+        assert "current" in user.text_of("cursor-values")
         for kind, head in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"trace,")):
             with page.expect_download() as loaded:
                 page.locator(".figure.velocity .files summary").click()
@@ -85,4 +85,4 @@ def test_in_the_browser(tmp_path):
             assert content.startswith(head), kind
         rows = list(csv.reader(content.decode().splitlines()))
         assert rows[0] == ["trace", "velocity in m/s", "force in N"] and len(rows) > 100
-        assert not own.faults and not own.foreign
+        assert not user.faults and not user.foreign
