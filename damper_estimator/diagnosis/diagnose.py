@@ -7,6 +7,7 @@ parameters from a missing effect.
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from damper_estimator.diagnosis.accepted import Accepted
 from damper_estimator.diagnosis.apply_finding import ModelState, applied, identified_first, state_of
@@ -27,10 +28,10 @@ from damper_estimator.diagnosis.explanation import (
     sentence_of,
     unexplained_sentence,
 )
-from damper_estimator.diagnosis.misfit import misfit_of, without_misfit
+from damper_estimator.diagnosis.misfit import has_grown, misfit_of, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import Diagnosis, Structure
-from damper_estimator.diagnosis.search import Search, as_if_by, search
+from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
 from damper_estimator.identification import usable
@@ -73,11 +74,12 @@ def diagnose(
     given = begun(model, fit, unseen)
     state = identified_first(given, mode)
     found, data = _searched(state, mode, skip, workers, lambda text, share: report(text, 0.05 + 0.75 * share))
+    is_usual = found.is_survey
     report("identifying the parameters of the model", 0.8)
-    again = reidentified(found.rounds[0], data) if mode != "kept" else None
+    again = reidentified(found.rounds[0], data) if mode != "kept" and not is_usual else None
     before = compare(state.model, *state.unseen)
     force, floor = before.measures.force_rms_n, before.noise_floor_n
-    verdict, picture = verdict_on(found, again, force, floor)
+    verdict, picture = ("nothing_missing", None) if is_usual else verdict_on(found, again, force, floor)
     if verdict == "parameters_changed" and not found.accepted:
         found = replace(found, accepted=as_if_by(found.rounds[0]))
     report("adding what was found", 0.9)
@@ -105,26 +107,38 @@ def _searched(
     state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
 ) -> tuple[Search, DiagnosisData]:
     """What was found, and on which recordings: without the error that the model had when it was identified, if that
-    accounts for part of the error and leaves more than it did then; otherwise as measured.
+    accounts for part of the error and leaves more than it did then; otherwise as measured. An acceptable error that the
+    model has always had is surveyed only.
     """
     data = data_of(state.model, state.fit, state.unseen)
     known = misfit_of(state.model.fit)
+    parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen))
+    news = data if known is None else data_of(state.model, *parts)
+    force = unweighted(data.unseen, targets(data.unseen))
+    whole, left = (
+        unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
+        for source in (data, news)
+    )
+    leaves_news = known is None or known.leaves_news(left / force)
+    is_acceptable = whole < limits().acceptable * force and not _is_identified_on(state)
+    if mode == "both" and is_acceptable and not (leaves_news and has_grown(state.model, whole / force)):
+        return surveyed(state.model, data, skip, workers, progress), data
     if known is not None:
-        parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen))
-        news = data_of(state.model, *parts)
-        force = unweighted(data.unseen, targets(data.unseen))
-        whole, left = (
-            unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
-            for source in (data, news)
-        )
         is_accounted_for = left**2 < limits().accounted * whole**2
-        if is_accounted_for and left > limits().least_force * force and known.leaves_news(left):
+        if is_accounted_for and left > limits().least_force * force and leaves_news:
             found = search(
                 state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
             )
             if found.accepted:
                 return found, news
     return search(state.model, data, mode, skip, workers, progress), data
+
+
+def _is_identified_on(state: ModelState) -> bool:
+    """Whether the model was identified on one of these recordings: then the question is what it lacks, not what
+    changed."""
+    names = {Path(str(bag)).name for bag in state.model.fit.get("bags", ())}
+    return any(Path(m.recording).name in names for m in (*state.fit, *state.unseen))
 
 
 def _steps(
@@ -179,6 +193,7 @@ def _diagnosis(
     ordered = sorted(taken, key=lambda group: group[0])
     findings = tuple(finding for _, finding, _, _ in ordered)
     last = steps[-1][1] if steps else state
+    then = float(state.model.fit.get("residual_stddev", "nan")) if found.is_survey else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     return Diagnosis(
         model=before.model,
@@ -187,7 +202,7 @@ def _diagnosis(
         + (
             unexplained_sentence(atlas, picture, errors[0], floor)
             if verdict == "unexplained"
-            else sentence_of(verdict, findings, again, errors, found.left_n, floor)
+            else sentence_of(verdict, findings, again, errors, found.left_n, floor, then)
         ),
         mode=found.mode,
         rmse_n=before.measures.rmse_n,

@@ -134,15 +134,18 @@ def ranking_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[Ran
     first = found.rounds[0]
     best = first.best
     order = sorted(first.hypotheses, key=lambda hypothesis: hypothesis is not best)
-    rows = [_ranked(first, hypothesis, force_rms, accepted) for hypothesis in order]
+    otherwise = "has always been missing: the error is not new" if found.is_survey else "another explains more"
+    rows = [_ranked(first, hypothesis, force_rms, accepted, otherwise) for hypothesis in order]
     by_name = {one.element.effect.name: one for one in reversed(found.accepted)}
     hidden = [_hidden(hypothesis, by_name.get(hypothesis.name)) for hypothesis in first.hidden]
     return tuple(rows + hidden)
 
 
-def _ranked(current: Round, hypothesis: Hypothesis, force_rms: float, accepted: set[str]) -> RankedEffect:
+def _ranked(
+    current: Round, hypothesis: Hypothesis, force_rms: float, accepted: set[str], otherwise: str
+) -> RankedEffect:
     name, evaluation = hypothesis.name, hypothesis.evaluation
-    reason = "" if name in accepted else current.reason_against(hypothesis, force_rms) or "another explains more"
+    reason = "" if name in accepted else current.reason_against(hypothesis, force_rms) or otherwise
     kept = summary_of(current, evaluation.kept, evaluation.kept_gains, current.kept)
     refitted = summary_of(current, evaluation.refitted, evaluation.refitted_gains, current.refitted)
     return RankedEffect(
@@ -204,12 +207,14 @@ def sentence_of(
     errors_n: tuple[float, float],
     left_n: float,
     floor_n: float,
+    then_n: float | None = None,
 ) -> str:
     """The verdict in one sentence; see ``unexplained_sentence`` for one of them.
 
     Args:
         errors_n: unseen error as given, and with all findings, N.
         left_n: what is left without the gauge's zero and drift in each recording.
+        then_n: error when the model was identified, if the error is not new.
     """
     rmse_n = errors_n[0]
     if verdict == "missing":
@@ -222,6 +227,11 @@ def sentence_of(
         return (
             f"Nothing is missing, but parameters changed ({moved}{like}): re-identifying them takes the unseen error "
             f"to {again.rmse_n:.3g} N."
+        )
+    if then_n is not None:
+        return (
+            f"Nothing is missing that is new: the error of {rmse_n:.3g} N is as large as when the model was identified "
+            f"({then_n:.3g} N). For what the model has always lacked, diagnose the recordings of its identification."
         )
     rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
     return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{rest}, noise makes {floor_n:.3g} N."

@@ -40,17 +40,17 @@ class Misfit:
     Attributes:
         ranges: that lay the columns of the tests out.
         coefficients: of the tests, N per unit of their columns.
-        left_n: N, what it leaves on recordings that it was not computed from; NaN in files of earlier versions.
+        left: what it leaves on recordings that it was not computed from, share of the force's rms; NaN in files of
+            earlier versions.
     """
 
     ranges: Ranges
     coefficients: Mapping[str, tuple[float, ...]]
-    left_n: float = float("nan")
+    left: float = float("nan")
 
-    def leaves_news(self, left_n: float) -> bool:
-        """Whether an error is so much larger than the one that the prediction always left that an effect which explains
-        the difference would be found."""
-        return not (1.0 - limits().gain) * left_n**2 <= self.left_n**2
+    def leaves_news(self, left: float) -> bool:
+        """Whether an error, share of the force's rms, is clearly larger than what the prediction always left."""
+        return is_larger(left, self.left)
 
     def force(self, model: DamperModel, measurement: Measurement) -> np.ndarray:
         """(n,) N, by how much the measured force is predicted to differ from the model's."""
@@ -67,7 +67,7 @@ class Misfit:
             "compression": _rounded(self.ranges.compression),
             "extension": _rounded(self.ranges.extension),
             "speed": _rounded(self.ranges.speed),
-            "left": _rounded(self.left_n),
+            "left": _rounded(self.left),
             "newtons": {name: [_rounded(c) for c in values] for name, values in self.coefficients.items()},
         }
 
@@ -78,10 +78,22 @@ def misfit_of(record: Mapping[str, Any]) -> Misfit | None:
     try:
         coefficients = {str(name): tuple(float(c) for c in values) for name, values in kept["newtons"].items()}
         ranges = _ranges(*(float(kept[name]) for name in ("compression", "extension", "speed")))
-        left_n = float(kept.get("left", "nan"))
+        left = float(kept.get("left", "nan"))
     except (TypeError, KeyError, ValueError, AttributeError):
         return None
-    return Misfit(ranges, coefficients, left_n)
+    return Misfit(ranges, coefficients, left)
+
+
+def is_larger(now: float, then: float) -> bool:
+    """Whether an error is clearly larger than an earlier one; true if the earlier one is unknown (NaN)."""
+    return not now**2 <= limits().growth * then**2
+
+
+def has_grown(model: DamperModel, error: float) -> bool:
+    """Whether a model's error, share of the force's rms, is clearly larger than when it was identified; true if that is
+    unknown. Shares, since the error of a form that is not quite the damper's grows with the motion."""
+    force_n = float(model.fit.get("force_rms", "nan"))
+    return is_larger(error, float(model.fit.get("residual_stddev", "nan")) / force_n if force_n else float("nan"))
 
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
@@ -113,14 +125,14 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
     left = missing - columns @ solution
     if float(np.sum(left**2)) > (1.0 - limits().predicts) * float(np.sum(missing**2)):
         return None
-    left_n = unweighted(last, left)
+    share = unweighted(last, left) / max(unweighted(last, targets(last)), 1e-300)
     columns, missing = _system(model, rows, ranges)
     solution = _solved(columns, missing, rows)
     view = view_of(model, rows[0].measurement, ranges)
     sizes = [len(test.columns(view)) for test in _tests()]
     each = np.split(solution, np.cumsum(sizes)[:-1])
     coefficients = {test.name: tuple(explained.tolist()) for test, explained in zip(_tests(), each, strict=True)}
-    return Misfit(ranges, coefficients, left_n)
+    return Misfit(ranges, coefficients, share)
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:

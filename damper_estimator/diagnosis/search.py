@@ -41,6 +41,7 @@ class Search:
     Attributes:
         left_n: unseen error with them, N.
         mode: how the rounds evaluate: both, kept or refit.
+        is_survey: whether the hypotheses were only evaluated, because the error is not new.
     """
 
     rounds: tuple[Round, ...]
@@ -49,6 +50,7 @@ class Search:
     left_n: float
     untestable: dict[str, str]
     mode: str
+    is_survey: bool = False
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,17 @@ def search(
     offsets = _hidden_by_the_zero(found.rounds[0], last.model, names_of(accepted))
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     return Search(tuple(found.rounds), tuple(accepted + offsets), last.model, left, untestable, found.mode)
+
+
+def surveyed(
+    model: DamperModel, data: DiagnosisData, skip: Collection[str], workers: int, progress: Progress
+) -> Search:
+    """All hypotheses evaluated once, with the model's parameters kept; none is accepted."""
+    tried, untestable = hypotheses_for(model, data.ranges)
+    tried = [hypothesis for hypothesis in tried if hypothesis.name not in skip]
+    baseline = baseline_of(model, data)
+    first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
+    return Search((first,), (), model, rmse(baseline, first.without), untestable, "both", True)
 
 
 def _rounds(mode: str, start: Baseline, tried: Sequence[Hypothesis], workers: int, progress: Progress) -> _Pass:

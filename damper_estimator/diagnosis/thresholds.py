@@ -82,6 +82,18 @@ class Thresholds:
     needless: float = _threshold(
         0.01, "share of the unseen error", "an effect without which it grows by less is taken out", "half of least_fall"
     )
+    acceptable: float = _threshold(
+        0.07,
+        _FORCE,
+        "an error that has not grown since the identification is reported only above it",
+        "published models leave 4 to 10 % of the force",
+    )
+    growth: float = _threshold(
+        2.0,
+        "times the squared error",
+        "an error is new if it is larger than when the model was identified",
+        "without any change the errors on recordings of one damper differ by up to as much",
+    )
     poor: float = _threshold(
         0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
     )

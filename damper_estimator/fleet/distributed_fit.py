@@ -54,7 +54,9 @@ def fit_distributed(
     bags = list(dict.fromkeys(problem.recordings))
     errors = {p.name: p.standard_error for p in parameters}
     bound = force_stddev(np.concatenate(recordings.ask(largest_errors, model_yaml(fitted))))
-    record = record_of(bags, filters[0], region_of(recordings.channel), (after.rmse_n, bound), errors)
+    record = record_of(
+        bags, filters[0], region_of(recordings.channel), (after.rmse_n, bound), after.force_rms_n, errors
+    )
     fit = Fit(
         model=replace(fitted, fit=record),
         parameters=parameters,
@@ -78,10 +80,12 @@ class _Errors:
     rmse_n: float
     esr: float
     samples: int
+    force_rms_n: float
 
 
 def _errors(recordings: DistributedRecordings, model: DamperModel) -> _Errors:
     answers: Sequence[np.ndarray] = recordings.ask(error_sums, model_yaml(model))
     (count, mean, deviations), (_, _, force) = (pooled(np.array([sums[i] for sums in answers])) for i in range(2))
     rmse = float(np.sqrt(deviations / count + mean**2))
-    return _Errors(rmse, deviations / force if force > 0.0 else float("nan"), int(count))
+    esr = deviations / force if force > 0.0 else float("nan")
+    return _Errors(rmse, esr, int(count), float(np.sqrt(force / count)))

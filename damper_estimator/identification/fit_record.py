@@ -30,7 +30,8 @@ def fit_record(
     names = list(dict.fromkeys(measurement.recording for measurement in measurements))
     first, region = measurements[0], region_of(channels_of(measurements))
     deviations = residual_stddev, force_stddev(worst_errors(model, measurements))
-    return record_of(names, (first.cutoff, first.band), region, deviations, standard_errors)
+    force_rms = float(np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in measurements])))
+    return record_of(names, (first.cutoff, first.band), region, deviations, force_rms, standard_errors)
 
 
 def record_of(
@@ -38,10 +39,12 @@ def record_of(
     filters: tuple[float, float],
     region: Mapping[str, Sequence[float]],
     deviations: tuple[float, float],
+    force_rms: float,
     standard_errors: Mapping[str, float],
 ) -> dict[str, object]:
     """The same from the recordings' names, the filters' cutoff and band (Hz), the region of validity, and the standard
-    deviations of the residual in band and of the force (`force_stddev`), N."""
+    deviations of the residual in band and of the force (`force_stddev`), and the rms of the measured force about its
+    mean, N."""
     return {
         "bags": list(bags),
         "date": datetime.now(UTC).date().isoformat(),
@@ -49,6 +52,7 @@ def record_of(
         "band": float(filters[1]),
         "residual_stddev": float(f"{deviations[0]:.6g}"),
         "force_stddev": float(f"{max(deviations):.6g}"),
+        "force_rms": float(f"{force_rms:.6g}"),
         "region": {name: list(ends) for name, ends in region.items()},
         "standard_errors": {
             name: float(f"{error:.6g}") for name, error in standard_errors.items() if np.isfinite(error)

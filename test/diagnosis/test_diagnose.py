@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from faults import changed, halves, late
 
-from damper_estimator.diagnosis import diagnose, search
+from damper_estimator.diagnosis import diagnose, search, with_misfit
+from damper_estimator.diagnosis.thresholds import using
 from damper_estimator.effects.discovery import find_effect
-from damper_estimator.model import DamperModel, make_element
+from damper_estimator.identification import fit as identify
+from damper_estimator.model import DamperModel, load_model, make_element
 
 KEYS = {"verdict", "rmse_n", "noise_floor_n", "findings", "rejected"}
 FINDING_KEYS = {
@@ -183,3 +185,21 @@ def test_progress_rises_and_can_cancel(user_model, base):
 def test_an_unknown_mode_is_refused(user_model: DamperModel, base):
     with pytest.raises(ValueError, match="mode"):
         diagnose(user_model, [base], mode="free")
+
+
+def test_an_acceptable_error_that_has_not_grown_is_no_finding_on_other_recordings(base):
+    """The model has lacked a curve since it was identified, on another recording of the damper."""
+    rough = load_model("linear_viscous")
+    count = len(base.kinematics) // 6
+    first, *others = (base.part(k * count, (k + 1) * count) for k in range(3))
+    model = with_misfit(identify(rough, [first], starts=1).model, [first])
+    fit, unseen = (replace(part, recording="other.mcap") for part in others)
+    with using(acceptable=0.9, growth=6.0):
+        found = diagnose(model, [fit], [unseen])
+        assert found.verdict == "nothing_missing" and not found.findings and "is new" in found.sentence
+        assert any("always been missing" in ranked.reason for ranked in found.ranking)
+        # What it has always lacked is found on the recording of its identification.
+        assert diagnose(model, [first], [unseen]).verdict == "missing"
+        # A change is found.
+        stiffer = [changed(m, lambda k: 2e5 * k.displacement) for m in (fit, unseen)]
+        assert diagnose(model, stiffer[:1], stiffer[1:]).verdict == "missing"

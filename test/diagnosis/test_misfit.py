@@ -7,7 +7,7 @@ import pytest
 from faults import changed, halves
 
 from damper_estimator.diagnosis import diagnose, with_misfit
-from damper_estimator.diagnosis.misfit import KEY, misfit_of, without_misfit
+from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, without_misfit
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model, parse_model
 from damper_estimator.model.model_files import model_yaml
@@ -31,13 +31,16 @@ def test_the_old_error_is_predicted_on_a_recording_that_was_not_seen(rough):
     assert error(model, without_misfit(model, other)) < 0.3 * error(model, other)
 
 
-def test_only_an_error_that_an_effect_could_explain_is_news(rough):
+def test_only_an_error_that_has_grown_clearly_is_news(rough):
     model, _, other = rough
     known = misfit_of(model.fit)
-    usual = error(model, without_misfit(model, other))
-    assert known.left_n == pytest.approx(usual, rel=0.3) and not known.leaves_news(known.left_n)
-    assert known.leaves_news(1.2 * known.left_n) and not known.leaves_news(1.1 * known.left_n)
-    assert replace(known, left_n=float("nan")).leaves_news(1.0)  # of an earlier version: unknown
+    usual = error(model, without_misfit(model, other)) / float(np.std(other.force[other.judged]))
+    assert known.left == pytest.approx(usual, rel=0.3) and not known.leaves_news(known.left)
+    assert known.leaves_news(1.5 * known.left) and not known.leaves_news(1.3 * known.left)
+    assert replace(known, left=float("nan")).leaves_news(1.0)  # of an earlier version: unknown
+    share = model.fit["residual_stddev"] / model.fit["force_rms"]
+    assert not has_grown(model, 1.3 * share) and has_grown(model, 1.5 * share)
+    assert has_grown(replace(model, fit={}), 0.01)
 
 
 def test_it_survives_the_model_file(rough):
