@@ -120,8 +120,9 @@ def _searched(
         for source in (data, news)
     )
     leaves_news = known is None or known.leaves_news(left / force)
-    is_acceptable = whole < limits().acceptable * force and not _is_identified_on(state)
-    if mode == "both" and is_acceptable and not (leaves_news and has_grown(state.model, whole / force)):
+    error = max(whole, state.rmse_fit_n, state.rmse_unseen_n)  # the last two with the gauge's zero
+    is_acceptable = error < limits().acceptable * force and not _is_identified_on(state)
+    if mode == "both" and is_acceptable and not (leaves_news and has_grown(state.model, error / force)):
         return surveyed(state.model, data, skip, workers, progress), data
     if known is not None:
         is_accounted_for = left**2 < limits().accounted * whole**2
