@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serves the page until it is interrupted."""
     with optional_packages("the studio", "studio", ("dash", "flask", "werkzeug")):
         from damper_estimator.studio.folder import Folder
-        from damper_estimator.studio.guard import Door, is_loopback, new_token
+        from damper_estimator.studio.guard import ServerAddress, is_loopback, new_token
         from damper_estimator.studio.server import serve
     host = arguments.host
     if not is_loopback(host) and not arguments.token:
@@ -75,13 +75,13 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("--live: ROS 2 is not installed (no rclpy); source its setup, or omit --live")
     folder, token = Folder(arguments.folder), new_token() if arguments.token else ""
 
-    def ready(door: Door) -> None:
-        progress(f"the studio is at {door.url} (Ctrl+C ends it)")
+    def ready(address: ServerAddress) -> None:
+        progress(f"the studio is at {address.url} (Ctrl+C ends it)")
         if not arguments.no_browser:
-            webbrowser.open(door.url)
+            webbrowser.open(address.url)
 
     try:
-        serve(folder, lambda port: Door(host, port, token, names), host, arguments.port, ready, arguments.live)
+        serve(folder, lambda port: ServerAddress(host, port, token, names), host, arguments.port, ready, arguments.live)
     except OSError as error:
         remedy = (
             "choose an address of this machine" if error.errno in _NO_ADDRESS else "choose another port with --port N"

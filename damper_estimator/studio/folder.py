@@ -13,6 +13,7 @@ LARGEST_YAML = 1_000_000  # bytes
 YAML = (".yaml", ".yml")
 BENCH = (".csv", ".txt", ".tsv", ".dat", ".asc", ".log", ".mat", ".gz")
 _MODEL = re.compile(r"^effects\s*:", re.MULTILINE)
+_RIG = re.compile(r"^kind\s*:", re.MULTILINE)
 _MAP = re.compile(r"^(dampers|filter|use)\s*:", re.MULTILINE)
 
 
@@ -104,6 +105,10 @@ class Folder:
     def maps(self) -> list[str]:
         """Names of YAML files that map signals."""
         return self._listed(lambda path: _MAP.search(_head(path)) is not None and not _MODEL.search(_head(path)))
+
+    def rigs(self) -> list[str]:
+        """Names of YAML files that describe a rig."""
+        return self._listed(lambda path: _RIG.search(_head(path)) is not None)
 
     def _listed(self, wanted: Callable[[Path], bool]) -> list[str]:
         names: list[str] = []

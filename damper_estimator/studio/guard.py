@@ -25,8 +25,15 @@ _AGAIN = """<!doctype html><html lang="en"><title>damper studio</title>
 <meta http-equiv="refresh" content="0"><p>Opening the studio ...</p>"""
 
 
+SANDBOX = (
+    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; font-src data:"
+)
+"""Policy of a self-contained page that was written into the folder."""
+
+
 @dataclass(frozen=True)
-class Door:
+class ServerAddress:
     """How the studio is reached.
 
     Attributes:
@@ -103,7 +110,7 @@ def new_token() -> str:
     return secrets.token_urlsafe(24)
 
 
-def guard(server: Flask, door: Door, scripts: list[str]) -> None:
+def guard(server: Flask, address: ServerAddress, scripts: list[str]) -> None:
     """Puts the hooks on a server; ``scripts`` are the hashes of its own inline scripts."""
     server.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     policy = (
@@ -114,19 +121,19 @@ def guard(server: Flask, door: Door, scripts: list[str]) -> None:
 
     @server.before_request
     def admit() -> Response | None:
-        return _admitted(request, door)
+        return _admitted(request, address)
 
     @server.after_request
     def harden(response: Response) -> Response:
-        response.headers["Content-Security-Policy"] = policy
+        response.headers.setdefault("Content-Security-Policy", policy)
         response.headers["X-Content-Type-Options"] = "nosniff"
         response.headers["Referrer-Policy"] = "no-referrer"
         response.headers["Cross-Origin-Resource-Policy"] = "same-origin"
         return response
 
 
-def _admitted(asked: Request, door: Door) -> Response | None:
-    if not door.knows(asked.headers.get("Host", "")):
+def _admitted(asked: Request, address: ServerAddress) -> Response | None:
+    if not address.knows(asked.headers.get("Host", "")):
         abort(403, "this Host is not the studio's; start it with --allow-host NAME where it is")
     origin = asked.headers.get("Origin")
     if origin is None and asked.method not in _READING:
@@ -139,7 +146,7 @@ def _admitted(asked: Request, door: Door) -> Response | None:
         abort(411)
     if asked.content_length is not None and asked.content_length > LARGEST_REQUEST and asked.path != UPLOAD:
         abort(413)
-    return _with_token(asked, door.token, door.cookie) if door.token else None
+    return _with_token(asked, address.token, address.cookie) if address.token else None
 
 
 def _from_elsewhere(asked: Request) -> Response:

@@ -6,7 +6,7 @@ from dash import dcc, html
 
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.studio.choosing import chooser, guide
-from damper_estimator.studio.components import EMPTY, PLAIN, files, labelled, plain
+from damper_estimator.studio.components import EMPTY, PLAIN, files, labelled, number, plain
 from damper_estimator.studio.corner_cards import corners_section
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.live import Live
@@ -14,10 +14,18 @@ from damper_estimator.studio.live_panel import live_section
 from damper_estimator.studio.marked_bar import marked_bar
 from damper_estimator.studio.saving import KINDS
 from damper_estimator.studio.view import MOTIONS
+from damper_estimator.workflows import RIG, library_rigs
 
 TICK = 500  # ms between two looks at how far the work is
 NOTICE = 5000  # ms between two looks for new files
-TABS = {"fails": "Where it fails", "learn": "What is missing", "change": "Model", "steps": "Steps", "save": "Save"}
+TABS = {
+    "fails": "Where it fails",
+    "learn": "What is missing",
+    "change": "Model",
+    "steps": "Steps",
+    "tests": "Tests",
+    "save": "Save",
+}
 _TOOLS = {"zoom": "zoom", "pan": "pan", "select": "mark", "lasso": "lasso", "cursor": "cursors"}
 _GONE = "The studio does not answer. Start it again on the same port, and this page goes on where it is."
 _LOCKED = "The studio was started again with another token. Open the address that it printed; your steps are kept."
@@ -131,7 +139,14 @@ def _graph(name: str) -> html.Div:
 
 
 def _right() -> html.Section:
-    panels = {"fails": _fails(), "learn": _learn(), "change": _change(), "steps": _steps(), "save": _save()}
+    panels = {
+        "fails": _fails(),
+        "learn": _learn(),
+        "change": _change(),
+        "steps": _steps(),
+        "tests": _tests(),
+        "save": _save(),
+    }
     tabs = dcc.RadioItems(
         [{"label": label, "value": name} for name, label in TABS.items()], "fails", id="tab", inline=True,
         className="choice tabs",
@@ -208,6 +223,21 @@ def _change() -> list:
 
 def _steps() -> list:
     return [plain("waterfall"), html.Div(id="steps"), html.P("", id="steps-message", className="message")]
+
+
+def _tests() -> list:
+    return [
+        html.H2("Characteristic diagrams"),
+        html.P("The cycles of the open recordings, averaged, and the types of their patterns.", className="hint"),
+        html.Button("Characterise", id="characterize"),
+        html.H2("The next test"),
+        labelled("for", dcc.Dropdown([], id="aim", clearable=False)),
+        labelled("on the rig", dcc.Dropdown(library_rigs(), RIG, id="rig", clearable=False)),
+        labelled("minutes", number("minutes", "the shortest that decides, at most 10")),
+        html.Button("Plan", id="plan", className="primary"),
+        html.P("", id="tests-message", className="message"),
+        html.Div(id="tests-done"),
+    ]
 
 
 def _save() -> list:

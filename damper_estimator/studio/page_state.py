@@ -13,6 +13,7 @@ from damper_estimator.studio.history import History, Version
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.long_tasks import Case, Deed, judged
 from damper_estimator.studio.model_run import ModelRun, run_model
+from damper_estimator.studio.rig_tasks import RigTest
 from damper_estimator.studio.session_files import SessionFiles, Stamp
 from damper_estimator.studio.session_writer import SessionWriter
 from damper_estimator.studio.stage import Choice, Stage, Stretch
@@ -50,6 +51,7 @@ class PageState:
         job, jobs: the long work that goes on, or the last one, and how many there were.
         corners: the overview of all dampers, by name; empty before they were compared.
         beside: steps of the other dampers of the same recordings.
+        tests: diagrams and plans that were made, in order.
         opened: counts what was opened.
         centres: value of every parameter by address when the list of parameters last changed: its slider's middle.
         generation: counts changes of what is on view.
@@ -72,6 +74,7 @@ class PageState:
         self.centres: dict[str, float] = {}
         self.opened = self.generation = self.rebuilt = 0
         self._lock, self._judging = threading.RLock(), threading.Lock()
+        self.tests: tuple[RigTest, ...] = ()
         self._shown: list[ModelRun] = []
         self._compared: list[tuple[ModelRun, Comparison]] = []
         self._saved: list[tuple[Version, str]] = []
@@ -174,6 +177,12 @@ class PageState:
             if self.busy:
                 raise InputError(f"{self.job.name} goes on; cancel it first, or wait")
             self.job = Job(name, work, self.job.number + 1 if self.job else 1)
+
+    def keep_test(self, test: RigTest) -> None:
+        """Adds a result to the list of tests."""
+        with self._lock:
+            self.tests = (*self.tests, test)
+            self._changed(rebuilt=False, kept=False)
 
     def _case(self) -> Case:
         return self.here.case(self.model)

@@ -132,7 +132,11 @@ def _finding(finding) -> Piece:
         ("unseen error", text["errors"]),
     ]
     where = "correct the signal map" if finding.is_channel else "add and refit"
-    tied = [html.P(f"These data cannot distinguish it from {text['tied']}.", className="tied")] if text["tied"] else []
+    tied = []
+    if text["tied"]:
+        group = "+".join((finding.phenomenon, *finding.tied_with))
+        button = html.Button("Plan the test that decides", id={"type": "plan-tie", "group": group})
+        tied = [html.P([f"These data cannot distinguish it from {text['tied']}. ", button], className="tied")]
     remark = [html.P(text["remark"])] if text["remark"] else []
     return html.Section(
         [

@@ -16,7 +16,7 @@ from damper_estimator.report.theme import styles
 from damper_estimator.studio import worker_process
 from damper_estimator.studio.callbacks import connect
 from damper_estimator.studio.folder import Folder, Taken
-from damper_estimator.studio.guard import UPLOAD, Door, guard
+from damper_estimator.studio.guard import SANDBOX, UPLOAD, ServerAddress, guard
 from damper_estimator.studio.live import Live
 from damper_estimator.studio.page_layout import layout
 from damper_estimator.studio.sessions import Sessions
@@ -39,7 +39,7 @@ _INDEX = """<!doctype html>
 </html>"""
 
 
-def application(folder: Folder, door: Door, live: Live | None = None) -> tuple[Dash, Sessions]:
+def application(folder: Folder, address: ServerAddress, live: Live | None = None) -> tuple[Dash, Sessions]:
     """The studio as a web application, and the pages that are open in it."""
     sessions = Sessions(folder)
     app = Dash(
@@ -58,6 +58,10 @@ def application(folder: Folder, door: Door, live: Live | None = None) -> tuple[D
     def figure_files() -> Response:
         return Response(figure_script(), mimetype="text/javascript")
 
+    @app.server.get("/test/<page>/<int:number>")
+    def test_page(page: str, number: int) -> Response:
+        return _test_page(sessions, page, number)
+
     @app.server.post("/leave")
     def leave() -> tuple[str, int]:
         sessions.leave(request.get_data(as_text=True))
@@ -67,8 +71,21 @@ def application(folder: Folder, door: Door, live: Live | None = None) -> tuple[D
     def upload() -> tuple[str, int]:
         return _received(sessions)
 
-    guard(app.server, door, app.csp_hashes())
+    guard(app.server, address, app.csp_hashes())
     return app, sessions
+
+
+def _test_page(sessions: Sessions, page: str, number: int) -> Response:
+    """The page of a test; its scripts run, but not as the studio's: they reach neither its cookie nor its address."""
+    try:
+        session = sessions.of(page)
+        test = session.tests[number]
+        text = session.folder.existing(f"{test.folder}/{test.page}").read_text(encoding="utf-8")
+    except (InputError, IndexError, OSError):
+        return Response("there is no such page; make it again under Tests", 404, mimetype="text/plain")
+    response = Response(text, mimetype="text/html")
+    response.headers["Content-Security-Policy"] = SANDBOX
+    return response
 
 
 def _received(sessions: Sessions) -> tuple[str, int]:
@@ -91,14 +108,14 @@ def _report_bug(error: Exception) -> None:
 
 
 def serve(
-    folder: Folder, door_at: Callable[[int], Door], host: str, port: int, ready: Callable[[Door], None],
-    minutes: float = 0.0,
+    folder: Folder, address_at: Callable[[int], ServerAddress], host: str, port: int,
+    ready: Callable[[ServerAddress], None], minutes: float = 0.0,
 ) -> None:  # fmt: skip
     """Serves until the process is ended.
 
     Args:
-        door_at: the door for the port that was got (``port`` 0: any that is free).
-        ready: is called with the door when the page can be opened.
+        address_at: the address for the port that was got (``port`` 0: any that is free).
+        ready: is called with the address when the page can be opened.
         minutes: of a running node's inputs that are held; 0 where it listens to none.
 
     Raises:
@@ -108,11 +125,11 @@ def serve(
     worker_process.prepare()
     logging.getLogger("werkzeug").setLevel(logging.WARNING)  # no line per request
     listening: BaseWSGIServer = make_server(host, port, _nothing, threaded=True, fd=bound.fileno())
-    door = door_at(bound.getsockname()[1])
+    address = address_at(bound.getsockname()[1])
     live = Live(minutes) if minutes else None
-    app, sessions = application(folder, door, live)
+    app, sessions = application(folder, address, live)
     listening.app = app.server
-    ready(door)
+    ready(address)
     try:
         listening.serve_forever()
     finally:

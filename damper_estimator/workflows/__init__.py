@@ -11,6 +11,7 @@ from damper_estimator.lazy import lazy_names
 
 if TYPE_CHECKING:
     from damper_estimator.codegen import WrittenC, WrittenFmu
+    from damper_estimator.planning import library_rigs
     from damper_estimator.workflows.bench_import import (
         Guessed,
         Imported,
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
         CharacterizationResults,
         DamperCharacterized,
         characterize,
+        characterize_case,
         structure_of,
     )
     from damper_estimator.workflows.comparing import (
@@ -52,7 +54,7 @@ if TYPE_CHECKING:
     from damper_estimator.workflows.inspection import DamperInspected, Inspection, inspect
     from damper_estimator.workflows.joint_fitting import CHANNELS, JointlyFitted, fit_jointly
     from damper_estimator.workflows.model_arguments import ModelLike, model_for, models_for
-    from damper_estimator.workflows.planning import RIG, PlanResults, plan
+    from damper_estimator.workflows.planning import RIG, PlanResults, plan, plan_case
     from damper_estimator.workflows.reading import Reader, open_reader, read, signal_map_of
     from damper_estimator.workflows.recording import Recording, in_words, no_force_error
     from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, replay_bag, replay_to
@@ -90,6 +92,7 @@ __all__ = [
     "WrittenC",
     "WrittenFmu",
     "characterize",
+    "characterize_case",
     "compare",
     "comparison_request",
     "diagnose",
@@ -107,6 +110,7 @@ __all__ = [
     "improvement_record",
     "in_words",
     "inspect",
+    "library_rigs",
     "model_for",
     "models_for",
     "no_force_error",
@@ -114,6 +118,7 @@ __all__ = [
     "output_paths",
     "page_title",
     "plan",
+    "plan_case",
     "read",
     "replay",
     "replay_bag",

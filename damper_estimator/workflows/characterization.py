@@ -20,6 +20,7 @@ from damper_estimator.characterization import (
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
+from damper_estimator.workflows.cases import Case
 from damper_estimator.workflows.recording import Recording, checked
 from damper_estimator.workflows.results import Results
 
@@ -45,6 +46,13 @@ class CharacterizationResults(Results[DamperCharacterized]):
     def diagrams(self) -> tuple[Diagram, ...]:
         """The operating points: mean loops of force over displacement, velocity and acceleration."""
         return tuple(self.only.found.diagrams)
+
+    @property
+    def sentence(self) -> str:
+        """The operating points, their pattern types, and the structure that follows, in words."""
+        found = self.only.found
+        structure = "" if found.structure is None else f"; structure {found.structure.library_name}"
+        return f"{self._line(self.only)}{structure}"
 
     @property
     def structure(self) -> DamperModel:
@@ -96,6 +104,14 @@ def characterize(
         still = None if slow is None else quasi_static(_of(slow, damper)[0])
         found[damper] = DamperCharacterized(characterized(measurements, others, still), still)
     return CharacterizationResults({"bags": list(recording.names)}, found)
+
+
+def characterize_case(case: Case) -> CharacterizationResults:
+    """The diagrams of one damper from all recordings of a case; raises InputError as `characterize`."""
+    measurements = (*case.fit, *case.unseen)
+    names = list(dict.fromkeys(measurement.recording for measurement in measurements))
+    found = DamperCharacterized(characterized(measurements, [], None), None)
+    return CharacterizationResults({"bags": names}, {case.damper: found})
 
 
 def structure_of(found: Characterization) -> DamperModel:

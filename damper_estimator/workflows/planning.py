@@ -144,6 +144,20 @@ def plan(
     return PlanResults(request, found)
 
 
+def plan_case(
+    case: Case, group: tuple[str, ...], rig: str | Path, minutes: float | None, progress: Progress
+) -> PlanResults:
+    """The test for one damper that separates a group of phenomena; without any, for its model's parameters.
+
+    Raises:
+        InputError: as `plan`.
+    """
+    test_rig, measurements = load_rig(rig), (*case.fit, *case.unseen)
+    found = planned(case.model, measurements, group, test_rig, minutes=minutes, progress=progress)
+    names = list(dict.fromkeys(measurement.recording for measurement in measurements))
+    return PlanResults({"bags": names, "model": case.model.name, "rig": test_rig.name}, {case.damper: found})
+
+
 def _tied_of(diagnosis: DiagnosisLike | None) -> dict[str, tuple[str, ...] | None] | None:
     """The first group of tied phenomena by damper, None if it has none; None without a diagnosis."""
     if diagnosis is None:

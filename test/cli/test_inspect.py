@@ -54,7 +54,7 @@ def test_channels_are_found_by_name_and_type(tmp_path):
             ("/rig/travel", 1e3 * x),
             ("/rig/load_cell", 1500.0 * np.gradient(x, time)),
             ("/rig/coil_current", 0 * x + 0.5),
-            ("/rig/door", x),
+            ("/rig/address", x),
         ):
             writer.write_messages(topic, "std_msgs/msg/Float64", stamp, floats(value))
     inspect(tmp_path, path, "-o", tmp_path / "map.yaml")

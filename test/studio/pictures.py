@@ -53,6 +53,14 @@ def walk(url: str, camera: Camera) -> None:
         learn(user, camera)
         change(user, camera)
     with hand(url, *camera.size, camera.scheme) as user:
+        user.open(["passenger_dyno.mcap"], ["viscous_curve"])
+        user.until(lambda: user.text_of("regions"))
+        user.tab("Tests")
+        user.page.click("#characterize")
+        user.done("characterizing")
+        user.until(lambda: user.page.locator(".test-result").count() == 1)
+        camera.shot(user, "tests")
+    with hand(url, *camera.size, camera.scheme) as user:
         user.open(["four_corners_road.mcap"], ["linear_viscous"])
         user.page.click("#overview")
         user.done("comparing all")

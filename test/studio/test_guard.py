@@ -8,20 +8,20 @@ import sys
 import pytest
 
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.guard import LARGEST_REQUEST, Door, is_loopback, new_token, usable_address
+from damper_estimator.studio.guard import LARGEST_REQUEST, ServerAddress, is_loopback, new_token, usable_address
 from damper_estimator.studio.server import application
 
 OWN = {"Host": "127.0.0.1:8050", "Origin": "http://127.0.0.1:8050"}
 
 
-def client_of(folder, door):
-    app, sessions = application(Folder(folder), door)
+def client_of(folder, address):
+    app, sessions = application(Folder(folder), address)
     return app.server.test_client(use_cookies=True), sessions
 
 
 @pytest.fixture
 def client(tmp_path):
-    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
+    client, sessions = client_of(tmp_path, ServerAddress("127.0.0.1", 8050))
     yield client
     sessions.close()
 
@@ -81,7 +81,7 @@ def arrived(client, headers):
 
 
 def test_reading_the_page_makes_no_session_and_its_own_request_makes_one(tmp_path):
-    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
+    client, sessions = client_of(tmp_path, ServerAddress("127.0.0.1", 8050))
     for path in ("/", "/_dash-layout", "/_dash-dependencies", "/?recording=a.mcap&model=dahl&session=abcdefgh"):
         for _ in range(20):
             assert client.get(path, headers={"Host": OWN["Host"]}).status_code == 200
@@ -92,7 +92,7 @@ def test_reading_the_page_makes_no_session_and_its_own_request_makes_one(tmp_pat
 
 @pytest.mark.parametrize("site", ["cross-site", "same-site", "anything"])
 def test_other_sites_get_nothing_and_create_nothing(tmp_path, site):
-    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050))
+    client, sessions = client_of(tmp_path, ServerAddress("127.0.0.1", 8050))
     headers = OWN | {"Sec-Fetch-Site": site}
     for path in ("/_dash-layout", "/_dash-dependencies", "/assets/studio.js", "/"):
         for kind in ({}, {"Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "image"}, LINK | {"Sec-Fetch-Dest": "iframe"}):
@@ -107,7 +107,7 @@ def test_other_sites_get_nothing_and_create_nothing(tmp_path, site):
 
 def test_the_token_comes_before_a_session(tmp_path):
     token = new_token()
-    client, sessions = client_of(tmp_path, Door("127.0.0.1", 8050, token))
+    client, sessions = client_of(tmp_path, ServerAddress("127.0.0.1", 8050, token))
     assert client.post("/_dash-update-component", json=ARRIVE, headers=OWN).status_code == 403
     for wrong in ("", "x" * len(token), token[:-1], token + "x"):
         client.set_cookie("damper_studio_8050", wrong, domain="127.0.0.1")
@@ -119,19 +119,19 @@ def test_the_token_comes_before_a_session(tmp_path):
 
 
 def test_names_that_are_allowed_are_let_in_and_no_others(tmp_path):
-    door = Door("0.0.0.0", 8050, new_token(), ("rig.local", "Bench"))
-    assert all(door.knows(host) for host in ("rig.local:8050", "RIG.local:8050", "bench:8050", "10.0.0.2:8050"))
+    address = ServerAddress("0.0.0.0", 8050, new_token(), ("rig.local", "Bench"))
+    assert all(address.knows(host) for host in ("rig.local:8050", "RIG.local:8050", "bench:8050", "10.0.0.2:8050"))
     assert not any(
-        door.knows(host) for host in ("rig.local", "rig.local:80", "evil.example:8050", "rig.local.evil:8050")
+        address.knows(host) for host in ("rig.local", "rig.local:80", "evil.example:8050", "rig.local.evil:8050")
     )
-    assert door.url.startswith("http://rig.local:8050/?token=")
+    assert address.url.startswith("http://rig.local:8050/?token=")
 
 
 def test_the_address_that_is_printed_can_be_opened():
     assert usable_address("192.168.1.2") == "192.168.1.2" and usable_address("rig.local") == "rig.local"
     for host in ("0.0.0.0", "::"):
         assert usable_address(host) not in ("0.0.0.0", "::", "")
-    assert "0.0.0.0" not in Door("0.0.0.0", 8050, "t").url
+    assert "0.0.0.0" not in ServerAddress("0.0.0.0", 8050, "t").url
 
 
 @pytest.mark.parametrize(
@@ -179,8 +179,8 @@ def test_no_file_of_the_machine_is_served(client, tmp_path, path):
 
 def test_with_a_token_nothing_is_reported_without_it(tmp_path):
     token = new_token()
-    door = Door("0.0.0.0", 8050, token)
-    client, sessions = client_of(tmp_path, door)
+    address = ServerAddress("0.0.0.0", 8050, token)
+    client, sessions = client_of(tmp_path, address)
     host = {"Host": "192.168.1.2:8050"}
     for path in ("/", "/_dash-layout", "/assets/studio.js", "/?token=wrong", "/_dash-layout?token=" + token):
         assert client.get(path, headers=host).status_code == 403
@@ -188,8 +188,8 @@ def test_with_a_token_nothing_is_reported_without_it(tmp_path):
     entered = client.get(f"/?token={token}", headers=host)
     cookie = entered.headers["Set-Cookie"]
     assert entered.status_code == 302 and entered.location == "/"
-    assert cookie.startswith(door.cookie) and "HttpOnly" in cookie and "SameSite=Strict" in cookie
-    client.set_cookie(door.cookie, token, domain="192.168.1.2")
+    assert cookie.startswith(address.cookie) and "HttpOnly" in cookie and "SameSite=Strict" in cookie
+    client.set_cookie(address.cookie, token, domain="192.168.1.2")
     assert client.get("/", headers=host).status_code == 200
     assert client.get("/", headers={"Host": "evil.example:8050"}).status_code == 403
     sessions.close()

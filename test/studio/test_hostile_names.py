@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.guard import Door
+from damper_estimator.studio.guard import ServerAddress
 from damper_estimator.studio.server import application
 from damper_estimator.studio.sessions import Sessions
 
@@ -137,7 +137,7 @@ def ended(sessions: Sessions, page: str) -> None:
 
 
 def test_no_callback_reaches_anything_outside(folder, outside):
-    app, sessions = application(Folder(folder), Door("127.0.0.1", 8050))
+    app, sessions = application(Folder(folder), ServerAddress("127.0.0.1", 8050))
     client = app.server.test_client()
     specs = client.get("/_dash-dependencies", headers=OWN).json
     served = [spec for spec in specs if not spec["clientside_function"]]
@@ -160,7 +160,7 @@ def test_no_callback_reaches_anything_outside(folder, outside):
 
 
 def test_no_session_of_a_callback_with_a_name_that_is_no_text(folder, outside):
-    app, sessions = application(Folder(folder), Door("127.0.0.1", 8050))
+    app, sessions = application(Folder(folder), ServerAddress("127.0.0.1", 8050))
     client = app.server.test_client()
     served = [s for s in client.get("/_dash-dependencies", headers=OWN).json if not s["clientside_function"]]
     for spec in served:

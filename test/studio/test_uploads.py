@@ -11,7 +11,7 @@ import pytest
 from damper_estimator.errors import InputError
 from damper_estimator.studio import bench_form
 from damper_estimator.studio.folder import Folder, Taken
-from damper_estimator.studio.guard import UPLOAD, Door
+from damper_estimator.studio.guard import UPLOAD, ServerAddress
 from damper_estimator.studio.server import application
 from damper_estimator.studio.uploads import receive
 
@@ -128,7 +128,7 @@ def test_a_file_is_not_written_through_a_link(tmp_path):
 
 
 def test_the_server_takes_files_of_its_own_pages_alone(tmp_path):
-    app, sessions = application(Folder(tmp_path), Door("127.0.0.1", 8050))
+    app, sessions = application(Folder(tmp_path), ServerAddress("127.0.0.1", 8050))
     client, page, content = app.server.test_client(), sessions.new(), os.urandom(3_000_000)
 
     def post(headers, name="a.mcap"):

@@ -13,6 +13,7 @@ from damper_estimator.studio.callbacks import (
     opening,
     overview,
     page_itself,
+    rig_testing,
     saving,
     viewing,
 )
@@ -21,7 +22,8 @@ from damper_estimator.studio.live import Live
 from damper_estimator.studio.sessions import Sessions
 
 _PARTS = (
-    arriving, browsing, page_itself, importing, opening, overview, viewing, marking, learning, changing, saving,
+    arriving, browsing, page_itself, importing, opening, overview, viewing, marking, learning, changing, rig_testing,
+    saving,
 )  # fmt: skip
 
 

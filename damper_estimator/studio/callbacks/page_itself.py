@@ -10,7 +10,15 @@ from damper_estimator.studio.job import Job
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
-_PLACES = {"opening": 0, "diagnosing": 1, "improving": 1, "identifying": 2, "judging": 4}
+_PLACES = {
+    "opening": 0,
+    "diagnosing": 1,
+    "improving": 1,
+    "identifying": 2,
+    "judging": 4,
+    "characterizing": 5,
+    "planning": 5,
+}
 _PLACES |= dict.fromkeys(DEEDS.values(), 3)
 """Where a work's failure is said, by its name."""
 _STEPPING = ("improving", "identifying")  # works that end in a step more
@@ -40,6 +48,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("change-message", "children", allow_duplicate=True),
         Output("corners-message", "children", allow_duplicate=True),
         Output("draw-message", "children", allow_duplicate=True),
+        Output("tests-message", "children", allow_duplicate=True),
         Output("lost", "data"),
         Input("tick", "n_intervals"),
         State("page", "data"),
@@ -54,7 +63,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         try:
             session = sessions.of(page)
         except InputError as error:
-            return no_update, no_update, str(error), no_update, True, True, *[no_update] * 7, 1
+            return no_update, no_update, str(error), no_update, True, True, *[no_update] * 8, 1
         changes = (
             session.generation if session.generation != generation else no_update,
             session.rebuilt if session.rebuilt != rebuilt else no_update,
@@ -93,7 +102,7 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
 
 def _work(session: Session, ended: object) -> list[object]:
     """Progress of the work and, once, its result; ``ended`` is the number of the last work whose result was shown."""
-    job, messages = session.job, [no_update] * 5
+    job, messages = session.job, [no_update] * 6
     if job is None or job.number == ended:
         return [no_update] * 6 + messages
     if job.running:

@@ -1,0 +1,52 @@
+"""The work on tests of a rig, in a worker process: results are written into a folder that is new."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from damper_estimator.files import write_text
+from damper_estimator.model import save_model
+from damper_estimator.studio.worker_process import Progress
+from damper_estimator.workflows import Case, characterize_case, plan_case
+
+
+@dataclass(frozen=True)
+class RigTest:
+    """One result.
+
+    Attributes:
+        title, sentence: what it is, and what it says.
+        folder: where it was written, in the studio's folder.
+        page: the name of its page there.
+        files: the names of the other files there.
+    """
+
+    title: str
+    sentence: str
+    folder: str
+    page: str
+    files: tuple[str, ...]
+
+
+def characterized(case: Case, target: Path, progress: Progress) -> RigTest:
+    """The diagrams, written into a folder: their page, and the model's structure that follows, if any."""
+    progress("averaging cycles", 0.2)
+    found = characterize_case(case)
+    files: tuple[str, ...] = ()
+    target.mkdir()
+    if found.characterization.structure is not None:
+        save_model(found.structure, target / "structure.yaml")
+        files = ("structure.yaml",)
+    progress("writing the page", 0.8)
+    write_text(target / "diagrams.html", found.page())
+    return RigTest(f"diagrams of {case.damper}", found.sentence, target.name, "diagrams.html", files)
+
+
+def planned(
+    case: Case, group: Sequence[str], rig: str | Path, minutes: float | None, target: Path, progress: Progress
+) -> RigTest:
+    """The next test, written into a folder: drive.csv (if the rig can play it), plan.yaml and plan.html."""
+    found = plan_case(case, tuple(group), rig, minutes, progress)
+    files = found.write(target)
+    others = tuple(sorted(file.name for file in files if file.suffix != ".html"))
+    return RigTest(f"test for {case.damper}", found.sentence, target.name, "plan.html", others)

@@ -1,0 +1,63 @@
+"""Tests on a rig: the diagrams of the open recordings, and the next test. Results go into the studio's folder."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from damper_estimator.diagnosis import Diagnosis
+from damper_estimator.errors import InputError
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.rig_tasks import RigTest, characterized, planned
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.worker_process import Progress, run_in_process
+from damper_estimator.workflows import library_rigs
+
+SHARPEN = "parameters"  # the aim of a test that makes the parameters more certain
+
+
+def aims(found: Diagnosis | None) -> dict[str, str]:
+    """What a test can be planned for: by value, in words; the ties of the diagnosis first."""
+    groups = [(one.phenomenon, *one.tied_with) for one in found.findings if one.tied_with] if found else []
+    words = {"+".join(group): " or ".join(name.replace("_", " ") for name in group) for group in groups}
+    return {value: f"decide: {text}" for value, text in words.items()} | {SHARPEN: "sharpen the model's parameters"}
+
+
+def characterize(session: Session) -> None:
+    """Begins to average the cycles of the open recordings."""
+    case, target = session.here.case(session.model), _free(session.folder, "diagrams")
+    _begin(session, "characterizing", characterized, (case, target))
+
+
+def plan(session: Session, aim: object, rig: object, minutes: object) -> None:
+    """Begins to plan a test.
+
+    Raises:
+        InputError: for an aim or a rig that is not offered, or a length that is no positive number.
+    """
+    if aim not in aims(session.diagnosis):
+        raise InputError("choose what the test is for; diagnose first to decide between tied explanations")
+    if minutes is not None and not (isinstance(minutes, (int, float)) and 0.0 < minutes <= 60.0):
+        raise InputError("give the length in minutes, at most 60, or leave it empty")
+    if rig not in rigs(session.folder):
+        raise InputError("choose a rig")
+    path = session.folder.path(rig) if str(rig).endswith((".yaml", ".yml")) else str(rig)
+    group = () if aim == SHARPEN else tuple(str(aim).split("+"))
+    case, target = session.here.case(session.model), _free(session.folder, "test")
+    _begin(session, "planning", planned, (case, group, path, None if minutes is None else float(minutes), target))
+
+
+def rigs(folder: Folder) -> list[str]:
+    """The library's rigs, and rig files of the folder."""
+    return [*library_rigs(), *folder.rigs()]
+
+
+def _begin(session: Session, name: str, function: Callable[..., RigTest], arguments: tuple) -> None:
+    def work(progress: Progress) -> None:
+        session.keep_test(run_in_process(function, arguments, progress))
+
+    session.start(name, work)
+
+
+def _free(folder: Folder, stem: str) -> Path:
+    """A folder that does not exist yet."""
+    names = (stem if n == 1 else f"{stem}_{n}" for n in range(1, 1000))
+    return next(path for path in map(folder.path, names) if not path.exists())

@@ -1,0 +1,131 @@
+"""Tests on a rig from the studio: diagrams, the next test, their pages and files."""
+
+import shutil
+from types import SimpleNamespace
+
+import pytest
+from browser import needs_browser, needs_playwright
+from hand import BAGS, hand, served
+
+from damper_estimator.errors import InputError
+from damper_estimator.studio import rig_tests
+from damper_estimator.studio.folder import Folder
+from damper_estimator.studio.guard import SANDBOX, ServerAddress
+from damper_estimator.studio.rig_tests import SHARPEN, aims
+from damper_estimator.studio.server import application
+from damper_estimator.studio.session import Session
+from damper_estimator.studio.stage import Choice
+
+HOST = {"Host": "127.0.0.1:8050"}
+
+
+@pytest.fixture
+def bench(tmp_path):
+    """The session that has the shipped recording of a dynamometer open."""
+    shutil.copy(BAGS / "passenger_dyno.mcap", tmp_path)
+    session = Session(Folder(tmp_path))
+    session.open(Choice(("passenger_dyno.mcap",)), ["viscous_curve"])
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    return session
+
+
+def test_diagrams_are_written_beside_earlier_ones(bench):
+    for name in ("diagrams", "diagrams_2"):
+        rig_tests.characterize(bench)
+        bench.job.wait()
+        assert bench.job.state == "done", bench.job.error
+        test = bench.tests[-1]
+        assert test.folder == name and "operating points" in test.sentence
+        assert (bench.folder.root / name / "diagrams.html").stat().st_size > 10_000
+        assert "structure.yaml" in test.files and (bench.folder.root / name / "structure.yaml").is_file()
+    assert f"{name}/structure.yaml" in bench.folder.models()
+
+
+def test_a_test_for_the_parameters_is_planned_on_the_chosen_rig(bench):
+    rig_tests.plan(bench, SHARPEN, "servo_hydraulic", 0.5)
+    bench.job.wait()
+    assert bench.job.state == "done", bench.job.error
+    test = bench.tests[-1]
+    assert test.page == "plan.html" and set(test.files) == {"drive.csv", "plan.yaml"} and test.sentence
+    assert all((bench.folder.root / test.folder / name).is_file() for name in (test.page, *test.files))
+
+
+@pytest.mark.parametrize(
+    ("aim", "rig", "minutes", "reason"),
+    [
+        ("friction+inertia", "crank", None, "choose what the test is for"),
+        (None, "crank", None, "choose what the test is for"),
+        (SHARPEN, "../secret.yaml", None, "choose a rig"),
+        (SHARPEN, "/etc/passwd", None, "choose a rig"),
+        (SHARPEN, None, None, "choose a rig"),
+        (SHARPEN, "crank", -1.0, "minutes"),
+        (SHARPEN, "crank", float("nan"), "minutes"),
+        (SHARPEN, "crank", "1", "minutes"),
+    ],
+)
+def test_what_is_not_offered_is_refused_in_one_line(bench, aim, rig, minutes, reason):
+    with pytest.raises(InputError, match=reason):
+        rig_tests.plan(bench, aim, rig, minutes)
+    assert not bench.tests
+
+
+def test_a_damaged_rig_file_of_the_folder_is_refused_in_one_line(bench):
+    (bench.folder.root / "mine.yaml").write_text("kind: crank\nrate: much\n")
+    assert rig_tests.rigs(bench.folder)[-1] == "mine.yaml"
+    rig_tests.plan(bench, SHARPEN, "mine.yaml", None)
+    bench.job.wait()
+    assert bench.job.state == "failed" and "mine.yaml" in bench.job.error and "\n" not in bench.job.error
+    assert not bench.tests and not (bench.folder.root / "test").exists()
+
+
+def test_ties_of_the_diagnosis_come_first_among_the_aims():
+    findings = [
+        SimpleNamespace(phenomenon="friction", tied_with=()),
+        SimpleNamespace(phenomenon="inertia", tied_with=("channel_skew",)),
+    ]
+    offered = aims(SimpleNamespace(findings=findings))
+    assert (
+        list(offered) == ["inertia+channel_skew", SHARPEN]
+        and "inertia or channel skew" in offered["inertia+channel_skew"]
+    )
+    assert list(aims(None)) == [SHARPEN]
+
+
+def test_the_page_of_a_test_is_served_in_a_sandbox(bench, tmp_path):
+    rig_tests.characterize(bench)
+    bench.job.wait()
+    app, sessions = application(Folder(tmp_path), ServerAddress("127.0.0.1", 8050))
+    client = app.server.test_client()
+    sessions._open["known"] = (bench, float("inf"))
+    answer = client.get("/test/known/0", headers=HOST)
+    assert answer.status_code == 200 and answer.headers["Content-Security-Policy"] == SANDBOX
+    for path in ("/test/known/1", "/test/unknown/0", "/test/known/-1", "/test/known/0/../x"):
+        assert client.get(path, headers=HOST).status_code in (404, 200)
+        assert b"operating" not in client.get(path, headers=HOST).data
+    (tmp_path / "diagrams" / "diagrams.html").unlink()
+    assert client.get("/test/known/0", headers=HOST).status_code == 404
+    sessions._open.clear()
+    sessions.close()
+
+
+@needs_browser
+@needs_playwright
+def test_diagrams_from_the_tab_to_their_page(tmp_path):
+    shutil.copy(BAGS / "passenger_dyno.mcap", tmp_path)
+    with served(tmp_path) as (_, url), hand(url) as user:
+        page = user.page
+        user.open(["passenger_dyno.mcap"], ["viscous_curve"])
+        user.until(lambda: user.text_of("regions"))
+        user.tab("Tests")
+        page.click("#characterize")
+        user.done("characterizing")
+        user.until(lambda: "operating points" in user.text_of("tests-done"))
+        with page.context.expect_page() as opened:
+            page.locator(".test-result a").first.click()
+        made = opened.value
+        made.wait_for_selector(".js-plotly-plot .main-svg")
+        assert "passenger_front" in made.inner_text("body")
+        page.fill("#minutes", "100")
+        page.click("#plan")
+        user.until(lambda: "minutes" in user.text_of("tests-message"))
