@@ -153,10 +153,10 @@ def run_with_resets(
 @inlined
 def _operate(functions, table, j, parameters, settings, kinematics, motions, forces, state, trace):
     """One operation other than a series."""
-    own = table[j, FORCE]
+    register = table[j, FORCE]
     if table[j, CODE] == ENTER:
         for i in range(forces.shape[1]):
-            forces[own, i] = 0.0
+            forces[register, i] = 0.0
         if table[j, MOTION] != table[j, MOTION_UP]:
             above = table[j, MOTION_UP]
             given = kinematics if above == 0 else motions[above - 1]
@@ -165,20 +165,20 @@ def _operate(functions, table, j, parameters, settings, kinematics, motions, for
                     motions[table[j, MOTION] - 1, k, i] = given[k, i]
     elif table[j, CODE] == LEAVE:
         for i in range(forces.shape[1]):
-            forces[table[j, FORCE_UP], i] += forces[own, i]
+            forces[table[j, FORCE_UP], i] += forces[register, i]
     else:
         if trace.shape[0] > 0:
             for i in range(forces.shape[1]):
-                trace[j, i] = -forces[own, i]
+                trace[j, i] = -forces[register, i]
         level = table[j, MOTION]
         call_kernel(
             functions, table[j, KERNEL],
             part(parameters, table[j, P0], table[j, P1]), part(settings, table[j, S0], table[j, S1]),
-            kinematics if level == 0 else motions[level - 1], part(state, table[j, Z0], table[j, Z1]), forces[own],
+            kinematics if level == 0 else motions[level - 1], part(state, table[j, Z0], table[j, Z1]), forces[register],
         )  # fmt: skip
         if trace.shape[0] > 0:
             for i in range(forces.shape[1]):
-                trace[j, i] += forces[own, i]
+                trace[j, i] += forces[register, i]
 
 
 @inlined
@@ -198,11 +198,11 @@ def _begin_series(table, j, column, motions, force, state, saved, solver):
 @inlined
 def _try_deflection(table, j, given, motions, force, saved, solver):
     """Sets the path's motion to the given one less the trial deflection, and its force to zero."""
-    own = motions[table[j, MOTION] - 1]
+    inner = motions[table[j, MOTION] - 1]
     for k in range(given.shape[0]):
-        own[k, 0] = given[k, 0]
-    own[X, 0] = given[X, 0] - solver[TRIAL]
-    own[V, 0] = given[V, 0] - _rate(given, saved[table[j, Z0]], solver[TRIAL])
+        inner[k, 0] = given[k, 0]
+    inner[X, 0] = given[X, 0] - solver[TRIAL]
+    inner[V, 0] = given[V, 0] - _rate(given, saved[table[j, Z0]], solver[TRIAL])
     force[table[j, FORCE], 0] = 0.0
 
 

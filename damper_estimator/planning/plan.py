@@ -60,7 +60,7 @@ def plan(
         rig: with its limits.
         minutes: length of the test; None for the shortest that is sure.
         longest: minutes that this one may take.
-        progress: is told what goes on and its share.
+        progress: called with the activity in words and the share that is done.
 
     Raises:
         InputError: where the recordings cannot show a phenomenon, or the limits leave nothing to drive.

@@ -29,7 +29,7 @@ class Step:
         values: of the kind.
         limits: within which it is driven.
         current, temperature: A and deg C while it is driven; None where they stay as they are.
-        say: what a driver is told, "" where a rig plays it.
+        say: instruction for a driver, "" where a rig plays it.
     """
 
     kind: str

@@ -95,7 +95,7 @@ def force_figures(shown: BeforeAfter, findings: Sequence[Finding]) -> dict[str, 
     }
     chain = [finding for finding in findings if finding.is_channel]
     for index, finding in enumerate(findings):
-        # Corrections of the measurement chain are shown together: what was measured is read anew with all of them.
+        # Corrections of the measurement chain are shown together: what was measured is read again with all of them.
         drawn = None if finding in chain[1:] else explained(shown, finding)
         if drawn is not None:
             name = listed([fault.phenomenon for fault in chain], "and") if finding.is_channel else finding.phenomenon

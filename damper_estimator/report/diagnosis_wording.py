@@ -123,7 +123,7 @@ def moved_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
 
 
 def data_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
-    """Mistakes of the recordings, with what corrects them; those that several recordings share are told once."""
+    """Mistakes of the recordings, with what corrects them; those that several recordings share are reported once."""
     same: dict[tuple[str, str], list[str]] = {}
     for finding in diagnosis.data:
         same.setdefault((finding.sentence, finding.remedy), []).append(recording_name(finding.recording))

@@ -6,7 +6,7 @@
     return /[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text;
   };
   const plain = (text) => (text || "").replace(/<[^>]*>/g, " ").replace(/\s+/g, " ").trim();
-  const titleOf = (own) => plain(own && own.title && own.title.text);
+  const titleOf = (axis) => plain(axis && axis.title && axis.title.text);
 
   // One line for each point: trace, x, y and, of a map, z.
   function table(figure) {
@@ -18,8 +18,8 @@
       if (z) { mapped = true; z.forEach((line, j) => Array.from(line).forEach((value, i) => rows.push([name, x[i], y[j], value]))); }
       else { const n = Math.max(x ? x.length : 0, y ? y.length : 0); for (let i = 0; i < n; i++) rows.push([name, x ? x[i] : i, y ? y[i] : i]); }
     }
-    const own = figure._fullLayout;
-    const head = ["trace", titleOf(own.xaxis) || "x", titleOf(own.yaxis) || "y", ...(mapped ? ["value"] : [])];
+    const layout = figure._fullLayout;
+    const head = ["trace", titleOf(layout.xaxis) || "x", titleOf(layout.yaxis) || "y", ...(mapped ? ["value"] : [])];
     return [head, ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
   }
 

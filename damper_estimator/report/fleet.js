@@ -33,10 +33,10 @@
 
   function chosen() {
     const wanted = find("search").value.toLowerCase(), far = find("far").checked, failed = find("failed").checked;
-    const own = table.vehicle.names.indexOf(find("vehicle").value), mine = table.damper.names.indexOf(find("damper").value);
+    const vehicle = table.vehicle.names.indexOf(find("vehicle").value), mine = table.damper.names.indexOf(find("damper").value);
     const rows = [];
     for (let i = 0; i < table.recording.length; i++) {
-      if ((own < 0 || table.vehicle.of[i] === own) && (mine < 0 || table.damper.of[i] === mine) && (!far || table.far[i])
+      if ((vehicle < 0 || table.vehicle.of[i] === vehicle) && (mine < 0 || table.damper.of[i] === mine) && (!far || table.far[i])
         && (!failed || table.reason[i]) && (!wanted || table.recording[i].toLowerCase().includes(wanted))) rows.push(i);
     }
     return rows;
@@ -72,14 +72,14 @@
   }
 
   function phenomena(rows) {
-    const own = data.verbs.diagnose;
-    if (!own) return;
-    const keep = own === table ? rows : own.recording.map((_, i) => i).filter((i) => (!find("vehicle").value || own.vehicle.names[own.vehicle.of[i]] === find("vehicle").value)
-      && (!find("damper").value || own.damper.names[own.damper.of[i]] === find("damper").value));
-    const done = keep.filter((i) => !own.reason[i]), counts = new Map(), first = new Map();
-    for (const i of done) own.missing[i].forEach((name, k) => { counts.set(name, (counts.get(name) || 0) + 1); if (k === 0) first.set(name, (first.get(name) || 0) + 1); });
+    const diagnoses = data.verbs.diagnose;
+    if (!diagnoses) return;
+    const keep = diagnoses === table ? rows : diagnoses.recording.map((_, i) => i).filter((i) => (!find("vehicle").value || diagnoses.vehicle.names[diagnoses.vehicle.of[i]] === find("vehicle").value)
+      && (!find("damper").value || diagnoses.damper.names[diagnoses.damper.of[i]] === find("damper").value));
+    const done = keep.filter((i) => !diagnoses.reason[i]), counts = new Map(), first = new Map();
+    for (const i of done) diagnoses.missing[i].forEach((name, k) => { counts.set(name, (counts.get(name) || 0) + 1); if (k === 0) first.set(name, (first.get(name) || 0) + 1); });
     const names = [...counts.keys()].sort((a, b) => counts.get(a) - counts.get(b)), share = (map) => names.map((name) => 100 * (map.get(name) || 0) / done.length);
-    const nothing = done.filter((i) => own.verdict[i] === "nothing_missing").length, changed = done.filter((i) => own.verdict[i] === "parameters_changed").length;
+    const nothing = done.filter((i) => diagnoses.verdict[i] === "nothing_missing").length, changed = done.filter((i) => diagnoses.verdict[i] === "parameters_changed").length;
     find("diagnosed").textContent = `share of ${done.length} diagnosed recordings (filled: ranked first); nothing is missing in ${nothing}, parameters changed in ${changed}`;
     const y = names.map((name) => name.replaceAll("_", " ")), [all, leading] = data.figures.missing.data;
     draw(find("missing"), "missing", [Object.assign({}, all, { y, x: share(counts) }), Object.assign({}, leading, { y, x: share(first) })], "");
@@ -109,10 +109,10 @@
   function rowOf(i, list) {
     const row = element("tr", "", { className: table.far[i] ? "far" : "" });
     for (const [key, , value] of list) {
-      const own = value(i), cell = element("td", "");
-      if (key === "recording" && table.link[i]) cell.append(element("a", own, { href: table.link[i], target: "_blank", rel: "noopener" }));
-      else if (typeof own === "number") { cell.textContent = key === "begin" ? day(own) : String(own); cell.className = "number"; }
-      else cell.textContent = own === null ? "" : own;
+      const content = value(i), cell = element("td", "");
+      if (key === "recording" && table.link[i]) cell.append(element("a", content, { href: table.link[i], target: "_blank", rel: "noopener" }));
+      else if (typeof content === "number") { cell.textContent = key === "begin" ? day(content) : String(content); cell.className = "number"; }
+      else cell.textContent = content === null ? "" : content;
       row.append(cell);
       if (key === "temperature" && table.reason[i]) { row.append(element("td", table.reason[i], { className: "reason", colSpan: list.length - 5 })); break; }
     }

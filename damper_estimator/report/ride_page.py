@@ -149,7 +149,7 @@ def _bars(surfaces: Surfaces, measure: str, scale: float, title: str) -> Figure:
 
 
 def _strongest(trial: Trial) -> float:
-    """s, where the stretch with the largest wish begins; after the rest at the start."""
+    """s, where the stretch with the largest desired force begins; after the rest at the start."""
     ride = trial.ride
     size = round(SHOWN / ride.step)
     summed = np.cumsum(ride.wanted**2)
@@ -163,7 +163,7 @@ def _part(trial: Trial, start: float) -> slice:
 
 
 def _trace(trial: Trial, start: float, way: str) -> Figure:
-    """The force and the wish, and what could be given between two thin lines."""
+    """The force and the desired force, and what is attainable between two thin lines."""
     ride, part = trial.ride, _part(trial, start)
     low, high = trial.attainable[:, part]
     time = ride.time[part]

@@ -97,7 +97,7 @@ def parts_of(folder: Folder, name: object, content: Mapping) -> list[Part]:
 
 
 def imported(folder: Folder, parts: Sequence[Part]) -> list[str]:
-    """Writes the recordings beside their file; returns their names.
+    """Writes the recordings next to their file; returns their names.
 
     Raises:
         InputError: where one of them exists, or cannot be written.

@@ -11,7 +11,7 @@ from damper_estimator.studio.worker_process import Cancelled, Progress
 
 
 class Job:
-    """Work that goes on beside the page; final.
+    """Work in the background of the page; final.
 
     Attributes:
         name: what it does, for people.

@@ -30,7 +30,7 @@ def refitted(case: Case, deed: Deed, progress: Progress) -> Step:
 
 
 def identified_alone(case: Case, element: Element, progress: Progress) -> Element:
-    """An entry with its parameters identified beside a model that keeps its own."""
+    """An entry with its parameters identified while the model's are kept."""
     progress(f"identifying {element.effect.name}", 0.1)
     model = case.model.with_effect(element)
     label = [name for name, entry in labels(model.effects) if entry.effect is element.effect][-1]

@@ -121,7 +121,7 @@ def _left() -> html.Section:
 
 
 def _looked() -> html.Section:
-    """What the effect that is pointed at would explain; it lies over the clouds, beside the list that is pointed at."""
+    """What the effect under the pointer would explain; it covers the clouds, next to the list of effects."""
     title = [html.H2("", id="looked-name"), html.Button("×", id="unlook", **{"aria-label": "close", "title": "Esc"})]
     parts = [plain("explained"), html.Div(id="equation")]
     return html.Section(

@@ -45,12 +45,12 @@ class PageState:
     Attributes:
         names: of the models that were opened, as they were chosen.
         writer: writes the steps to the session's file.
-        stage, history, others: None, None and () until something is open; ``others`` are models to look at beside.
+        stage, history, others: None, None and () until something is open; ``others`` are further models on view.
         diagnosis: of which version of the model, and what was found; None until one was made.
         diagnosed: the marked region that it is of; "" for all that is open.
         job, jobs: the long work that goes on, or the last one, and how many there were.
         corners: the overview of all dampers, by name; empty before they were compared.
-        beside: steps of the other dampers of the same recordings.
+        other_dampers: steps of the other dampers of the same recordings.
         tests: diagrams and plans that were made, in order.
         opened: counts what was opened.
         centres: value of every parameter by address when the list of parameters last changed: its slider's middle.
@@ -70,7 +70,7 @@ class PageState:
         self.diagnosed = ""
         self.job: Job | None = None
         self.corners: dict[str, Corner] = {}
-        self.beside: dict[str, OtherDamper] = {}
+        self.other_dampers: dict[str, OtherDamper] = {}
         self.centres: dict[str, float] = {}
         self.opened = self.generation = self.rebuilt = 0
         self._lock, self._judging = threading.RLock(), threading.Lock()
@@ -127,11 +127,11 @@ class PageState:
     def histories(self) -> dict[str, History]:
         """The steps of every damper of the recordings that was looked at, by its name."""
         here = {self.stage.damper: self.history} if self.stage and self.history else {}
-        return {name: other.history for name, other in self.beside.items()} | here
+        return {name: other.history for name, other in self.other_dampers.items()} | here
 
     def choice_of(self, damper: str) -> Choice:
         """What is open, for another damper: with what was left out of its own recordings."""
-        other = self.beside.get(damper)
+        other = self.other_dampers.get(damper)
         left_out = self.stage.choice.left_out if damper == self.stage.damper else other.left_out if other else ()
         return replace(self.stage.choice, damper=damper, left_out=left_out)
 
@@ -165,7 +165,7 @@ class PageState:
         self.rest()
         self.stage, self.history, self.diagnosis = None, None, None
         self._shown, self._compared, self._saved = [], [], []
-        self.corners, self.beside = {}, {}
+        self.corners, self.other_dampers = {}, {}
 
     def start(self, name: str, work: Callable[[Progress], None]) -> None:
         """Begins a long work.

@@ -1,4 +1,4 @@
-"""What the page says beside the figures: agreement, regions, data quality, what is missing."""
+"""What the page says next to the figures: agreement, regions, data quality, what is missing."""
 
 from collections.abc import Sequence
 

@@ -32,7 +32,7 @@ def parameter_list(model: DamperModel) -> list:
 
 
 def _too_many(slots: list[Slot]) -> html.P:
-    return html.P(f"{len(slots)} numbers: too many to move by hand; identify them anew instead.", className="hint")
+    return html.P(f"{len(slots)} numbers: too many to move by hand; refit them instead.", className="hint")
 
 
 def _row(slot: Slot, error: float, place: str) -> html.Div:

@@ -1,4 +1,4 @@
-"""What can be saved, and how it is written: beside its place first, then moved into it."""
+"""What can be saved, and how it is written: to a temporary file first, then moved into place."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,14 +32,14 @@ class Kind:
         label: for people.
         stem, suffix: of the name that is proposed.
         write: writes it from a session to a path, and says what was written.
-        beside: suffixes of further files of the same name that it writes.
+        further: suffixes of further files of the same name that it writes.
     """
 
     label: str
     stem: str
     suffix: str
     write: Callable[[Session, Path], str]
-    beside: tuple[str, ...] = ()
+    further: tuple[str, ...] = ()
 
 
 def save(session: Session, kind: str, name: str, replace: bool) -> str:
@@ -53,7 +53,7 @@ def save(session: Session, kind: str, name: str, replace: bool) -> str:
         raise InputError("choose what to save")
     chosen = KINDS[kind]
     target = session.folder.target(name, chosen.suffix, replace)
-    for suffix in chosen.beside:
+    for suffix in chosen.further:
         session.folder.target(str(Path(name).with_suffix(suffix)), suffix, replace)
     return chosen.write(session, target)
 

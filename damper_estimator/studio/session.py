@@ -97,13 +97,13 @@ class Session(PageState):
         choice, corner = self.choice_of(damper), self.corners[damper]
         if corner.failed:
             raise InputError(corner.failed)
-        left, came = self.stage.damper, self.beside.get(damper)
+        left, came = self.stage.damper, self.other_dampers.get(damper)
 
         def work(progress: Progress) -> None:
             given = read_choice(self.folder, choice, self.names, progress, came.history if came else None)
             with self._lock:
                 left_out = self.stage.choice.left_out
-                self.beside[left] = OtherDamper(self.history, tuple(self._saved), self.writer.file, left_out)
+                self.other_dampers[left] = OtherDamper(self.history, tuple(self._saved), self.writer.file, left_out)
                 self._take(replace(given, saved=came.saved if came else ()), *(came.file if came else ()), same=True)
                 if corner.history is not None and len(corner.history.versions) == len(given.history.versions):
                     self.diagnosis = corner.diagnosis
@@ -131,19 +131,19 @@ class Session(PageState):
             self.history = history
             self.diagnosis = corner.diagnosis or self.diagnosis
             return
-        other = self.beside.get(corner.damper, OtherDamper(history))
+        other = self.other_dampers.get(corner.damper, OtherDamper(history))
         if history is not other.history or history.at:
             writer = SessionWriter(SessionFiles(self.folder), self.owner)
             writer.begin(*other.file)
             writer.write(corner.stage, self.names, history, other.saved)
             other = replace(other, history=history, file=writer.file)
-        self.beside[corner.damper] = other
+        self.other_dampers[corner.damper] = other
 
     def _take(self, given: Opened, file: str = "", stamp: Stamp = None, same: bool = False) -> None:
         """Puts what was read on view; with ``same`` it is another damper of the same recordings."""
         with self._lock:
             if not same:
-                self.corners, self.beside = {}, {}
+                self.corners, self.other_dampers = {}, {}
             self.stage, self.history, self.others, self.names = given.stage, given.history, given.others, given.names
             self.diagnosis, self.diagnosed = None, ""
             self._shown, self._compared, self._saved = list(given.views), [], list(given.saved)
@@ -199,7 +199,7 @@ class Session(PageState):
         self._refit(model, Deed("add", name, effect.phenomenon or name))
 
     def refit(self) -> None:
-        """Identifies the free parameters anew."""
+        """Identifies the free parameters again."""
         self._refit(self.model, Deed("refit"))
 
     def refit_marked(self, view: View) -> None:

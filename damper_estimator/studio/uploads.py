@@ -1,4 +1,4 @@
-"""Files that are dropped on the page: written beside their place and moved into it, never over a file that is there."""
+"""Files that are dropped on the page: written to a temporary file and moved into place, never over another file."""
 
 import os
 import shutil
@@ -56,19 +56,19 @@ def _place(folder: Folder, name: str) -> Path:
 
 
 def _written(target: Path, write: Callable[[IO[bytes]], None]) -> None:
-    """Writes beside ``target`` and links the file into its place, which fails where there is one by now."""
-    beside = target.with_name(f".{target.name}.{os.getpid()}.{os.urandom(4).hex()}.part")
+    """Writes a temporary file and links it to ``target``, which fails if there is one by now."""
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.{os.urandom(4).hex()}.part")
     try:
-        with open(beside, "xb") as file:
+        with open(temporary, "xb") as file:
             write(file)
-        os.link(beside, target)
+        os.link(temporary, target)
     except FileExistsError as error:
         raise Taken(f"{target.name}: exists already; rename one of them") from error
     except OSError as error:
         raise InputError(f"{target.name}: cannot be written ({error.strerror})") from error
     finally:
         with suppress(OSError):
-            beside.unlink()
+            temporary.unlink()
 
 
 def _copied(name: str, stream: IO[bytes], file: IO[bytes], *, length: int) -> None:

@@ -7,7 +7,7 @@
 
   // A tab's own name: it goes on in the session's file that it wrote, another tab writes a file of its own.
   function tabName() {
-    const name = sessionStorage.getItem("studio-tab") || Array.from(crypto.getRandomValues(new Uint8Array(12)), (own) => own.toString(16).padStart(2, "0")).join("");
+    const name = sessionStorage.getItem("studio-tab") || Array.from(crypto.getRandomValues(new Uint8Array(12)), (byte) => byte.toString(16).padStart(2, "0")).join("");
     sessionStorage.setItem("studio-tab", name);
     return name;
   }
@@ -30,7 +30,7 @@
       if (!place) return window.dash_clientside.no_update;
       const query = new URLSearchParams(), last = trail[trail.length - 1];
       for (const [name, value] of Object.entries(place))
-        for (const own of [].concat(value)) if (own !== null && own !== "") query.append(name, own);
+        for (const item of [].concat(value)) if (item !== null && item !== "") query.append(name, item);
       if (view.recording) query.append("show", view.recording);
       if (typeof view.start === "number") query.append("from", Number(view.start.toFixed(4)));
       if (typeof view.stop === "number") query.append("to", Number(view.stop.toFixed(4)));
@@ -49,7 +49,7 @@
     // While a slider moves, what waits for its end is grey.
     stale: (preview, generation) => (preview && preview.generation === generation ? "yes" : "no"),
     freeze: (clicks) => [clicks % 2 === 1, clicks % 2 === 1 ? "Resume" : "Freeze"],
-    introduce(own) { page = own; return own; },
+    introduce(id) { page = id; return id; },
     tab(chosen, ids) { return [ids.map((id) => id.name !== chosen), chosen]; },
     // While a slider moves, the curves follow ten times a second.
     dragged() {
@@ -100,10 +100,10 @@
 
   // Corners of what was marked last; null where all marks were taken away.
   function markOf(figure, selections) {
-    const own = selections[selections.length - 1];
-    if (!own) return null;
-    if (own.type !== "path") return { figure, x: [own.x0, own.x1, own.x1, own.x0], y: [own.y0, own.y0, own.y1, own.y1] };
-    const corners = own.path.replace(/[MZ]/g, "").split("L").map((corner) => corner.split(",").map(Number));
+    const selection = selections[selections.length - 1];
+    if (!selection) return null;
+    if (selection.type !== "path") return { figure, x: [selection.x0, selection.x1, selection.x1, selection.x0], y: [selection.y0, selection.y0, selection.y1, selection.y1] };
+    const corners = selection.path.replace(/[MZ]/g, "").split("L").map((corner) => corner.split(",").map(Number));
     return { figure, x: corners.map((corner) => corner[0]), y: corners.map((corner) => corner[1]) };
   }
 
@@ -125,17 +125,17 @@
 
   // While something is typed that the page has not taken yet, undo is that of the text; everywhere else of the model.
   let typed = null;
-  const typing = (own) => own === typed && own.matches("textarea,input:not([type=radio],[type=checkbox],[type=range])");
+  const typing = (field) => field === typed && field.matches("textarea,input:not([type=radio],[type=checkbox],[type=range])");
   document.addEventListener("input", (event) => { typed = event.target; }, true);
   for (const name of ["change", "focusout"]) document.addEventListener(name, (event) => { if (event.target === typed) typed = null; }, true);
   document.addEventListener("keydown", (event) => { if (event.key === "Enter") typed = null; });
 
   // A button that becomes disabled while it has the focus would swallow the next keys.
-  document.addEventListener("click", (event) => { const own = event.target.closest("#undo,#redo"); if (own) own.blur(); });
+  document.addEventListener("click", (event) => { const button = event.target.closest("#undo,#redo"); if (button) button.blur(); });
 
   // Files that are dropped or picked are sent one after the other; a folder's files with the folder's name before them.
   async function send(files) {
-    const report = (text, bad) => { const own = document.getElementById("upload-message"); own.textContent = text; own.classList.toggle("bad", !!bad); };
+    const report = (text, bad) => { const message = document.getElementById("upload-message"); message.textContent = text; message.classList.toggle("bad", !!bad); };
     const added = [], refused = [];
     for (const [name, file] of files) {
       const [text, good] = await new Promise((done) => {
@@ -160,7 +160,7 @@
     for (;;) {
       const some = await new Promise((done, fail) => reader.readEntries(done, fail));
       if (!some.length) break;
-      for (const own of some) found.push(...(await inFolder(own, before + entry.name + "/")));
+      for (const item of some) found.push(...(await inFolder(item, before + entry.name + "/")));
     }
     return found;
   }
@@ -172,15 +172,15 @@
     if (!withFiles(event)) return;
     event.preventDefault();
     document.body.classList.remove("dropping");
-    const entries = Array.from(event.dataTransfer.items).map((own) => own.webkitGetAsEntry && own.webkitGetAsEntry());
+    const entries = Array.from(event.dataTransfer.items).map((item) => item.webkitGetAsEntry && item.webkitGetAsEntry());
     const plain = Array.from(event.dataTransfer.files);
     const found = await Promise.all(entries.map((entry, i) => (entry ? inFolder(entry, "") : [[plain[i].name, plain[i]]])));
     send(found.flat());
   });
   document.addEventListener("click", (event) => {
-    const own = event.target.closest("#add-files,#add-folder");
-    if (!own) return;
-    const picker = Object.assign(document.createElement("input"), { type: "file", multiple: true, webkitdirectory: own.id === "add-folder" });
+    const button = event.target.closest("#add-files,#add-folder");
+    if (!button) return;
+    const picker = Object.assign(document.createElement("input"), { type: "file", multiple: true, webkitdirectory: button.id === "add-folder" });
     picker.addEventListener("change", () => send(Array.from(picker.files, (file) => [file.webkitRelativePath || file.name, file])));
     picker.click();
   });

@@ -20,7 +20,7 @@ from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
 
 _AT_REST = 0.002  # of a slider: it reports its place also where nobody moves it
-_ROOM = 1.4  # of the largest bar: what is written beside it fits into the narrow panel
+_WIDTH = 1.4  # of the largest bar: the text next to it fits into the narrow panel
 _SLIDER, _NUMBER, _FREE = ({"type": kind, "address": ALL} for kind in ("slider", "number", "free"))
 
 
@@ -189,5 +189,5 @@ def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:
     if len(steps) == 1:
         return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor_n, force_n)
     drawn = waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n))
-    drawn["layout"]["xaxis"]["range"] = [0.0, _ROOM * max(step.rmse_unseen_n for step in steps)]
+    drawn["layout"]["xaxis"]["range"] = [0.0, _WIDTH * max(step.rmse_unseen_n for step in steps)]
     return drawn

@@ -14,7 +14,7 @@ _OPEN = {"type": "corner", "damper": ALL}
 
 
 def connect(app: Dash, sessions: Sessions) -> None:
-    """The overview is beside the figures of one damper; a button at the top leads there, a card back."""
+    """The overview replaces the figures of one damper; a button at the top leads there, a card back."""
     app.clientside_callback(
         ClientsideFunction("studio", "overview"),
         Output("studio", "data-sight"),
