@@ -17,7 +17,7 @@ def inspect(tmp_path, bag, *words):
     return json.loads((tmp_path / "r.json").read_text())
 
 
-def test_topics_rates_and_quality_are_told(driven, tmp_path, capsys):
+def test_topics_rates_and_quality_are_reported(driven, tmp_path, capsys):
     record = inspect(tmp_path, driven(rest=2.0)[0])
     topics = {t["name"]: t for t in record["topics"]}
     assert topics["/suspension/displacement"]["messages"] == 4000

@@ -24,7 +24,7 @@ def test_on_a_terminal_there_is_one_line_and_it_is_gone_at_the_end(monkeypatch):
     assert out.getvalue().endswith("\r\x1b[K")
 
 
-def test_a_line_that_was_written_is_gone_before_an_error_is_told():
+def test_a_line_that_was_written_is_gone_before_an_error_is_shown():
     out = Terminal()
     with pytest.raises(KeyboardInterrupt), ProgressLine("front", out) as line:
         line("trying effects", 0.25)

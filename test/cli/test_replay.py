@@ -199,7 +199,7 @@ def test_a_name_that_is_not_in_every_message_is_left_out_there(model_file, tmp_p
     assert [m.force[1] for m in out if len(m.name) == 2] == alone[:, FIELDS.index("force")].tolist()
 
 
-def test_dampers_on_topics_of_their_own_have_messages_of_their_own(model_file, tmp_path):
+def test_dampers_on_separate_topics_have_separate_messages(model_file, tmp_path):
     stamp = 1_700_000_000 * 10**9 + np.arange(500, dtype=np.int64) * 2_000_000
     x = 0.01 * np.sin(np.arange(500) / 20.0)[:, None]
     path = tmp_path / "in.mcap"

@@ -12,7 +12,7 @@ from damper_estimator.model import load_model
 SEEDS = range(12)
 COVERED = (0.85, 1.0)  # share of 95 % intervals that may hold the truth, 60 parameters counted
 FAR = 4.5  # standard errors: farther off, a value is wrong
-EXACT = 1e-6  # of a value: two fits are the same but for rounding
+EXACT = 1e-6  # of a value: two fits are the same except for rounding
 
 
 def values(result):

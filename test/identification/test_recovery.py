@@ -12,7 +12,7 @@ FAR = 4.5  # standard errors: farther off, a value is wrong
 PERTURBED = 0.25  # standard deviation of the starts' logarithm
 UNEXPLAINED = 1e-4  # ESR: 1 % force noise leaves a fifth of it in band
 MODERATE, LARGE, VIOLENT = (0.005, 0.012), (0.02, 0.045), (0.03, 0.07)  # m rms, one recording each
-# What a model needs beside moderate motion to show all its parameters.
+# What a model needs besides moderate motion to show all its parameters.
 EXCITATION = {
     **dict.fromkeys(("carrera_akutain", "carrera_akutain_unfiltered", "renault_modified_bouc_wen"), LARGE),
     **{f"renault_modified_bouc_wen_point_{k}": LARGE for k in (1, 2, 3)},
@@ -27,7 +27,7 @@ SILENT = {
     # The viscous force follows the current in a straight line: its bend lies at its limit.
     "mr_damper_current": {"command_gain#2.bend"},
 }
-# Corners of the grid that no motion reaches: high speed at high acceleration. And dry friction beside a yield force
+# Corners of the grid that no motion reaches: high speed at high acceleration. And dry friction next to a yield force
 # that is there without current: they have the same shape, and one may take the other's place.
 UNREACHED = {"force_surface", "semi_active_gap"}
 
@@ -61,7 +61,7 @@ def perturbed(model, seed):
 
 
 @pytest.mark.parametrize("name", sorted(library_models()))
-def test_a_model_is_recovered_from_its_own_data(name, measured):
+def test_a_model_is_recovered_from_its_data(name, measured):
     def record(model):
         pairs = enumerate(EXCITATION.get(name, MODERATE), 1)
         return [measured(model, seed, rms=rms, command=command(4000)) for seed, rms in pairs]
@@ -81,7 +81,7 @@ def test_a_model_is_recovered_from_its_own_data(name, measured):
     assert {address: d for address, d in known.items() if abs(d) > FAR} == {}
 
 
-# Model, what is freed, what the fit must name then, what is known beside, motion in m rms.
+# Model, what is freed, what the fit must then name, what else is known, motion in m rms.
 REDUNDANT = {
     "the scale of z": ("bouc_wen", "bouc_wen.delta", {"bouc_wen.delta", "bouc_wen.alpha"}, [], MODERATE),
     "the scale of a bracket": (
@@ -91,7 +91,7 @@ REDUNDANT = {
         [],
         MODERATE,
     ),
-    # The gas force is known but for a few newtons, which are all there is of the offset.
+    # The gas force is known except for a few newtons, which are all of the offset.
     "gas force at rest and offset": (
         "carrera_akutain",
         "gas_spring.static_force",

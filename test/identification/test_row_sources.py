@@ -95,7 +95,7 @@ def pair(model, rows):
     return [Problem(model, source, range(len(model.slots))) for source in sources]
 
 
-def test_a_search_over_rows_apart_ends_where_one_over_all_of_them_does(pair):
+def test_a_search_over_separate_sources_ends_where_one_over_all_rows_does(pair):
     one, apart = (refine(problem, problem.start, SIZE)[0] for problem in pair)
     assert apart.cost == pytest.approx(one.cost, rel=1e-10)
     np.testing.assert_allclose(apart.searched, one.searched, rtol=1e-9)
@@ -106,7 +106,7 @@ def test_a_search_over_rows_apart_ends_where_one_over_all_of_them_does(pair):
     assert pair[0].size == pair[1].size and pair[0].natural_sizes() == pytest.approx(pair[1].natural_sizes())
 
 
-def test_excerpts_of_rows_apart_are_those_of_all(pair):
+def test_excerpts_of_separate_sources_are_those_of_all_rows(pair):
     one, apart = (problem.excerpts(3000) for problem in pair)
     assert one.size == apart.size < pair[0].size
     searched = np.array([44.0, 0.001])
@@ -114,7 +114,7 @@ def test_excerpts_of_rows_apart_are_those_of_all(pair):
     assert pair[0].excerpts(10**9) is pair[0]
 
 
-def test_excitations_of_rows_apart_are_those_of_all(pair):
+def test_excitations_of_separate_sources_are_those_of_all_rows(pair):
     one, apart = (ExcitationProblem(problem, {}) for problem in pair)
     assert one.groups == apart.groups
     assert [sizes.tolist() for sizes in one.sizes] == [sizes.tolist() for sizes in apart.sizes]

@@ -14,7 +14,7 @@ from damper_estimator.model import load_model
 from damper_estimator.signals.layout import ROWS, A, V
 
 KNOTS = [-1.2, -0.7, -0.4, -0.2, -0.08, 0.0, 0.08, 0.2, 0.4, 0.7, 1.2]
-FAR = 3.0  # times the fastest sample: as far as a curve is looked at
+FAR = 3.0  # times the fastest sample: the range in which a curve is compared
 NEAR = 2.0  # standard errors by which a determined point may move
 SLIGHT = 0.005  # of the largest force that is determined: such a move matters to nobody
 

@@ -57,12 +57,12 @@ class Estimates:
         rig.wait(lambda: rig.node.count_publishers(topic) > 0, "the controller")
         self._felt = rig.publisher_unmatched(FELT, "geometry_msgs/msg/AccelStamped")
         while not self._felt.get_subscription_count():  # it creates its topics with the first estimate
-            self.tell(0.0)
+            self.publish_estimate(0.0)
             rig.listen(0.1)
         self._added = rig.publisher(ADDED, "sensor_msgs/msg/JointState")
         rig.listen(0.3)
 
-    def tell(self, velocity: float, status: int = GOOD) -> None:
+    def publish_estimate(self, velocity: float, status: int = GOOD) -> None:
         """One estimate, 10 ms after the last one."""
         self.count += 1
         numbers = {name: [0.0] for name in ("displacement", "acceleration", "force")}
@@ -81,7 +81,7 @@ class Estimates:
     def answer(self, velocity: float, status: int = GOOD) -> float:
         """The desired force that answers an estimate."""
         before = len(self.method_options)
-        self.tell(velocity, status)
+        self.publish_estimate(velocity, status)
         self.rig.wait(lambda: len(self.method_options) > before, "a desired force")
         return self.method_options[-1].effort[0]
 
@@ -151,7 +151,7 @@ def test_with_a_table_the_safe_current_is_commanded_without_a_usable_estimate(st
     start_controller(law="groundhook", damping=20000.0, table=by_table(tmp_path), safe_current=SAFE, timeout=1.0)
     estimator = Estimates(rig, "/damper_controller/desired_force")
     commands = estimator.commands
-    estimator.tell(0.3)
+    estimator.publish_estimate(0.3)
     rig.wait(lambda: commands and commands[-1] == SAFE, "the safe current before the body is felt")
 
     def act() -> None:
@@ -162,7 +162,7 @@ def test_with_a_table_the_safe_current_is_commanded_without_a_usable_estimate(st
 
     for velocity, status in ((0.3, STALE), (0.3, DEGRADED), (0.3, 77), (float("nan"), GOOD), (float("inf"), GOOD)):
         act()
-        estimator.tell(velocity, status)
+        estimator.publish_estimate(velocity, status)
         rig.wait(lambda: commands[-1] == SAFE, f"the safe current at {velocity}, {status}")
     act()
     rig.wait(lambda: commands[-1] == SAFE, "the safe current when the estimates stop")
@@ -175,7 +175,7 @@ def test_its_health_reports_whether_it_controls_and_why_not(start_controller, ri
 
     def tell_until(condition, what: str, status: int = GOOD) -> None:
         for _ in range(500):
-            estimator.tell(0.1, status)
+            estimator.publish_estimate(0.1, status)
             rig.listen(0.05)
             if condition(rig.status("damper_controller: left")):
                 return

@@ -24,7 +24,7 @@ def test_the_slope_of_a_straight_line_is_exact():
         (0.998, 0.99, 1.0, -0.008),
     ],
 )
-def test_a_step_goes_up_unless_there_is_more_room_below(value, lower, upper, expected):
+def test_a_step_goes_up_unless_the_range_below_is_larger(value, lower, upper, expected):
     changed, step = stepped(np.array([value]), 0, 1.0, lower, upper, 0.1)
     assert step == pytest.approx(expected) and lower <= changed[0] <= upper + 1e-15
 

@@ -1,4 +1,4 @@
-"""A simulated linear damper with something beside, for the tests of planning."""
+"""A simulated linear damper with an additional force, for the tests of planning."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ import damper_estimator as de
 
 
 def recorded(extra, seconds=12.0, seed=0, rate=500.0, name="old", scale=1.0):
-    """A recording of a linear damper with ``extra(x, v)`` N beside, and 4 N of noise."""
+    """A recording of a linear damper with ``extra(x, v)`` N added, and 4 N of noise."""
     rng = np.random.default_rng(seed)
     time = np.arange(round(seconds * rate)) / rate
     phases = rng.uniform(0.0, 6.0, 8)

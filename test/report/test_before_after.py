@@ -79,7 +79,7 @@ def test_shares_of_effects_inside_a_compliance_add_up_to_the_force(found):
     assert seen["linear_viscous"] == pytest.approx(force, rel=0.1) and seen["oil_spring"] < 0.3 * force
 
 
-def test_the_found_instance_is_told_from_another_of_the_same_effect(found):
+def test_the_found_instance_is_distinguished_from_another_of_the_same_effect(found):
     finding = found.findings[0]
     element = found.elements[0]
     halved = element.with_values(

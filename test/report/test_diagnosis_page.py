@@ -110,7 +110,7 @@ def test_the_worst_passage_shows_every_sample_of_it(found):
     assert np.count_nonzero((time >= start - 1e-4) & (time <= end + 1e-4)) == np.count_nonzero(inside)
 
 
-def test_a_phenomenon_has_one_row_and_tied_ones_stand_beside_what_was_found(found):
+def test_a_phenomenon_has_one_row_and_tied_ones_follow_what_was_found(found):
     others = [row.phenomenon for row in found.ranking if row.phenomenon != found.findings[0].phenomenon and row.kept]
     tied = replace(found.findings[0], tied_with=(others[-1],))
     names = [row.phenomenon for row in ranked(found.ranking, [tied])]
@@ -143,7 +143,7 @@ def test_tied_explanations_are_bracketed(found):
     assert not alone["layout"]["shapes"] and len(drawn["layout"]["shapes"]) == 1
 
 
-def test_parameters_that_changed_are_drawn_and_told(found):
+def test_parameters_that_changed_are_drawn_and_listed(found):
     moved = (Moved("linear_viscous.rebound", "N s/m", 1500.0, 1200.0, 12.0),)
     changed = replace(found, verdict="parameters_changed", findings=(), elements=(), moved=moved)
     page = page_of(changed)
@@ -187,7 +187,7 @@ def test_the_waterfall_falls_from_the_first_error_to_the_last(improved):
         assert ends == pytest.approx(sorted(errors[k - 1 : k + 1]), rel=2e-3, abs=1e-3)
 
 
-def test_every_step_is_told_with_what_was_tried_before_it(improved):
+def test_every_step_is_listed_with_what_was_tried_before_it(improved):
     page = improvement_page([improvement_section("front_left", improved)], "title")
     text = words(page)
     assert "add friction" in text and "take out bouc_wen" in text and "nothing more is justified" in text

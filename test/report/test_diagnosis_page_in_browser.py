@@ -31,8 +31,8 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   seen.push("unfolded " + (plots().length - before) + " [" + undrawn() + "]");
   document.querySelectorAll(".tab")[1].click(); await wait();
   seen.push("hidden " + document.getElementById("damper0").hidden + " [" + undrawn() + "]");
-  const told = document.createElement("pre"); told.id = "seen"; told.textContent = seen.join(";");
-  document.body.replaceChildren(told);
+  const result = document.createElement("pre"); result.id = "seen"; result.textContent = seen.join(";");
+  document.body.replaceChildren(result);
 })();
 </script></body>"""
 

@@ -51,7 +51,7 @@ def test_outliers_and_failures_are_marked_and_linked():
     assert table["reason"][21] == "cut <off>" and table["measures"]["nrmse"][21] is None
 
 
-def test_drifts_and_missing_phenomena_are_told():
+def test_drifts_and_missing_phenomena_are_reported():
     diagnosed = [row(number=k, verdict="missing", missing=["gas_spring"], nrmse=None) for k in range(3)]
     page = fleet_page({"compare": rows(), "diagnose": diagnosed}, [TREND], 1, "the rule")
     assert "1 of 1 dampers drift away" in page and "1970-01-01 to 1970-01-02" in page and "the rule" in page

@@ -47,8 +47,8 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   const before = document.documentElement.className;
   document.getElementById("theme").click(); await wait();
   seen.push("theme " + (before !== document.documentElement.className));
-  const told = document.createElement("pre"); told.id = "seen"; told.textContent = seen.join(";");
-  document.body.replaceChildren(told);
+  const result = document.createElement("pre"); result.id = "seen"; result.textContent = seen.join(";");
+  document.body.replaceChildren(result);
 })();
 </script></body>"""
 

@@ -12,7 +12,7 @@ from browser import BROWSER
 
 BAGS = Path(__file__).resolve().parents[2] / "bags"
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
-PATIENCE = 240.0  # s, for works: a slow machine compiles kernels anew
+PATIENCE = 240.0  # s, for works: a slow machine compiles kernels again
 ACTION = 60.0  # s, for what the page does by itself
 
 
@@ -93,15 +93,15 @@ class Hand:
     def figure(self, name: str) -> dict:
         """What a linked figure draws: its traces' names and its layout."""
         return self.page.evaluate(
-            "name => { const own = document.querySelector(`.figure.${name} .js-plotly-plot`);"
-            " return {data: own.data.map((trace) => ({name: trace.name})), layout: {dragmode: own.layout.dragmode}}; }",
+            "name => { const fig = document.querySelector(`.figure.${name} .js-plotly-plot`);"
+            " return {data: fig.data.map((trace) => ({name: trace.name})), layout: {dragmode: fig.layout.dragmode}}; }",
             name,
         )
 
     def drag(self, place: str, start: tuple[float, float], end: tuple[float, float]) -> None:
         """Drags the mouse between two points of an element, given as shares of its width and height."""
         target = self.page.locator(place).first
-        target.evaluate("own => own.scrollIntoView({block: 'center'})")
+        target.evaluate("element => element.scrollIntoView({block: 'center'})")
         box = target.bounding_box()
         corners = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (start, end)]
         self.page.mouse.move(*corners[0])
@@ -110,7 +110,7 @@ class Hand:
         self.page.mouse.up()
 
     def workers(self, server: subprocess.Popen) -> list[int]:
-        """Processes that work for the server: leaders of a session of their own below its process of forks."""
+        """Processes that work for the server: leaders of separate sessions below its fork server."""
         rows = subprocess.run(["ps", "-eo", "pid=,ppid=,sid="], capture_output=True, text=True).stdout.splitlines()
         parents = {int(pid): (int(parent), int(sid)) for pid, parent, sid in map(str.split, rows)}
         below = {pid for pid, (parent, _) in parents.items() if parent == server.pid}

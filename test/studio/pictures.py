@@ -90,7 +90,7 @@ def compare(user: Hand, camera: Camera) -> None:
 
 
 def learn(user: Hand, camera: Camera) -> None:
-    """The diagnosis while it goes on, what it found, and what an effect would explain."""
+    """The diagnosis while it runs, what it found, and what an effect would explain."""
     user.tab("What is missing")
     user.page.locator("#mode").get_by_text("parameters kept").click()
     user.page.click("#diagnose")
@@ -128,7 +128,7 @@ def change(user: Hand, camera: Camera) -> None:
 
 
 def bench_file() -> str:
-    """A file as a logger writes it, with a target and a counter beside what was measured."""
+    """A file as a logger writes it, with a target and a counter next to what was measured."""
     t = np.arange(0.0, 4.0, 2e-3)
     x = 25.0 * np.sin(8.2 * t) + 6.0 * np.sin(25.8 * t)
     v = 1e-3 * np.gradient(x, t)

@@ -12,7 +12,7 @@ from damper_estimator.studio.folder import LARGEST_YAML, Folder, Taken
 
 @pytest.fixture
 def outside(tmp_path):
-    """The studio's folder beside one that is not its own."""
+    """The studio's folder next to a folder that does not belong to it."""
     (tmp_path / "own" / "below").mkdir(parents=True)
     (tmp_path / "secret.yaml").write_text("effects:\n- coulomb\n")
     return tmp_path / "own"

@@ -55,7 +55,7 @@ def test_by_keyboard_alone(folder):
 
 
 def test_what_is_reported_twice_changes_nothing(folder):
-    """Answers overlap on a slow machine; a list that is made anew takes the focus, and the next key, away."""
+    """Answers overlap on a slow machine; a list that is rebuilt takes the focus, and the next key, away."""
     with served(folder) as (_, url), hand(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         user.until(lambda: user.text_of("regions"))

@@ -42,7 +42,7 @@ sys.addaudithook(_watch)
 
 @pytest.fixture
 def outside(folder, tmp_path_factory):
-    """A folder beside the studio's, with files of every kind that it reads; pipes, devices and links lead there."""
+    """A folder next to the studio's, with files of every kind that it reads; pipes, devices and links lead there."""
     place = tmp_path_factory.mktemp("elsewhere")
     for name in ("secret.yaml", "secret", "metadata.yaml"):
         (place / name).write_text(SECRET)
@@ -127,7 +127,7 @@ def _output(part: str) -> object:
 
 
 def ended(sessions: Sessions, page: str) -> None:
-    """Waits until nothing goes on for a page, or for one that the request made, and lets them go."""
+    """Waits until no work runs for a page, or for one that the request made, and lets them go."""
     for name, (session, _) in list(sessions._open.items()):
         if session.job is not None:
             session.job.wait(20.0)

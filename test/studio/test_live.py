@@ -1,4 +1,4 @@
-"""The studio beside a running node: rolling forces and health, the last minutes as a recording, its diagnosis."""
+"""The studio with a running node: rolling forces and health, the last minutes as a recording, its diagnosis."""
 
 import json
 import os
@@ -26,11 +26,11 @@ def answer():
         path = json.loads(text)["save"]
         print(json.dumps({"failed": "no room"} if "full" in path else {"saved": path, "messages": 7}), flush=True)
 threading.Thread(target=answer, daemon=True).start()
-own = {"force": [[1.0, 2.0], [10.0, -10.0]], "residual": [[2.0], [3.0]], "status": "degraded", "level": 1,
-       "message": "left: error grew from 5 % to 20 % in 3 min", "alarm": True}
+estimates = {"force": [[1.0, 2.0], [10.0, -10.0]], "residual": [[2.0], [3.0]], "status": "degraded", "level": 1,
+             "message": "left: error grew from 5 % to 20 % in 3 min", "alarm": True}
 print("a library says hello", flush=True)
 while True:
-    print(json.dumps({"dampers": {"left": own}, "held": {"seconds": 4.0, "messages": 7}}), flush=True)
+    print(json.dumps({"dampers": {"left": estimates}, "held": {"seconds": 4.0, "messages": 7}}), flush=True)
     time.sleep(0.05)
 """
 # Two dampers at 500 Hz; the force has a part that a linear damper lacks.
@@ -46,7 +46,7 @@ while True:
     t = (now - begin) * 1e-9
     x = [0.02 * math.sin(9.0 * t + phase) for phase in (0.0, 1.0)]
     v = [0.18 * math.cos(9.0 * t + phase) for phase in (0.0, 1.0)]
-    for publisher, field, values in ((pushed, "effort", [1500.0 * own + 300.0 * math.tanh(own / 0.02) for own in v]),
+    for publisher, field, values in ((pushed, "effort", [1500.0 * u + 300.0 * math.tanh(u / 0.02) for u in v]),
                                      (moved, "position", x)):
         message = JointState(name=["left", "right"], **{field: values})
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 1_000_000_000)

@@ -30,7 +30,7 @@ def bench(tmp_path):
     return session
 
 
-def test_diagrams_are_written_beside_earlier_ones(bench):
+def test_diagrams_are_written_next_to_earlier_ones(bench):
     for name in ("diagrams", "diagrams_2"):
         rig_tests.characterize(bench)
         bench.job.wait()

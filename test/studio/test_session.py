@@ -233,7 +233,7 @@ def adding(array, progress):
     return array + 1.0
 
 
-def test_work_in_a_process_of_its_own_gives_its_result_and_its_refusal():
+def test_work_in_a_separate_process_returns_its_result_and_its_refusal():
     reported = []
     done = worker_process.run_in_process(adding, (np.zeros(3),), lambda text, share: reported.append(text))
     assert done.tolist() == [1.0, 1.0, 1.0] and "adding" in reported

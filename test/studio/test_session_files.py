@@ -1,4 +1,4 @@
-"""Sessions are files: nothing of what was done is lost, by whoever and however a page ends."""
+"""Sessions are files: nothing of what was done is lost, whoever ends a page and however."""
 
 import json
 import os

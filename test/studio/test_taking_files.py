@@ -8,7 +8,7 @@ pytestmark = [needs_browser, needs_playwright]
 
 DROP = """async ([names, texts]) => {
   const data = new DataTransfer();
-  names.forEach((name, i) => data.items.add(new File([Uint8Array.from(texts[i], (own) => own.charCodeAt(0))], name)));
+  names.forEach((name, i) => data.items.add(new File([Uint8Array.from(texts[i], (char) => char.charCodeAt(0))], name)));
   const target = document.querySelector('#studio');
   for (const kind of ['dragover', 'drop'])
     target.dispatchEvent(new DragEvent(kind, { bubbles: true, dataTransfer: data }));

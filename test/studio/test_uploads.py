@@ -127,7 +127,7 @@ def test_a_file_is_not_written_through_a_link(tmp_path):
     assert files(tmp_path) == set()
 
 
-def test_the_server_takes_files_of_its_own_pages_alone(tmp_path):
+def test_the_server_accepts_files_from_its_own_pages_only(tmp_path):
     app, sessions = application(Folder(tmp_path), ServerAddress("127.0.0.1", 8050))
     client, page, content = app.server.test_client(), sessions.new(), os.urandom(3_000_000)
 

@@ -66,7 +66,7 @@ def test_the_record_has_the_documented_keys_and_is_plain(viscous, motion, measur
     json.dumps(plain(record), allow_nan=False)
 
 
-def test_another_filter_than_the_fits_is_told(viscous, motion, measured):
+def test_another_filter_than_the_fits_is_reported(viscous, motion, measured):
     m = measured(*motion(5.0), double)
     fitted = replace(viscous, fit={"cutoff": 30.0})
     assert "30 Hz" in compare(fitted, m).warnings[0] and "60 Hz" in compare(fitted, m).warnings[0]
@@ -83,7 +83,7 @@ def test_a_recording_shorter_than_the_warm_up_is_refused(viscous, motion, measur
         compare(viscous, measured(*motion(0.15), double))
 
 
-def test_samples_where_the_model_gives_no_force_are_left_out_and_told(viscous, motion, measured):
+def test_samples_where_the_model_gives_no_force_are_left_out_and_reported(viscous, motion, measured):
     m = measured(*motion(10.0), double)
     m.kinematics.block[3, 2000] = np.nan
     c = compare(viscous, m)

@@ -61,7 +61,7 @@ def test_friction_is_reported_as_the_same_against_every_motion(viscous, motion, 
     assert len(parts.sentences) == 1 and "N too soft both ways, whatever the speed" in parts.sentences[0]
 
 
-def test_zeros_of_recordings_are_told_one_by_one(viscous, motion, measured):
+def test_zeros_of_recordings_are_reported_one_by_one(viscous, motion, measured):
     one, other = (
         measured(*motion(seed=i), with_(lambda k, z=z: z + 0.0 * k.time)) for i, z in enumerate((50.0, -20.0))
     )

@@ -1,4 +1,4 @@
-"""Errors by excitation: each frequency and each group has its own, and together they are the whole."""
+"""Errors by excitation: one for each frequency and each group; together the groups are the whole."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def traces(measured, viscous):
     return make
 
 
-def test_the_relative_error_is_told_for_every_excitation_frequency(traces):
+def test_the_relative_error_is_reported_for_every_excitation_frequency(traces):
     rows = relative_rms(traces((1.0, 0.02, 0.1), (4.0, 0.01, 0.25), (10.0, 0.002, 0.5)))
     assert [row.frequency_hz for row in rows] == pytest.approx([1.0, 4.0, 10.0], rel=0.01)
     assert [row.relative_rms for row in rows] == pytest.approx([s / (1.0 + s) for s in (0.1, 0.25, 0.5)], rel=1e-3)

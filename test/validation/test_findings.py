@@ -103,7 +103,7 @@ def test_a_clipped_gauge_is_named_with_its_limit(recorded):
 
 
 @pytest.mark.parametrize("role", ["displacement", "force"])
-def test_gaps_and_lost_samples_are_told_apart(role, recorded):
+def test_gaps_and_lost_samples_are_distinguished(role, recorded):
     gap = only(recorded(change=without(role, lambda t: (t > 8.0) & (t < 9.5))))
     assert gap.kind == "gaps" and f"the {role} has 1 gap of 1.5 s" in gap.sentence
     assert gap.share == pytest.approx(1.5 / 20.0, rel=0.02)
@@ -136,7 +136,7 @@ def test_an_offset_turns_with_the_sign(recorded):
     assert (force.scale, force.offset) == (-2.0, -30.0)
 
 
-def test_a_drift_of_the_zero_is_told_in_newtons_and_time(recorded):
+def test_a_drift_of_the_zero_is_reported_in_newtons_and_time(recorded):
     finding = only(recorded(change=values("force", lambda t, v: v + 80.0 * np.clip(t - 5.0, 0.0, 10.0) / 10.0)))
     assert finding.kind == "zero_drift"
     drift, begin, end = (float(x) for x in re.findall(r"[-+]?\d+\.?\d*", finding.sentence))
@@ -144,7 +144,7 @@ def test_a_drift_of_the_zero_is_told_in_newtons_and_time(recorded):
     assert corrected(finding).windows[0][1] - corrected(finding).windows[0][0] == pytest.approx(9.0, abs=1.0)
 
 
-def test_zeros_that_differ_between_recordings_are_told(recorded):
+def test_zeros_that_differ_between_recordings_are_reported(recorded):
     one, other = recorded(), recorded(seed=2, change=values("force", lambda t, v: v + 60.0))
     finding = data_findings(None, [one, other])[0]
     assert (finding.kind, finding.recording) == ("zero_differs", "")
@@ -190,7 +190,7 @@ def test_a_rate_too_low_for_the_filter_is_named_and_corrected(recorded):
     assert kinds(recorded(rate=100.0, signal_map=corrected(finding))) == []
 
 
-def test_rounded_equal_and_uneven_stamps_are_told_apart(recorded):
+def test_rounded_equal_and_uneven_stamps_are_distinguished(recorded):
     sentences = [
         only(recorded(rate=300.0, change=stamps("displacement", lambda t: np.round(t, 3)))).sentence,
         only(recorded(change=stamps("force", lambda t: np.round(t, 2)))).sentence,
@@ -203,7 +203,7 @@ def jittering(time):
     return np.sort(time + 1e-3 * np.random.default_rng(1).standard_normal(time.size))
 
 
-def test_clocks_that_run_apart_are_told_in_ppm(recorded):
+def test_clocks_that_run_apart_are_reported_in_ppm(recorded):
     finding = only(recorded(change=stamps("force", lambda t: t * (1.0 + 200e-6))))
     assert finding.kind == "clock_drift" and "slow" in finding.sentence
     assert float(re.search(r"runs ([\d.e+]+) ppm", finding.sentence).group(1)) == pytest.approx(200.0, rel=0.15)

@@ -98,5 +98,5 @@ def test_the_density_of_noise_depends_on_nothing_else(seed, size, jitter, lost):
     assert np.sqrt(density * 250.0) == pytest.approx(size, rel=0.12)
 
 
-def test_no_floor_is_told_of_a_few_samples(viscous, motion, measured):
+def test_no_floor_is_reported_for_a_few_samples(viscous, motion, measured):
     assert np.isnan(compare(viscous, measured(*motion(1.0, rate=80.0), lambda k: 900.0 * k.velocity)).noise_floor_n)

@@ -39,7 +39,7 @@ def test_lateness_does_not_depend_on_gain_and_offset(viscous, motion, measured):
     assert compare(viscous, measured(*motion(), of)).data_quality.skew_s == pytest.approx(0.003, abs=1e-4)
 
 
-def test_lateness_is_not_told_where_the_model_says_too_little(viscous, motion, measured):
+def test_lateness_is_not_reported_where_the_model_explains_too_little(viscous, motion, measured):
     noise = np.random.default_rng(0)
     c = compare(viscous, measured(*motion(), lambda k: 1e5 * k.displacement + 500.0 * noise.standard_normal(len(k))))
     assert np.isnan(c.data_quality.skew_s)

@@ -49,7 +49,7 @@ def test_a_planted_error_is_found_on_its_own_axis(axis, where, viscous, motion, 
     assert found[0].excess >= 0.7 * c.regions[0].excess
 
 
-def test_an_error_after_reversals_is_told_from_slow_motion(viscous, motion, measured):
+def test_an_error_after_reversals_is_distinguished_from_slow_motion(viscous, motion, measured):
     def late(k):
         since = k.time % 0.25
         return 1500.0 * k.velocity + 200.0 * (since < 0.02) * np.sign(k.velocity)
@@ -80,7 +80,7 @@ def test_an_error_of_fast_or_small_motion_is_found_by_frequency_and_amplitude(vi
     assert found[0].where in ("motion above 5 Hz", "amplitude below 5 mm", "amplitude below 2 mm")
 
 
-def test_frequency_is_told_apart_from_speed(viscous, measured):
+def test_frequency_is_distinguished_from_speed(viscous, measured):
     """Two speeds at two frequencies: only the fast small motion is wrong."""
     time, slow = sines((1.0, 8.0))
     loud = 0.5 + 0.5 * np.sign(np.sin(2 * np.pi * time / 16.0))
@@ -102,7 +102,7 @@ def test_a_region_is_narrowed_down_as_far_as_the_data_support(viscous, motion, m
     assert first.share_of_samples < 0.05 and "too soft" in first.what
 
 
-def test_one_planted_error_is_told_once(viscous, motion, measured):
+def test_one_planted_error_is_reported_once(viscous, motion, measured):
     """Whatever else goes with it: speed with acceleration, place with time."""
     for where in (
         lambda k: np.abs(k.velocity) > 0.05,

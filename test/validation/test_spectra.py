@@ -34,7 +34,7 @@ def test_coherences_do_not_depend_on_units():
     assert other.partial["a"] == pytest.approx(one.partial["a"], abs=1e-6)
 
 
-def test_a_copy_of_another_input_cannot_be_told_from_it():
+def test_a_copy_of_another_input_cannot_be_distinguished_from_it():
     one = noise(20000, 0)
     found = coherences(["a", "copy"], [np.stack([one + 0.1 * noise(20000, 1), one, 2.0 * one])], RATE, 0.0)
     assert np.isnan(found.partial["a"]).all() and np.isnan(found.partial["copy"]).all()
@@ -45,7 +45,7 @@ def test_a_short_recording_gives_nothing():
     assert found.frequency.size == 0
 
 
-def test_curves_are_found_beside_each_other():
+def test_additive_curves_are_found_together():
     u, w = noise(50000, 0), noise(50000, 1)
     curves = additive_curves({"u": u, "w": w}, 5.0 * np.tanh(2.0 * u) + 3.0 * w**2)
     knots, values = curves["u"]
