@@ -105,7 +105,9 @@ def _in_machine_code(function: Callable, inline: str) -> Callable:
 def is_kept(function: Callable) -> bool:
     """Whether machine code of a compiled function is kept from an earlier run."""
     folder, code = Path(function.stats.cache_path or ""), function.py_func.__code__
-    return any(folder.glob(f"{Path(code.co_filename).stem}.{function.py_func.__qualname__}-*.nbi"))
+    name = f"{Path(code.co_filename).stem}.{function.py_func.__qualname__}-*"
+    # numba writes the index before the code.
+    return any(folder.glob(f"{name}.nbi")) and any(folder.glob(f"{name}.nbc"))
 
 
 def compile_in_background(function: Callable, work: Callable[[], object]) -> None:
@@ -116,7 +118,7 @@ def compile_in_background(function: Callable, work: Callable[[], object]) -> Non
     """
     if not COMPILED or (os.cpu_count() or 1) < 2 or function in _UNDERWAY or not sys.executable or is_kept(function):
         return
-    code = f"import {work.__module__} as module; module.{work.__name__}()"
+    code = f"import os, {work.__module__} as module; module.{work.__name__}(); os._exit(0)"  # without taking numba down
     paths = [str(Path(__file__).resolve().parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
     with suppress(OSError):
         _UNDERWAY[function] = subprocess.Popen(

@@ -54,7 +54,7 @@ class Line:
         self._append_program(damper.model)
         program, rows, states = damper.model.program, self._table.shape[0], self._states.size
         record = damper.record()
-        wait_for(take_slow, _step)
+        wait_for(watch, _step)
         record["first_row"], record["last_row"] = rows - program.table.shape[0], rows
         # The last number says whether the model restarts at the next sample.
         record["first_state"], record["last_state"] = states - program.states - 1, states - 1
