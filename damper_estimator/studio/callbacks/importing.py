@@ -102,12 +102,15 @@ def _connect_lists(app: Dash, folder: Folder) -> None:
             return *(no_update for _ in _LISTS), no_update
         return *(now[name] for name in _LISTS), now
 
-    @app.callback(Output("bench-file", "value"), Input("added", "data"), prevent_initial_call=True)
+    # Together, since the list drops a value that it does not offer yet.
+    @app.callback(Output("bench-file", "options", allow_duplicate=True), Output("bench-file", "value"),
+                  Input("added", "data"), prevent_initial_call=True)  # fmt: skip
     def show(added):
-        names = [name for name in added or [] if name in folder.bench_files()] if isinstance(added, list) else []
+        offered = folder.bench_files()
+        names = [name for name in added or [] if name in offered] if isinstance(added, list) else []
         if not names:
             raise PreventUpdate
-        return names[-1]
+        return offered, names[-1]
 
 
 def lists(folder: Folder) -> dict[str, list[str]]:
