@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.model import save_model
 from damper_estimator.studio.worker_process import Progress
@@ -28,12 +29,12 @@ class RigTest:
     files: tuple[str, ...]
 
 
-def characterized(case: Case, target: Path, progress: Progress) -> RigTest:
-    """The diagrams, written into a folder: their page, and the model's structure that follows, if any."""
+def characterized(case: Case, root: Path, progress: Progress) -> RigTest:
+    """The diagrams, written into a new folder below ``root``: their page, and the structure that follows, if any."""
     progress("averaging cycles", 0.2)
     found = characterize_case(case)
     files: tuple[str, ...] = ()
-    target.mkdir()
+    target = _new_folder(root, "diagrams")
     if found.characterization.structure is not None:
         save_model(found.structure, target / "structure.yaml")
         files = ("structure.yaml",)
@@ -43,10 +44,29 @@ def characterized(case: Case, target: Path, progress: Progress) -> RigTest:
 
 
 def planned(
-    case: Case, group: Sequence[str], rig: str | Path, minutes: float | None, target: Path, progress: Progress
+    case: Case, group: Sequence[str], rig: str | Path, minutes: float | None, root: Path, progress: Progress
 ) -> RigTest:
-    """The next test, written into a folder: drive.csv (if the rig can play it), plan.yaml and plan.html."""
+    """The next test, written into a new folder: drive.csv (if the rig can play it), plan.yaml and plan.html."""
     found = plan_case(case, tuple(group), rig, minutes, progress)
+    target = _new_folder(root, "test")
     files = found.write(target)
     others = tuple(sorted(file.name for file in files if file.suffix != ".html"))
     return RigTest(f"test for {case.damper}", found.sentence, target.name, "plan.html", others)
+
+
+def _new_folder(root: Path, stem: str) -> Path:
+    """A folder that did not exist: made when there is something to write, so that two pages never share one.
+
+    Raises:
+        InputError: if it cannot be made.
+    """
+    for number in range(1, 1000):
+        target = root / (stem if number == 1 else f"{stem}_{number}")
+        try:
+            target.mkdir()
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise InputError(f"{target}: cannot be made ({error.strerror}); check the studio's folder") from error
+        return target
+    raise InputError(f"{root / stem}: there are too many results; move some of them elsewhere")

@@ -1,7 +1,6 @@
 """Tests on a rig: the diagrams of the open recordings, and the next test. Results go into the studio's folder."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.errors import InputError
@@ -23,8 +22,7 @@ def aims(found: Diagnosis | None) -> dict[str, str]:
 
 def characterize(session: Session) -> None:
     """Begins to average the cycles of the open recordings."""
-    case, target = session.here.case(session.model), _free(session.folder, "diagrams")
-    _begin(session, "characterizing", characterized, (case, target))
+    _begin(session, "characterizing", characterized, (session.here.case(session.model), session.folder.root))
 
 
 def plan(session: Session, aim: object, rig: object, minutes: object) -> None:
@@ -41,8 +39,8 @@ def plan(session: Session, aim: object, rig: object, minutes: object) -> None:
         raise InputError("choose a rig")
     path = session.folder.path(rig) if str(rig).endswith((".yaml", ".yml")) else str(rig)
     group = () if aim == SHARPEN else tuple(str(aim).split("+"))
-    case, target = session.here.case(session.model), _free(session.folder, "test")
-    _begin(session, "planning", planned, (case, group, path, None if minutes is None else float(minutes), target))
+    case, root = session.here.case(session.model), session.folder.root
+    _begin(session, "planning", planned, (case, group, path, None if minutes is None else float(minutes), root))
 
 
 def rigs(folder: Folder) -> list[str]:
@@ -55,9 +53,3 @@ def _begin(session: Session, name: str, function: Callable[..., RigTest], argume
         session.keep_test(run_in_process(function, arguments, progress))
 
     session.start(name, work)
-
-
-def _free(folder: Folder, stem: str) -> Path:
-    """A folder that does not exist yet."""
-    names = (stem if n == 1 else f"{stem}_{n}" for n in range(1, 1000))
-    return next(path for path in map(folder.path, names) if not path.exists())

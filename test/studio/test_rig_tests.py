@@ -1,6 +1,7 @@
 """Tests on a rig from the studio: diagrams, the next test, their pages and files."""
 
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
@@ -11,6 +12,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.studio import rig_tests
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.guard import SANDBOX, ServerAddress
+from damper_estimator.studio.rig_tasks import _new_folder
 from damper_estimator.studio.rig_tests import SHARPEN, aims
 from damper_estimator.studio.server import application
 from damper_estimator.studio.session import Session
@@ -40,6 +42,16 @@ def test_diagrams_are_written_next_to_earlier_ones(bench):
         assert (bench.folder.root / name / "diagrams.html").stat().st_size > 10_000
         assert "structure.yaml" in test.files and (bench.folder.root / name / "structure.yaml").is_file()
     assert f"{name}/structure.yaml" in bench.folder.models()
+
+
+def test_two_pages_never_write_into_one_folder(tmp_path):
+    with ThreadPoolExecutor(8) as pool:
+        made = list(pool.map(lambda _: _new_folder(tmp_path, "test"), range(40)))
+    assert len(set(made)) == 40 and all(folder.is_dir() for folder in made)
+    (tmp_path / "plans").symlink_to("/tmp")
+    assert _new_folder(tmp_path, "plans").name == "plans_2"  # never through a link
+    with pytest.raises(InputError, match="cannot be made"):
+        _new_folder(tmp_path / "missing", "test")
 
 
 def test_a_test_for_the_parameters_is_planned_on_the_chosen_rig(bench):
