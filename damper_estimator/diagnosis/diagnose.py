@@ -35,6 +35,7 @@ from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
 from damper_estimator.identification import usable
+from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation import Comparison, compare, data_findings
@@ -138,7 +139,8 @@ def _searched(
 def _is_identified_on(state: ModelState) -> bool:
     """Whether the model was identified on one of these recordings: then the question is what it lacks, not what
     changed."""
-    names = {Path(str(bag)).name for bag in state.model.fit.get("bags", ())}
+    bags = state.model.fit.get("bags")
+    names = {Path(str(bag)).name for bag in bags} if isinstance(bags, (list, tuple)) else set()
     return any(Path(m.recording).name in names for m in (*state.fit, *state.unseen))
 
 
@@ -194,7 +196,7 @@ def _diagnosis(
     ordered = sorted(taken, key=lambda group: group[0])
     findings = tuple(finding for _, finding, _, _ in ordered)
     last = steps[-1][1] if steps else state
-    then = float(state.model.fit.get("residual_stddev", "nan")) if found.is_survey else None
+    then = recorded(state.model, "residual_stddev") if found.is_survey else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     return Diagnosis(
         model=before.model,

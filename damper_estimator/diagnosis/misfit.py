@@ -20,6 +20,7 @@ from damper_estimator.diagnosis.diagnosis_data import ranges_of, targets, unweig
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
+from damper_estimator.identification.fit_record import recorded
 from damper_estimator.identification.rows import Rows, excerpts
 from damper_estimator.model import DamperModel
 from damper_estimator.numerics import normal_equations
@@ -92,8 +93,8 @@ def is_larger(now: float, then: float) -> bool:
 def has_grown(model: DamperModel, error: float) -> bool:
     """Whether a model's error, share of the force's rms, is clearly larger than when it was identified; true if that is
     unknown. Shares, since the error of a form that is not quite the damper's grows with the motion."""
-    force_n = float(model.fit.get("force_rms", "nan"))
-    return is_larger(error, float(model.fit.get("residual_stddev", "nan")) / force_n if force_n else float("nan"))
+    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
+    return is_larger(error, then_n / force_n if force_n else float("nan"))
 
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:

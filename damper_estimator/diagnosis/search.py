@@ -24,6 +24,7 @@ from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import trial_fit
+from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 
@@ -78,8 +79,7 @@ def search(
     the model was never right, or if nothing is found this way, a pass with ``refit`` refits them with every effect. If
     the model is ``trusted``, because the error that it always had is subtracted, they are kept throughout.
     """
-    tried, untestable = hypotheses_for(model, data.ranges)
-    tried = [hypothesis for hypothesis in tried if hypothesis.name not in skip]
+    tried, untestable = _tried(model, data, skip)
     start = baseline_of(model, data)
     error = rmse(start, without_effects(start)[0])
     may_refit = mode == "both" and not trusted and error > limits().poor * data.force_rms
@@ -100,11 +100,15 @@ def surveyed(
     model: DamperModel, data: DiagnosisData, skip: Collection[str], workers: int, progress: Progress
 ) -> Search:
     """All hypotheses evaluated once, with the model's parameters kept; none is accepted."""
-    tried, untestable = hypotheses_for(model, data.ranges)
-    tried = [hypothesis for hypothesis in tried if hypothesis.name not in skip]
+    tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
     return Search((first,), (), model, rmse(baseline, first.without), untestable, "both", True)
+
+
+def _tried(model: DamperModel, data: DiagnosisData, skip: Collection[str]) -> tuple[list[Hypothesis], dict[str, str]]:
+    found, untestable = hypotheses_for(model, data.ranges)
+    return [hypothesis for hypothesis in found if hypothesis.name not in skip], untestable
 
 
 def _rounds(mode: str, start: Baseline, tried: Sequence[Hypothesis], workers: int, progress: Progress) -> _Pass:
@@ -155,8 +159,7 @@ def as_if_by(first: Round) -> tuple[Accepted, ...]:
 
 def _never_better(current: Baseline) -> bool:
     """Whether the model was about as wrong when it was identified: then nothing speaks for its parameters."""
-    usual = float(current.model.fit.get("residual_stddev", 0.0) or 0.0)
-    return usual > limits().usual * rmse(current, without_effects(current)[0])
+    return recorded(current.model, "residual_stddev") > limits().usual * rmse(current, without_effects(current)[0])
 
 
 def _report(progress: Progress, round_number: int, count: int) -> Callable[[int], None]:

@@ -11,6 +11,7 @@ from damper_estimator.diagnosis.result import Structure
 from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.structure import structure
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 
 _ENOUGH = 0.75  # of what re-identification explains, by one effect instead
@@ -55,7 +56,7 @@ def _enough(found: Search, again: Reidentified, floor: float) -> bool:
 
 def _residual_before(model: DamperModel) -> float:
     """What the model's identification left, N; 0 if unknown."""
-    return float(model.fit.get("residual_stddev", 0.0) or 0.0)
+    return float(np.nan_to_num(recorded(model, "residual_stddev")))
 
 
 def _new_effects_explain_more(accepted: Sequence[Accepted], left_n: float, again: Reidentified) -> bool:

@@ -60,6 +60,12 @@ def record_of(
     }
 
 
+def recorded(model: DamperModel, name: str) -> float:
+    """A number of a model's record of its fit; NaN if it holds none of that name, as a file edited by hand may."""
+    value = model.fit.get(name)
+    return float(value) if isinstance(value, (int, float)) else float("nan")
+
+
 def region_of(channels: Channels) -> dict[str, list[float]]:
     """Lowest and highest value of each recorded channel, without the outermost thousandth on either side."""
     values = {name: channels(row) for name, row in REGION_ROWS.items()}

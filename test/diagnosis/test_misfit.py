@@ -7,6 +7,8 @@ import pytest
 from faults import changed, halves
 
 from damper_estimator.diagnosis import diagnose, with_misfit
+from damper_estimator.diagnosis.apply_finding import state_of
+from damper_estimator.diagnosis.diagnose import _is_identified_on
 from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, without_misfit
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model, parse_model
@@ -62,6 +64,16 @@ def test_a_model_that_errs_by_noise_only_keeps_nothing(user_model, base):
 @pytest.mark.parametrize("broken", [None, 3, {}, {"newtons": {"curve": ["x"]}}, {"newtons": {}, "speed": 1.0}])
 def test_a_record_that_is_something_else_counts_as_none(user_model, broken):
     assert misfit_of({KEY: broken}) is None
+
+
+@pytest.mark.parametrize(
+    "record", [{"force_rms": "much"}, {"force_rms": None}, {"residual_stddev": []}, {"bags": None}, {"bags": 3}]
+)
+def test_a_record_that_was_edited_by_hand_counts_as_unknown(rough, record):
+    model, first, other = rough
+    edited = replace(model, fit={**model.fit, **record})
+    assert has_grown(edited, 0.01) or "bags" in record
+    assert _is_identified_on(state_of(edited, [first], [other])) == ("bags" not in record)
 
 
 def test_what_came_since_is_found_beneath_a_larger_old_error(rough):
