@@ -4,7 +4,6 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from damper_estimator.cli.synth_files import write_record
 from damper_estimator.plant import (
     DAMPERS,
     Record,
@@ -18,6 +17,7 @@ from damper_estimator.plant import (
     without,
 )
 from damper_estimator.vehicle import drive
+from damper_estimator.workflows import write_record
 
 SEED = 2024
 PASSENGER = Setup(DAMPERS["passenger_front"], Sensors())

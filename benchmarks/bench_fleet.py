@@ -24,7 +24,6 @@ from distributed import Client
 from hour_bag import write_hour
 
 from damper_estimator import __version__
-from damper_estimator.cli.synth_files import DISPLACEMENT, EPOCH, FORCE
 from damper_estimator.fleet.cluster import connected
 from damper_estimator.fleet.manifest import find_recordings
 from damper_estimator.fleet.result_rows import write_rows
@@ -34,6 +33,7 @@ from damper_estimator.fleet.verbs import Compare, Diagnose, Fit, Replay, work
 from damper_estimator.plant import DAMPERS, Sensors, measure, simulate
 from damper_estimator.recordings import BagWriter, Stream, joint_states
 from damper_estimator.vehicle import drive
+from damper_estimator.workflows.simulated_bags import DISPLACEMENT, EPOCH, FORCE
 
 MODEL, RATE, CLUSTER = "carrera_akutain", 500.0, "auto"
 SPEED_UP, OVERHEAD = 1.7, 0.05

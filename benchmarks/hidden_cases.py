@@ -17,7 +17,6 @@ import yaml
 from hidden_plans import BENCHED, Plan
 from scipy.interpolate import CubicSpline
 
-from damper_estimator.cli.synth_files import write_record
 from damper_estimator.identification import fit
 from damper_estimator.model import DamperModel, parse_model
 from damper_estimator.model.model_files import model_yaml
@@ -39,6 +38,7 @@ from damper_estimator.plant.parts import AMBIENT_PRESSURE
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, SignalMap, default_signals, measure
 from damper_estimator.vehicle import drive
+from damper_estimator.workflows import write_record
 
 SPEEDS = (0.004, 0.01, 0.02, 0.035, 0.055, 0.08, 0.11, 0.15, 0.2, 0.27, 0.36, 0.5, 0.7, 1.0)
 """m/s, knots of the user's curve in both directions, within the range of the base recording."""

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from damper_estimator.cli.synth_files import DISPLACEMENT, EPOCH, FORCE
 from damper_estimator.plant import DAMPERS, Sensors, measure, simulate
 from damper_estimator.recordings import BagWriter, Stream, joint_states
 from damper_estimator.vehicle import drive
+from damper_estimator.workflows.simulated_bags import DISPLACEMENT, EPOCH, FORCE
 
 CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
 _PIECE = 20.0  # s, simulated part; it begins and ends at rest, so it can be repeated

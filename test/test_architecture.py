@@ -35,7 +35,7 @@ ALLOWED = {
     "report": {"recordings", "validation", "diagnosis", "characterization", "vehicle", "planning"},
     "workflows": {
         "recordings", "signals", "model", "identification", "validation", "characterization", "diagnosis", "control",
-        "planning", "runtime", "report", "codegen",
+        "planning", "runtime", "report", "codegen", "plant", "vehicle",
     },
     # The vehicle for the simulated ride over DDS.
     "node": {"signals", "model", "runtime", "validation", "control", "recordings", "vehicle", "numerics"},

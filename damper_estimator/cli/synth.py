@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from damper_estimator.cli.drive_playback import played_drive
-from damper_estimator.cli.synth_files import write_record, write_signal_map, write_truth
 from damper_estimator.cli.verb_support import progress, write_json
 from damper_estimator.errors import InputError
 from damper_estimator.files import plain
@@ -32,6 +31,7 @@ from damper_estimator.plant import (
     without,
 )
 from damper_estimator.vehicle import EXCITATIONS, drive
+from damper_estimator.workflows import write_record, write_signal_map, write_truth
 
 _PLAYED = 900  # added to the seed of the noise
 

@@ -11,6 +11,7 @@ from damper_estimator.report.import_page import column_rows, import_figures, imp
 from damper_estimator.report.improvement_page import improvement_page, improvement_section
 from damper_estimator.report.page import plotly_from, save_plotly
 from damper_estimator.report.plan_page import plan_figure, plan_page
+from damper_estimator.report.ride_page import ride_figure, ride_page
 from damper_estimator.report.story_page import Story, story_page
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
 
@@ -40,6 +41,8 @@ __all__ = [
     "plotly_figure",
     "plotly_from",
     "ranking_figure",
+    "ride_figure",
+    "ride_page",
     "save_plotly",
     "step_name",
     "story_page",

@@ -6,8 +6,7 @@ import numpy as np
 
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import INK, LINE, Figure, axis, line, shared_arrays, short
-from damper_estimator.vehicle import LIMITS
-from damper_estimator.vehicle.command_comparison import Trial, tracking_ratio
+from damper_estimator.vehicle import LIMITS, Trial, tracking_ratio
 
 COLOURS = {"passive": "@samples", "table": "@model1", "model": "@model0"}
 SHOWN = 1.5
@@ -42,14 +41,19 @@ def ride_page(found: Mapping[str, Surfaces], law: str) -> str:
     )
 
 
+def ride_figure(surfaces: Surfaces) -> Figure:
+    """Error of the damper's force by road and command."""
+    return _bars(surfaces, "tracking_n", 1.0, "rms force error in N")
+
+
 def _for_drivers(surfaces: Surfaces, ratios: Mapping[str, float]) -> str:
     """What a test driver would notice, in a sentence or two."""
     less = {other: [_body_change(surface, other) for surface in surfaces.values()] for other in ("table", "passive")}
     roads = "road" if len(ratios) == 1 else "roads"
     passive, table = _range(less["passive"]), _range(less["table"])
     return (
-        f"over {len(ratios)} {roads}: with the model the body shakes {passive} than with the damper left at one "
-        f"current, and {table} than with the look-up table. The damper gives the force that is asked for with "
+        f"over {len(ratios)} {roads}: with the model the body shakes {passive} with the damper left at one "
+        f"current, and {table} with the look-up table. The damper gives the force that is asked for with "
         f"{_span(min(ratios.values()), max(ratios.values()), 2)} times the table's error."
     )
 
@@ -61,12 +65,15 @@ def _body_change(trials: Mapping[str, Trial], other: str) -> float:
 
 
 def _range(changes: list[float]) -> str:
-    low, high = min(changes), max(changes)
-    if high <= 0.0:
-        return f"{_span(-high, -low)} % less"
-    if low >= 0.0:
-        return f"{_span(low, high)} % more"
-    return f"between {-low:.0f} % less and {high:.0f} % more"
+    """``3 to 5 % less than``, or ``as much as`` if the changes round to nothing."""
+    low, high = round(min(changes)), round(max(changes))
+    if low == high == 0:
+        return "as much as"
+    if high <= 0:
+        return f"{_span(-high, -low)} % less than"
+    if low >= 0:
+        return f"{_span(low, high)} % more than"
+    return f"between {-low} % less and {high} % more than"
 
 
 def _span(low: float, high: float, digits: int = 0) -> str:
@@ -112,7 +119,7 @@ def _figures(surfaces: Surfaces, best: str) -> dict[str, Figure]:
     for values in traces.values():
         values["layout"]["yaxis"]["range"] = ends
     return {
-        "error": _bars(surfaces, "tracking_n", 1.0, "rms force error in N"),
+        "error": ride_figure(surfaces),
         "body": _bars(surfaces, "weighted_acceleration", 1.0, "weighted body acceleration in m/s²"),
         "tyre": _bars(surfaces, "tyre_load", 100.0, "rms tyre load change in %"),
         "stroke": _bars(surfaces, "stroke", 1e3, "rms stroke in mm"),

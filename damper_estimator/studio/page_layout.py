@@ -14,7 +14,7 @@ from damper_estimator.studio.live_panel import live_section
 from damper_estimator.studio.marked_bar import marked_bar
 from damper_estimator.studio.saving import KINDS
 from damper_estimator.studio.view import MOTIONS
-from damper_estimator.workflows import RIG, library_rigs
+from damper_estimator.workflows import RIDE_DAMPERS, RIG, library_rigs
 
 TICK = 500  # ms between two looks at how far the work is
 NOTICE = 5000  # ms between two looks for new files
@@ -235,6 +235,15 @@ def _tests() -> list:
         labelled("on the rig", dcc.Dropdown(library_rigs(), RIG, id="rig", clearable=False)),
         labelled("minutes", number("minutes", "the shortest that decides, at most 10")),
         html.Button("Plan", id="plan", className="primary"),
+        html.H2("Simulated ride"),
+        html.P(
+            "Feed-forward of the current on a simulated damper: a model of this structure, identified there, against "
+            "a look-up table and a passive damper.",
+            className="hint",
+        ),
+        labelled("on the damper", dcc.Dropdown(list(RIDE_DAMPERS), RIDE_DAMPERS[0], id="ride-damper", clearable=False)),
+        labelled("seconds per road", dcc.Input(id="ride-seconds", type="number", min=5, max=120, value=12)),
+        html.Button("Ride", id="ride"),
         html.P("", id="tests-message", className="message"),
         html.Div(id="tests-done"),
     ]

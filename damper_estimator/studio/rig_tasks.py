@@ -1,4 +1,4 @@
-"""The work on tests of a rig, in a worker process: results are written into a folder that is new."""
+"""The work on tests, in a worker process: results are written into a new folder."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from pathlib import Path
 
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
-from damper_estimator.model import save_model
+from damper_estimator.model import DamperModel, save_model
 from damper_estimator.studio.worker_process import Progress
-from damper_estimator.workflows import Case, characterize_case, plan_case
+from damper_estimator.workflows import Case, characterize_case, plan_case, ride
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class RigTest:
         folder: where it was written, in the studio's folder.
         page: the name of its page there.
         files: the names of the other files there.
+        steps: what a test drives, one line each.
     """
 
     title: str
@@ -27,6 +28,7 @@ class RigTest:
     folder: str
     page: str
     files: tuple[str, ...]
+    steps: tuple[str, ...] = ()
 
 
 def characterized(case: Case, root: Path, progress: Progress) -> RigTest:
@@ -51,7 +53,18 @@ def planned(
     target = _new_folder(root, "test")
     files = found.write(target)
     others = tuple(sorted(file.name for file in files if file.suffix != ".html"))
-    return RigTest(f"test for {case.damper}", found.sentence, target.name, "plan.html", others)
+    steps = tuple(step.words for step in found.plan.steps)
+    return RigTest(f"test for {case.damper}", found.sentence, target.name, "plan.html", others, steps)
+
+
+def ridden(model: DamperModel, damper: str, seconds: float, root: Path, progress: Progress) -> RigTest:
+    """The ride with a model of the given structure, written into a new folder: page and identified model."""
+    found = ride(model, [damper], seconds=seconds, progress=progress)
+    target = _new_folder(root, "ride")
+    write_text(target / "ride.html", found.page())
+    name = f"{damper}.yaml"
+    save_model(found.only.trained.model, target / name)
+    return RigTest(f"ride of {model.name} on {damper}", found.sentence, target.name, "ride.html", (name,))
 
 
 def _new_folder(root: Path, stem: str) -> Path:

@@ -1,14 +1,14 @@
-"""Tests on a rig: the diagrams of the open recordings, and the next test. Results go into the studio's folder."""
+"""Diagrams of the open recordings, the next test on a rig, and simulated rides; results go into the studio's folder."""
 
 from collections.abc import Callable
 
 from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.errors import InputError
 from damper_estimator.studio.folder import Folder
-from damper_estimator.studio.rig_tasks import RigTest, characterized, planned
+from damper_estimator.studio.rig_tasks import RigTest, characterized, planned, ridden
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.worker_process import Progress, run_in_process
-from damper_estimator.workflows import library_rigs
+from damper_estimator.workflows import RIDE_DAMPERS, library_rigs
 
 SHARPEN = "parameters"  # the aim of a test that makes the parameters more certain
 
@@ -41,6 +41,19 @@ def plan(session: Session, aim: object, rig: object, minutes: object) -> None:
     group = () if aim == SHARPEN else tuple(str(aim).split("+"))
     case, root = session.here.case(session.model), session.folder.root
     _begin(session, "planning", planned, (case, group, path, None if minutes is None else float(minutes), root))
+
+
+def ride(session: Session, damper: object, seconds: object) -> None:
+    """Begins to compare the feed-forward of the current by a model of this structure with a table and a passive damper.
+
+    Raises:
+        InputError: for a damper that is not offered, or a drive that is too short or too long.
+    """
+    if damper not in RIDE_DAMPERS:
+        raise InputError("choose a simulated damper")
+    if not (isinstance(seconds, (int, float)) and 5.0 <= seconds <= 120.0):
+        raise InputError("give the length of a drive in seconds, 5 to 120")
+    _begin(session, "riding", ridden, (session.model, str(damper), float(seconds), session.folder.root))
 
 
 def rigs(folder: Folder) -> list[str]:

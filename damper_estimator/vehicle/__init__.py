@@ -5,6 +5,7 @@ run = on_posts(load_car("compact_car"), {"front": model, "rear": model}, four_po
 """
 
 from damper_estimator.vehicle.closed_loop import CornerSensors, Ride, RunningRide, Sensed, attainable, ride
+from damper_estimator.vehicle.command_comparison import Trial, compare_commands, tracking_ratio
 from damper_estimator.vehicle.damper_drives import EXCITATIONS, ROADS, drive
 from damper_estimator.vehicle.four_posts import PostRun, Transfer, four_posts, on_posts, sweep, transfer
 from damper_estimator.vehicle.full_car import WHEELS, Axle, Body, FullCar, library_vehicles, load_car
@@ -39,8 +40,10 @@ __all__ = [
     "Sensed",
     "Surface",
     "Transfer",
+    "Trial",
     "attainable",
     "bump_height",
+    "compare_commands",
     "drive",
     "four_posts",
     "library_vehicles",
@@ -55,6 +58,7 @@ __all__ = [
     "surface_height",
     "suspension_travel",
     "sweep",
+    "tracking_ratio",
     "transfer",
     "wk_gain",
     "wk_weighted",

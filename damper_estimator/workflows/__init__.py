@@ -60,16 +60,21 @@ if TYPE_CHECKING:
     from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, replay_bag, replay_to
     from damper_estimator.workflows.replay_line import ReplayCounts
     from damper_estimator.workflows.replaying import ReplayResults, replay
+    from damper_estimator.workflows.riding import RIDE_DAMPERS, RIDE_LAWS, DamperRide, RideResults, ride
+    from damper_estimator.workflows.simulated_bags import write_record, write_signal_map, write_truth
     from damper_estimator.workflows.taring import Tare, tare
 
 __all__ = [
     "CHANNELS",
+    "RIDE_DAMPERS",
+    "RIDE_LAWS",
     "RIG",
     "Case",
     "CharacterizationResults",
     "ComparisonResults",
     "DamperCharacterized",
     "DamperInspected",
+    "DamperRide",
     "DiagnosisCases",
     "DiagnosisResults",
     "FitOptions",
@@ -88,6 +93,7 @@ __all__ = [
     "ReplayOptions",
     "ReplayResults",
     "ReplaySetup",
+    "RideResults",
     "Tare",
     "WrittenC",
     "WrittenFmu",
@@ -123,11 +129,15 @@ __all__ = [
     "replay",
     "replay_bag",
     "replay_to",
+    "ride",
     "save_fit",
     "signal_map_of",
     "structure_of",
     "tare",
     "to_c",
     "to_fmu",
+    "write_record",
+    "write_signal_map",
+    "write_truth",
 ]
 __getattr__, __dir__ = lazy_names(__name__, __file__)

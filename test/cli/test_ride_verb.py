@@ -35,7 +35,7 @@ def test_the_identified_model_tracks_with_less_than_half_of_the_tables_error(tmp
     ("words", "message"),
     [
         (["-m", "linear_viscous"], "its force does not depend on the command"),
-        (["--seconds", "1", "--seed", "-2"], "--seconds 1 is not between 5 and 600; --seed -2 is negative"),
+        (["--seconds", "1", "--seed", "-2"], "seconds 1 is not between 5 and 600; seed -2 is negative"),
     ],
 )
 def test_unusable_input_is_refused_before_any_simulation(words, message, capsys):

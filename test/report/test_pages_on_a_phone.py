@@ -14,9 +14,8 @@ from damper_estimator.report import comparison_page, damper_section
 from damper_estimator.report.comfort_page import comfort_page
 from damper_estimator.report.front_page import front_page
 from damper_estimator.report.ride_page import ride_page
-from damper_estimator.vehicle import CORNER_CASES, LIMITS, Surface, load_car, single_curve
+from damper_estimator.vehicle import CORNER_CASES, LIMITS, Surface, compare_commands, load_car, single_curve
 from damper_estimator.vehicle.comfort import AXLES, comfort_run
-from damper_estimator.vehicle.command_comparison import compare_commands
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 AMPLITUDES = (0.001, 0.02)

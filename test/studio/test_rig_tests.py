@@ -1,4 +1,4 @@
-"""Tests on a rig from the studio: diagrams, the next test, their pages and files."""
+"""Tests from the studio: diagrams, the next test on a rig, simulated rides, their pages and files."""
 
 import shutil
 from concurrent.futures import ThreadPoolExecutor
@@ -8,7 +8,9 @@ import pytest
 from browser import needs_browser, needs_playwright
 from hand import BAGS, hand, served
 
+from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
+from damper_estimator.model import load_model
 from damper_estimator.studio import rig_tests
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.guard import SANDBOX, ServerAddress
@@ -17,6 +19,7 @@ from damper_estimator.studio.rig_tests import SHARPEN, aims
 from damper_estimator.studio.server import application
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.stage import Choice
+from damper_estimator.workflows import ride
 
 HOST = {"Host": "127.0.0.1:8050"}
 
@@ -91,6 +94,35 @@ def test_a_damaged_rig_file_of_the_folder_is_refused_in_one_line(bench):
     assert not bench.tests and not (bench.folder.root / "test").exists()
 
 
+@pytest.mark.parametrize(
+    ("damper", "seconds"), [("../x", 12.0), (None, 12.0), ("soft_mount", 1.0), ("soft_mount", None)]
+)
+def test_a_ride_that_is_not_offered_is_refused_in_one_line(bench, damper, seconds):
+    with pytest.raises(InputError, match="choose a simulated damper|5 to 120"):
+        rig_tests.ride(bench, damper, seconds)
+
+
+def test_a_model_without_current_cannot_ride(bench):
+    rig_tests.ride(bench, "soft_mount", 5.0)
+    bench.job.wait()
+    assert bench.job.state == "failed" and "does not depend on the command" in bench.job.error
+    assert not bench.tests and not (bench.folder.root / "ride").exists()
+
+
+def test_a_ride_is_that_of_the_command_line(tmp_path):
+    shutil.copy(BAGS / "semi_active_road.mcap", tmp_path)
+    session = Session(Folder(tmp_path))
+    session.open(Choice(("semi_active_road.mcap",)), ["semi_active_yield"])
+    session.job.wait()
+    rig_tests.ride(session, "soft_mount", 5.0)
+    session.job.wait()
+    assert session.job.state == "done", session.job.error
+    (made,) = session.tests
+    assert made.sentence == ride("semi_active_yield", ["soft_mount"], seconds=5.0).sentence
+    assert "damper force in N" in (tmp_path / "ride" / "ride.html").read_text(encoding="utf-8")
+    assert load_model(tmp_path / "ride" / "soft_mount.yaml").fit
+
+
 def test_ties_of_the_diagnosis_come_first_among_the_aims():
     findings = [
         SimpleNamespace(phenomenon="friction", tied_with=()),
@@ -141,3 +173,30 @@ def test_diagrams_from_the_tab_to_their_page(tmp_path):
         page.fill("#minutes", "100")
         page.click("#plan")
         user.until(lambda: "minutes" in user.text_of("tests-message"))
+
+
+@needs_browser
+@needs_playwright
+def test_from_a_tie_to_the_drive_that_decides(tmp_path):
+    hidden = ["--hide", "gas_spring", "--strength", "0.04", "--seconds", "20", "--excitation", "road"]
+    assert main(["synth", "-o", str(tmp_path), *hidden]) == 0
+    assert main(["fit", str(tmp_path / "base.mcap"), "-m", "viscous_curve", "-o", str(tmp_path / "mine.yaml")]) == 0
+    with served(tmp_path) as (_, url), hand(url) as user:
+        page = user.page
+        user.open(["fit.mcap"], ["mine.yaml"])
+        user.tab("What is missing")
+        page.click("#diagnose")
+        user.done("diagnosing")
+        page.locator("button", has_text="Plan the test that decides").first.click()
+        user.until(lambda: "gas spring" in user.text_of("aim"))
+        page.click("#plan")
+        user.done("planning")
+        user.until(lambda: "drive.csv" in user.text_of("tests-done"))
+        page.locator(".test-result summary").first.click()
+        assert page.locator(".test-result li").count() >= 1
+        with page.context.expect_page() as opened:
+            page.locator(".test-result a").first.click()
+        opened.value.wait_for_selector(".js-plotly-plot .main-svg")
+        assert "gas spring" in opened.value.inner_text("body")
+        assert not user.faults and not user.foreign
+    assert (tmp_path / "test" / "drive.csv").stat().st_size > 10_000

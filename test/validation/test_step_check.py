@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.cli.synth_files import write_record
 from damper_estimator.errors import InputError
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model
@@ -13,6 +12,7 @@ from damper_estimator.plant import DAMPERS, Sensors, Setup, bench_drive, record
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import load_signal_map, measure
 from damper_estimator.validation.step_check import step_check
+from damper_estimator.workflows import write_record
 
 DAMPER = "passenger_front"
 CORRELATION = 0.90  # what the track paper reaches

@@ -6,8 +6,18 @@ import numpy as np
 import pytest
 
 from damper_estimator.control import ConstantCommand
-from damper_estimator.vehicle import CORNER_CASES, LIMITS, REST, SURFACES, Ride, Surface, ride_measures, wk_weighted
-from damper_estimator.vehicle.command_comparison import compare_commands, tracking_ratio
+from damper_estimator.vehicle import (
+    CORNER_CASES,
+    LIMITS,
+    REST,
+    SURFACES,
+    Ride,
+    Surface,
+    compare_commands,
+    ride_measures,
+    tracking_ratio,
+    wk_weighted,
+)
 
 CORNER = CORNER_CASES["semi_active"]
 BUMP = Surface("bump", 8.0)

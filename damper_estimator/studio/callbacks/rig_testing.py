@@ -1,4 +1,4 @@
-"""Tests: the diagrams of the open recordings, and the next test; each result with its page."""
+"""Tests: the diagrams of the open recordings, the next test, and rides; each result with its page."""
 
 from dash import ALL, Dash, Input, Output, State, ctx, html
 from dash.exceptions import PreventUpdate
@@ -10,7 +10,7 @@ from damper_estimator.studio.sessions import Sessions
 
 
 def connect(app: Dash, sessions: Sessions) -> None:
-    """Two buttons, the aims of a test, and the results."""
+    """Three buttons, the aims of a test, and the results."""
 
     @app.callback(*CHANGES, Output("tests-message", "children", allow_duplicate=True),
                   Input("characterize", "n_clicks"), State("page", "data"), prevent_initial_call=True)  # fmt: skip
@@ -22,6 +22,12 @@ def connect(app: Dash, sessions: Sessions) -> None:
                   prevent_initial_call=True)  # fmt: skip
     def plan(_, aim, rig, minutes, page):
         return answered(sessions, page, lambda session: rig_tests.plan(session, aim, rig, minutes))
+
+    @app.callback(*CHANGES, Output("tests-message", "children", allow_duplicate=True), Input("ride", "n_clicks"),
+                  State("ride-damper", "value"), State("ride-seconds", "value"), State("page", "data"),
+                  prevent_initial_call=True)  # fmt: skip
+    def ride(_, damper, seconds, page):
+        return answered(sessions, page, lambda session: rig_tests.ride(session, damper, seconds))
 
     @app.callback(
         Output("tab", "value", allow_duplicate=True),
@@ -56,7 +62,9 @@ def connect(app: Dash, sessions: Sessions) -> None:
 def _result(test: RigTest, page: str, number: int) -> html.Section:
     link = html.A("open the page", href=f"/test/{page}/{number}", target="_blank", rel="noopener")
     files = ", ".join((test.page, *test.files))
+    steps = [html.Details([html.Summary(f"{len(test.steps)} steps"), html.Ol([html.Li(step) for step in test.steps])])]
+    where = html.P([link, html.Small(f" {files} in {test.folder}")])
     return html.Section(
-        [html.H3(test.title), html.P(test.sentence), html.P([link, html.Small(f" {files} in {test.folder}")])],
+        [html.H3(test.title), html.P(test.sentence), *(steps if test.steps else []), where],
         className="test-result",
     )

@@ -1,4 +1,4 @@
-"""The files of `synth`: bags of simulated records, their true signals, and a signal map."""
+"""Bags of simulated records, their true signals, and a signal map: the files of ``synth`` and ``ride``."""
 
 from collections.abc import Mapping
 from pathlib import Path
