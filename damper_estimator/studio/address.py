@@ -1,6 +1,7 @@
 """The page's address: what it names of a session, so that it can be loaded again or sent to a colleague.
 
-An example is ``?recording=a.mcap&damper=front_left&model=mine.yaml&session=NAME&step=2&tab=steps&from=1.5&to=3``. With
+An example is ``?recording=a.mcap&damper=front_left&model=mine.yaml&session=NAME&step=2&tab=steps&from=1.5&to=3``;
+``dampers=all`` shows all dampers side by side. With
 ``session`` the steps are read from that session's file; without, or where the file has gone, recordings and models are
 opened.
 """
@@ -27,6 +28,7 @@ class Address:
         step: index; None for the last.
         view: recording on view (index), start and stop (s; None for all).
         tab: of the panels; "" for the first.
+        all_dampers: whether the overview of all dampers is on view.
     """
 
     choice: Choice
@@ -35,6 +37,7 @@ class Address:
     step: int | None = None
     view: tuple[int, float | None, float | None] = (0, None, None)
     tab: str = ""
+    all_dampers: bool = False
 
     @property
     def opens(self) -> bool:
@@ -59,7 +62,7 @@ def parsed_address(query: object) -> Address:
     )  # fmt: skip
     view = (_index(last("show")) or 0, _number(last("from")), _number(last("to")))
     models = tuple(given.get("model", ())[:_MOST])
-    return Address(choice, models, last("session"), _index(last("step")), view, last("tab"))
+    return Address(choice, models, last("session"), _index(last("step")), view, last("tab"), last("dampers") == "all")
 
 
 def fields_of(choice: Choice, damper: str, models: tuple[str, ...], session: str, at: int) -> Mapping[str, object]:

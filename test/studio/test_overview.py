@@ -100,10 +100,16 @@ def test_from_the_overview_into_one_damper_and_back(car):
         titles = [text.split()[0] for text in page.locator(".corner h2").all_inner_texts()]
         assert titles == CORNERS
         assert all("N" in text for text in page.locator(".corner .facts").all_inner_texts())
+        user.until(lambda: "dampers=all" in page.url)
+        page.reload()
+        user.done("comparing all")
+        user.until(lambda: page.locator(".corner").count() == 4)
+        assert not page.locator(".figure.time").is_visible()
         page.locator(".corner").nth(3).get_by_role("button").click()
         user.done("opening")
         user.until(lambda: "rear_right" in user.text_of("opened"))
         user.until(page.locator(".figure.time").is_visible)
+        user.until(lambda: "dampers=all" not in page.url)
         user.tab("Model")
         page.click("#refit")
         user.done("identifying")

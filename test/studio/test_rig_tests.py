@@ -173,6 +173,10 @@ def test_diagrams_from_the_tab_to_their_page(tmp_path):
         page.fill("#minutes", "100")
         page.click("#plan")
         user.until(lambda: "minutes" in user.text_of("tests-message"))
+        page.click("#ride")
+        user.done("riding", "failed")
+        user.until(lambda: "does not depend on the command" in user.text_of("tests-message"))
+        assert not user.faults and not user.foreign
 
 
 @needs_browser

@@ -26,7 +26,7 @@
       return lost;
     },
     // The address follows what is open and on view.
-    locate(place, view, tab) {
+    locate(place, view, tab, sight) {
       if (!place) return window.dash_clientside.no_update;
       const query = new URLSearchParams(), last = trail[trail.length - 1];
       for (const [name, value] of Object.entries(place))
@@ -35,6 +35,7 @@
       if (typeof view.start === "number") query.append("from", Number(view.start.toFixed(4)));
       if (typeof view.stop === "number") query.append("to", Number(view.stop.toFixed(4)));
       if (tab && tab !== "fails") query.append("tab", tab);
+      if (sight === "corners") query.append("dampers", "all");
       window.history.replaceState(null, "", "/?" + query);
       if (last && last.opened !== view.opened) trail.length = 0;
       if (!last || !sameStretch(last, view)) trail.push(view);

@@ -15,7 +15,7 @@ from damper_estimator.studio.stage import Choice
 
 _FIRST = 1  # what `Session.opened` counts first: the opening that the address asks for
 _CHOSEN = ("recordings", "unseen", "damper", "map", "models", "start", "stop")
-_NOTHING = [no_update] * (2 + len(_CHOSEN))
+_NOTHING = [no_update] * (3 + len(_CHOSEN))
 
 
 def connect(app: Dash, sessions: Sessions) -> None:
@@ -27,6 +27,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("open-message", "children", allow_duplicate=True),
         Output("view", "data", allow_duplicate=True),
         Output("tab", "value", allow_duplicate=True),
+        Output("studio", "data-sight", allow_duplicate=True),
         *(Output(name, "value", allow_duplicate=True) for name in _CHOSEN),
         Input("address", "data"),
         prevent_initial_call=True,
@@ -52,6 +53,7 @@ def _connect_address(app: Dash) -> None:
     in_browser("reload", Output("studio", "data-lost"), Input("lost", "data"))
     in_browser(
         "locate", Output("studio", "data-place"), Input("place", "data"), Input("view", "data"), Input("tab", "value"),
+        Input("studio", "data-sight"),
     )  # fmt: skip
 
 
@@ -98,7 +100,8 @@ def _shown(address: Address, chosen: Choice, models: tuple[str, ...]) -> list:
     tab = address.tab if address.tab in TABS else no_update
     values = (chosen.fit, chosen.unseen, chosen.damper or None, chosen.signals or None, models)
     lists = [list(value) if isinstance(value, tuple) else value for value in values]
-    return [view, tab, *lists, chosen.start, chosen.stop]
+    sight = "corners" if address.all_dampers else no_update
+    return [view, tab, sight, *lists, chosen.start, chosen.stop]
 
 
 def _earlier(listed: list[tuple[str, str, str]], name: str) -> html.Details | str:

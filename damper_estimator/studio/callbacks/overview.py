@@ -43,6 +43,20 @@ def connect(app: Dash, sessions: Sessions) -> None:
     @app.callback(
         *CHANGES,
         Output("corners-message", "children", allow_duplicate=True),
+        Input("ended", "data"),
+        State("studio", "data-sight"),
+        State("page", "data"),
+        prevent_initial_call=True,
+    )
+    def begin_as_addressed(_, sight, page):
+        session = opened(sessions, page)
+        if session is None or sight != "corners" or session.job.name != "opening" or session.busy or session.corners:
+            raise PreventUpdate
+        return answered(sessions, page, lambda session: session.work_on_all("compare", MODES[0]))
+
+    @app.callback(
+        *CHANGES,
+        Output("corners-message", "children", allow_duplicate=True),
         Input(_OPEN, "n_clicks"),
         State("page", "data"),
         prevent_initial_call=True,

@@ -18,6 +18,7 @@ _PLACES = {
     "judging": 4,
     "characterizing": 5,
     "planning": 5,
+    "riding": 5,
 }
 _PLACES |= dict.fromkeys(DEEDS.values(), 3)
 """Where a work's failure is said, by its name."""
