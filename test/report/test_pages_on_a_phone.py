@@ -2,21 +2,35 @@
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from browser import BROWSER, needs_browser, needs_playwright
+from test_fleet_page import TREND
+from test_fleet_page import row as fleet_row
 from test_page_in_browser import comparison
 
+import damper_estimator as de
 from damper_estimator.control import ConstantCommand
 from damper_estimator.model import load_model
-from damper_estimator.report import comparison_page, damper_section
+from damper_estimator.report import (
+    comparison_page,
+    damper_section,
+    diagnosis_page,
+    diagnosis_section,
+    improvement_page,
+    improvement_section,
+)
 from damper_estimator.report.comfort_page import comfort_page
+from damper_estimator.report.fleet_page import fleet_page
 from damper_estimator.report.front_page import front_page
 from damper_estimator.report.ride_page import ride_page
 from damper_estimator.vehicle import CORNER_CASES, LIMITS, Surface, compare_commands, load_car, single_curve
 from damper_estimator.vehicle.comfort import AXLES, comfort_run
+from damper_estimator.workflows import characterize, guess_files
 
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 AMPLITUDES = (0.001, 0.02)
 
@@ -45,11 +59,43 @@ def of_comfort() -> str:
     return comfort_page("compact", ("stiffer", "softer"), *runs)
 
 
-MADE = {"comparison": of_a_comparison, "front": of_a_front, "ride": of_a_ride, "comfort": of_comfort}
+def of_a_fleet() -> str:
+    rows = [fleet_row("car 1", number=number, error=0.05 + 0.001 * (number % 4)) for number in range(12)]
+    found = [fleet_row(number=number, verdict="missing", missing=["friction"]) for number in range(4)]
+    return fleet_page({"compare": rows, "diagnose": found}, [TREND], 2, "the rule")
 
 
-@pytest.fixture(scope="module", params=MADE)
-def page(request) -> str:
+def of_characteristics() -> str:
+    return characterize(de.read(BAGS / "passenger_dyno.mcap")).page()
+
+
+def of_a_plan() -> str:
+    return de.plan(de.read(BAGS / "passenger_road.mcap"), "viscous_curve", parameters=True, minutes=0.5).page()
+
+
+def of_an_import(folder: Path) -> str:
+    time = np.arange(3000) / 300.0
+    x, v = 20.0 * np.sin(9.4 * time), 0.188 * np.cos(9.4 * time)
+    rows = [f"{t:.5f},{a:.5f},{b:.3f}" for t, a, b in zip(time, x, 1500.0 * v, strict=True)]
+    (folder / "bench.csv").write_text("\n".join(["time_s,disp_mm,force_N", *rows]))
+    (guessed,) = guess_files([folder / "bench.csv"], folder / "bench.mcap")
+    return guessed.page.read_text(encoding="utf-8")
+
+
+MADE = {
+    "comparison": of_a_comparison, "front": of_a_front, "ride": of_a_ride, "comfort": of_comfort, "fleet": of_a_fleet,
+    "characteristics": of_characteristics, "plan": of_a_plan,
+}  # fmt: skip
+
+
+@pytest.fixture(params=[*MADE, "diagnosis", "improvement", "import"])
+def page(request, tmp_path) -> str:
+    if request.param == "import":
+        return of_an_import(tmp_path)
+    if request.param == "diagnosis":
+        return diagnosis_page([diagnosis_section("left", request.getfixturevalue("found"))], "title")
+    if request.param == "improvement":
+        return improvement_page([improvement_section("left", request.getfixturevalue("improved"))], "title")
     return MADE[request.param]()
 
 
@@ -82,6 +128,9 @@ def test_it_fits_and_stands_alone(page):
         phone.goto("http://page.test/")
         phone.wait_for_selector(".js-plotly-plot .main-svg")
         assert phone.evaluate("document.documentElement.scrollWidth") <= 390
+        phone.evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true; })")
+        phone.wait_for_timeout(500)
+        assert phone.evaluate("document.documentElement.scrollWidth") <= 390
         browser.close()
     assert not faults and foreign == ["http://page.test/"]
 
@@ -97,6 +146,6 @@ def test_traces_that_are_compared_share_their_scale():
 
 def test_ride_and_comfort_begin_with_what_is_felt_and_explain_the_current():
     ride = of_a_ride()
-    assert re.search(r"the body shakes .* than with the damper left at one current", headline_of(ride))
+    assert re.search(r"the body shakes .* with the damper left at one current", headline_of(ride))
     assert "cannot push where it should pull" in ride
     assert re.search(r"on small bumps \(1 mm\) the body moves \d+ % (more|less)", headline_of(of_comfort()))
