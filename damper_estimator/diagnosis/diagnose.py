@@ -153,16 +153,31 @@ def _steps(
     steps: list[tuple[Accepted, ModelState, float, float]] = []
     current, order = state, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
     for group in order:
-        before, after, promised, taken = current, current, 0.0, []
-        for one in group:
-            promised += max(one.before_n**2 - one.after_n**2, 0.0)
-            after = applied(after, one.element, mode, promised)
-            taken.append((one, after))
+        promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
+        taken = _applied_together(current, group, mode, promised)
+        before, after = current, taken[-1][1]
         if after.delivers(promised, before) or again is not None:
             # Of a pair neither explains anything without the other: both have the error before and after the two.
             steps += [(one, at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
             current = after
     return steps
+
+
+def _applied_together(
+    before: ModelState, group: Sequence[Accepted], mode: str, promised: float
+) -> list[tuple[Accepted, ModelState]]:
+    """The findings of a group with the model after each; of a pair only one if it does as well as both: identified with
+    all parameters, it may explain what it did not explain while they were kept.
+    """
+    taken, after = [], before
+    for one in group:
+        after = applied(after, one.element, mode, promised)
+        taken.append((one, after))
+    if len(group) == 1:
+        return taken
+    alone = [taken[0], *((one, applied(before, one.element, mode, promised)) for one in group[1:])]
+    best, at = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
+    return taken if after.better_than(at) else [(replace(best, partner=""), at)]
 
 
 def _together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
