@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.compiled import compiled
 from damper_estimator.diagnosis.diagnosis_data import slope_of
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
+from damper_estimator.numerics import hats, play
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 
@@ -113,11 +113,6 @@ def _command(values: np.ndarray, ends: tuple[float, float] | None) -> np.ndarray
     if _varying(values, ends, _LEAST_COMMAND) is None:
         return None
     return values / max(abs(ends[0]), abs(ends[1]))
-
-
-def hats(values: np.ndarray, knots: np.ndarray) -> Columns:
-    """Piecewise linear functions, each one at its knot and zero at the others; constant beyond the ends."""
-    return [np.interp(values, knots, row) for row in np.eye(knots.size)]
 
 
 def _speeds(view: View, shares: Sequence[float]) -> np.ndarray:
@@ -256,24 +251,3 @@ TESTS = (
 )
 STATIC = frozenset({"curve", "friction step", "blow-off", "even"})
 """Tests of a change of the curve; all others count only by what they explain beyond such a change."""
-
-
-@compiled
-def _play_kernel(x, dt, width, out):
-    z = 0.0
-    for i in range(x.size):
-        if dt[i] <= 0.0 or i == 0:
-            z = 0.0
-        else:
-            z = min(max(z + x[i] - x[i - 1], -width), width)
-        out[i] = z / width
-
-
-def play(x: np.ndarray, dt: np.ndarray, width: float) -> np.ndarray:
-    """(n,) share -1 to 1 of the force that an elastic, perfectly plastic element of half width (m) has reached.
-
-    Source: Jenkin's element of the Prandtl-Ishlinskii model.
-    """
-    out = np.empty(x.size)
-    _play_kernel(np.ascontiguousarray(x), np.ascontiguousarray(dt), width, out)
-    return out

@@ -4,6 +4,7 @@ from damper_estimator.numerics.bootstrap import block_draws
 from damper_estimator.numerics.bounded import bounded_least_squares
 from damper_estimator.numerics.covariance import Directions, directions, standard_errors
 from damper_estimator.numerics.differences import ROUGH, SMOOTH, stepped
+from damper_estimator.numerics.form_free import hats, play
 from damper_estimator.numerics.long_run import MEMORY, block_variance, long_run_variance, score_covariance
 from damper_estimator.numerics.normal import damped_step, least_squares, normal_equations
 from damper_estimator.numerics.quantiles import order_statistics
@@ -20,10 +21,12 @@ __all__ = [
     "bounded_least_squares",
     "damped_step",
     "directions",
+    "hats",
     "least_squares",
     "long_run_variance",
     "normal_equations",
     "order_statistics",
+    "play",
     "rank_correlation",
     "score_covariance",
     "standard_errors",

@@ -140,7 +140,7 @@ def per_recording(comparison: Comparison) -> tuple[Comparison, ...]:
 
 
 def _judged(model: DamperModel, traces: Sequence[Trace]) -> Comparison:
-    floors = [noise_floor(model, t.measurement) for t in traces]
+    floors = [noise_floor(t.measurement) for t in traces]
     shares = [t.judged.sum() for t in traces]
     coherent, quality, parts = coherence(traces), data_quality(traces), error_parts(traces)
     together = pool(traces, parts.slow)  # last: the other results need as much memory

@@ -1,5 +1,5 @@
 """The error that a perfect model would still show: gauge noise, and displacement noise carried through filter and
-model.
+damper. It belongs to the recording: no model takes part in it.
 
 Noise is white, and quantised. Its density comes from the part of a channel that neighbouring samples do not predict:
 each sample less the cubic through two on either side, at the times of their stamps, so that neither motion nor uneven
@@ -7,8 +7,9 @@ sampling nor a lost sample counts. Motion and force at such high frequencies are
 second, and by the lowest part of the spectrum above a fifth of the rate, over the gain of the cubic; the smaller result
 is used.
 
-Both channels are then simulated: noise and quantisation are added to the signal without them and carried through
-filter, model and band. Quantisation coarser than the noise is not white; its error follows the signal.
+Both channels are then simulated: noise and quantisation are added to the signal without them. Those of the gauge are
+carried through filter and band, those of the displacement through filter, the form-free regression of the force
+(``form_free``), and band. Quantisation coarser than the noise is not white; its error follows the signal.
 """
 
 from dataclasses import dataclass
@@ -16,14 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
-from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate, low_pass_zero_phase
 from damper_estimator.signals.layout import A, V, X
 from damper_estimator.signals.rest import quantum
+from damper_estimator.validation.form_free import form_free
 
 _LEAST_SAMPLES = 100
-_MOST_SAMPLES = 200_000  # more take longer without a better result
+_MOST_SAMPLES = 100_000  # more take longer without a better result
 _SEGMENT = 512
 _CUBIC = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0  # evenly sampled
 _LOWEST, _HIGHEST, _PARTS = 0.2, 0.49, 6  # of the rate
@@ -32,21 +33,19 @@ _QUIET = 1.0  # s
 _DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
 _ALIKE = 2.0  # variances of quiet seconds over that of the quietest
 _COARSE = 2.0  # quantum over noise above which the signal is reconstructed from the moments of its changes
+_VISIBLE = 2.0  # standard deviations of the displacement's error: narrower pre-sliding is not seen
 _SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that is tried then
-_MOTION = 0.1  # s over which motion is distinguished from noise
-_SLOW = 1.0  # Hz
 
 
-def noise_floor(model: DamperModel, measurement: Measurement) -> float:
+def noise_floor(measurement: Measurement) -> float:
     """RMS error in N at the comparison's bandwidth; NaN where the recording is too short."""
     measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
     judged = measurement.judged
-    through_gauge, through_model = _gauge_error(measurement), _model_error(model, measurement)
-    if through_gauge is None or through_model is None or not judged.any():
+    through_gauge, through_damper = _gauge_error(measurement), _damper_error(measurement)
+    if through_gauge is None or through_damper is None or not judged.any():
         return float("nan")
-    judged = judged & np.isfinite(through_model)
-    error = measurement.in_band(np.where(np.isfinite(through_model), through_model, 0.0) - through_gauge)
-    return float(np.sqrt(np.mean(error[judged] ** 2))) if judged.any() else float("nan")
+    error = measurement.in_band(through_damper - through_gauge)
+    return float(np.sqrt(np.mean(error[judged] ** 2)))
 
 
 def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
@@ -193,29 +192,19 @@ def _gauge_error(m: Measurement) -> np.ndarray | None:
     return m.as_gauge(error)
 
 
-def _model_error(model: DamperModel, m: Measurement) -> np.ndarray | None:
-    """(n,) N, error of the modelled force due to noise and quantisation of the displacement."""
+def _damper_error(m: Measurement) -> np.ndarray | None:
+    """(n,) N, error of the force of a perfect model due to noise and quantisation of the displacement."""
     k = m.kinematics
     channel = _channel(k.stamp, m.raw_displacement, m.band)
-    if channel is None:
+    if channel is None or not m.judged.any():
         return None
     error = _filtered(m, channel.error(1), 0.0)
+    damper = form_free([m], with_acceleration=False, finest=_VISIBLE * float(np.std(error[0][m.judged])))
     block = k.block.copy()
-    block[[X, V, A]] = _without_noise(m, _filtered(m, channel.smooth, channel.smooth[0]), error)
-    still = model.force(block)
+    block[[X, V, A]] = [m.in_band(values) for values in _filtered(m, channel.smooth, channel.smooth[0])]
+    still = damper.force(block)
     block[[X, V, A]] += error
-    return model.force(block) - still
-
-
-def _without_noise(m: Measurement, motion: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """(3, n) the motion as it would be without noise: within the band, and at rest where it is no more than noise.
-
-    Noise releases the force that a friction model keeps at rest, so the difference needs a displacement at rest.
-    """
-    x, v, a = (m.in_band(derivative) for derivative in motion)
-    v, a = (values * _moving(m, values, m.in_band(noise)) for values, noise in ((v, error[1]), (a, error[2])))
-    gone = np.cumsum(v * m.kinematics.dt)
-    return np.stack([gone + low_pass_zero_phase(_SLOW, m.kinematics.dt, x - gone), v, a])
+    return damper.force(block) - still
 
 
 def _filtered(m: Measurement, raw: np.ndarray, start: float) -> np.ndarray:
@@ -225,10 +214,3 @@ def _filtered(m: Measurement, raw: np.ndarray, start: float) -> np.ndarray:
     state[[0, 3]] = start
     differentiate(m.cutoff, np.ascontiguousarray(m.kinematics.dt), raw, state, *out)
     return out
-
-
-def _moving(m: Measurement, value: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """(n,) 0 to 1: the share of a signal that is not noise, by its mean square over a tenth of a second."""
-    size = max(round(_MOTION * m.kinematics.rate), 3)
-    square = np.convolve(value**2, np.full(size, 1.0 / size), mode="same")
-    return np.sqrt(np.maximum(1.0 - 2.0 * float(np.mean(noise**2)) / np.maximum(square, 1e-300), 0.0))

@@ -85,6 +85,12 @@ def driven(damper: str, excitation: str, seed: int, seconds: float = 20.0) -> Tr
 
 
 @pytest.fixture(scope="session")
+def truth_of():
+    """The noise-free record of a simulated damper, by damper, excitation and seed."""
+    return driven
+
+
+@pytest.fixture(scope="session")
 def recorded(tmp_path_factory):
     """Measurement of a simulated damper, through a bag.
 

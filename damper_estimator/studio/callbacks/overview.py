@@ -54,6 +54,13 @@ def connect(app: Dash, sessions: Sessions) -> None:
             raise PreventUpdate
         return answered(sessions, page, lambda session: session.work_on_all("compare", MODES[0]))
 
+    _connect_one(app, sessions)
+    _connect_shown(app, sessions)
+
+
+def _connect_one(app: Dash, sessions: Sessions) -> None:
+    """The way to one damper, and the files of all."""
+
     @app.callback(
         *CHANGES,
         Output("corners-message", "children", allow_duplicate=True),
@@ -78,8 +85,6 @@ def connect(app: Dash, sessions: Sessions) -> None:
             return sessions.of(page).save_all()
         except (InputError, OSError) as error:
             return str(error)
-
-    _connect_shown(app, sessions)
 
 
 def _connect_shown(app: Dash, sessions: Sessions) -> None:

@@ -1,0 +1,31 @@
+"""Columns of form-free regressions: hat functions of a variable, and the memory of a displacement."""
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+
+
+def hats(values: np.ndarray, knots: np.ndarray) -> list[np.ndarray]:
+    """Piecewise linear functions, each one at its knot and zero at the others; constant beyond the ends."""
+    return [np.interp(values, knots, row) for row in np.eye(knots.size)]
+
+
+@compiled
+def _play_kernel(x, dt, width, out):
+    z = 0.0
+    for i in range(x.size):
+        if dt[i] <= 0.0 or i == 0:
+            z = 0.0
+        else:
+            z = min(max(z + x[i] - x[i - 1], -width), width)
+        out[i] = z / width
+
+
+def play(x: np.ndarray, dt: np.ndarray, width: float) -> np.ndarray:
+    """(n,) share -1 to 1 of the force that an elastic, perfectly plastic element of half width (m) has reached.
+
+    Source: Jenkin's element of the Prandtl-Ishlinskii model.
+    """
+    out = np.empty(x.size)
+    _play_kernel(np.ascontiguousarray(x), np.ascontiguousarray(dt), width, out)
+    return out

@@ -1,0 +1,125 @@
+"""A form-free reference: what a linear regression explains of the measured force, without a model of the damper.
+
+Columns are hat functions of velocity (the curve), coarse ones times command, temperature and position, times
+acceleration (masses, lags and compliances), and plays over the displacement (friction), alone and times the command.
+All pass the comparison's low-pass, so the solution is one least-squares problem.
+
+The reference says how much of a force is explainable at least. It is no bound: a model of the right form may be better.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.numerics import hats, play
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
+
+_FINE = (0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 1.0)  # of the highest speed: knots of the curve
+_COARSE = (0.1, 0.4, 1.0)  # the same where it is multiplied by another variable
+_PLAYS = (3e-5, 1e-4, 4e-4, 1.5e-3, 5e-3)  # m, half widths of pre-sliding
+_HIGHEST = 0.999  # quantile of the speed
+_LEAST_KELVIN, _LEAST_COMMAND = 1.0, 0.02
+_RIDGE = 1e-5  # of the mean square of a column
+_MOST_SAMPLES = 30_000  # of the recordings together
+
+
+@dataclass(frozen=True)
+class FormFree:
+    """A regression of the force; ``weights`` (k,) N belong to its columns.
+
+    Attributes:
+        speed: m/s, the highest of the identification.
+        middle: m, of its stroke.
+        command, temperature: centre and half range; None if it did not vary.
+        with_acceleration: whether it has columns with acceleration.
+        plays: m, half widths of pre-sliding.
+    """
+
+    speed: float
+    middle: float
+    command: tuple[float, float] | None
+    temperature: tuple[float, float] | None
+    with_acceleration: bool
+    plays: tuple[float, ...]
+    weights: np.ndarray
+
+    def force(self, block: np.ndarray) -> np.ndarray:
+        """(n,) N on a sample block."""
+        total = np.zeros(block.shape[1])
+        for weight, column in zip(self.weights, self.columns(block), strict=True):
+            total += weight * column
+        return total
+
+    def columns(self, block: np.ndarray) -> Iterator[np.ndarray]:
+        """Columns (n,) of a sample block, one by one: all of them would need much memory."""
+        x, v = block[X] - self.middle, block[V]
+        coarse = hats(v, self._knots(_COARSE))
+        plays = [play(block[X], block[DT], width) for width in self.plays]
+        yield from hats(v, self._knots(_FINE))
+        yield from (*plays, x, x**2 * np.sign(x))
+        yield from (x * column for column in coarse)
+        if self.command is not None:
+            share = _share(block[COMMAND], self.command)
+            yield from (power * column for power in (share, share**2) for column in (*coarse, *plays))
+        if self.temperature is not None:
+            share = _share(block[TEMPERATURE], self.temperature)
+            yield from (share * column for column in coarse)
+        if self.with_acceleration:
+            yield from (block[A] * column for column in coarse)
+
+    def _knots(self, shares: Sequence[float]) -> np.ndarray:
+        above = self.speed * np.array(shares)
+        return np.concatenate([-above[::-1], [0.0], above])
+
+
+def form_free(measurements: Sequence[Measurement], with_acceleration: bool = True, finest: float = 0.0) -> FormFree:
+    """The regression on recordings of one damper, pooled.
+
+    Args:
+        finest: m, smallest half width of pre-sliding that the displacement's noise leaves visible.
+    """
+    blocks = [m.kinematics.block for m in measurements]
+    judged = [m.judged for m in measurements]
+
+    def pooled(row: int) -> np.ndarray:
+        return np.concatenate([block[row][good] for block, good in zip(blocks, judged, strict=True)])
+
+    x = pooled(X)
+    empty = FormFree(
+        speed=max(float(np.quantile(np.abs(pooled(V)), _HIGHEST)), 1e-6),
+        middle=0.5 * float(x.min() + x.max()),
+        command=_range(pooled(COMMAND), _LEAST_COMMAND),
+        temperature=_range(pooled(TEMPERATURE), _LEAST_KELVIN),
+        with_acceleration=with_acceleration,
+        plays=tuple(width for width in _PLAYS if width >= finest),
+        weights=np.zeros(0),
+    )
+    every = max(sum(int(good.sum()) for good in judged) // _MOST_SAMPLES, 1)
+    rows, forces = [], []
+    for m, block, good in zip(measurements, blocks, judged, strict=True):
+        rows.append(np.stack([m.in_band(column)[good][::every] for column in empty.columns(block)], axis=1))
+        forces.append(m.in_band(np.asarray(m.force))[good][::every])
+    return _solved(empty, np.concatenate(rows), np.concatenate(forces))
+
+
+def _solved(empty: FormFree, rows: np.ndarray, force: np.ndarray) -> FormFree:
+    size = np.sqrt(np.mean(rows**2, axis=0)) + 1e-300
+    normal = (rows / size).T @ (rows / size)
+    normal[np.diag_indices_from(normal)] += _RIDGE * len(rows)
+    weights = np.linalg.solve(normal, (rows / size).T @ force) / size
+    return replace(empty, weights=weights)
+
+
+def _range(values: np.ndarray, least: float) -> tuple[float, float] | None:
+    """Centre and half range; None if it is too small or unknown."""
+    if not values.size or not np.isfinite(values).all():
+        return None
+    low, high = float(values.min()), float(values.max())
+    return (0.5 * (low + high), 0.5 * (high - low)) if high - low >= least else None
+
+
+def _share(values: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """-1 to 1 over the range; 0 where unknown."""
+    return np.nan_to_num((values - ends[0]) / ends[1])
