@@ -156,10 +156,12 @@ def _steps(
         promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
         taken = _applied_together(current, group, mode, promised)
         before, after = current, taken[-1][1]
-        if after.delivers(promised, before) or again is not None:
+        if after.delivers(promised, before):
             # Of a pair neither explains anything without the other: both have the error before and after the two.
             steps += [(one, at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
             current = after
+        elif again is not None:  # it names how the parameters changed, with the errors of the evaluation
+            steps += [(one, at, one.before_n, one.after_n) for one, at in taken]
     return steps
 
 

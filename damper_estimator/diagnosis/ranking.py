@@ -102,7 +102,8 @@ class Round:
         required = limits().gain
         if gain < required:
             return (
-                f"explains {100.0 * gain:.0f} % of the squared error on unseen data; {100.0 * required:.0f} % required"
+                f"explains {_below(gain, required)} % of the squared error on unseen data; "
+                f"{100.0 * required:.0f} % required"
             )
         if low <= 0.0:
             return f"not sure: the gain's 5 % bound is {100.0 * low:.0f} %"
@@ -120,6 +121,12 @@ class Round:
     def confidence(self, group: Sequence[str]) -> float:
         """Probability that one of these phenomena is what is missing."""
         return float(sum(self.probabilities.get(name, 0.0) for name in group))
+
+
+def _below(gain: float, required: float) -> str:
+    """A share in %, with a decimal where it would read as what is required."""
+    text = f"{100.0 * gain:.0f}"
+    return text if int(text) < round(100.0 * required) else f"{np.floor(1000.0 * gain) / 10.0:.1f}"
 
 
 def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str) -> Round:
