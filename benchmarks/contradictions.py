@@ -17,7 +17,7 @@ _EXPLAINS_NOTHING = 0.05  # of the squared error
 
 def in_diagnosis(record: Record) -> list[str]:
     """Contradictions in one damper of ``diagnose --json``, one sentence each."""
-    return [*_verdict(record), *_findings(record), *_reasons(record["rejected"]), *_floor(record)]
+    return [*_verdict(record), *_findings(record), *_reasons(record["rejected"]), *_best(record), *_floor(record)]
 
 
 def in_improvement(record: Record) -> list[str]:
@@ -86,6 +86,12 @@ def _reasons(rejected: Sequence[Record]) -> Iterator[str]:
             yield f"{row['effect']}: {row['reason']}"
         if re.search(r"-0 %", row["reason"]):
             yield f"{row['effect']}: {row['reason']}"
+
+
+def _best(record: Record) -> Iterator[str]:
+    tried = [row for row in record["rejected"] if row.get("kept") or row.get("refitted")]
+    if tried and not record["findings"] and tried[0]["reason"] == "another explains more":
+        yield f"nothing is found, but another explains more than {tried[0]['effect']}, the best"
 
 
 def _floor(record: Record) -> Iterator[str]:

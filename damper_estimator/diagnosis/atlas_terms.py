@@ -24,7 +24,7 @@ _COARSE = (0.1, 0.4, 1.0)  # the same where the curve is multiplied by another v
 _OPENINGS = (0.15, 0.3, 0.5, 0.7)  # of the driven speed, at which a valve may open
 _PLACES = 8  # knots over the driven stroke
 _STOPS = 0.75  # of the half stroke: beyond, an end stop may be touched
-_PLAYS = (1e-4, 4e-4, 1.5e-3, 5e-3)  # m, half widths of pre-sliding
+_PLAYS, _LONG_PLAYS = (1e-4, 4e-4), (1.5e-3, 5e-3)  # m, half widths of the travel before sliding, and longer ones
 _STEPS = (0.01, 0.05)  # of the driven speed: widths of a step at rest
 _LEAST_KELVIN = 1.0
 _LEAST_COMMAND = 0.02  # A: less than this is a standing current
@@ -136,12 +136,16 @@ def _step(view: View) -> Columns:
     return [np.tanh(view.v / (share * view.ranges.speed)) for share in _STEPS]
 
 
-def _plays(view: View) -> Columns:
-    return [play(view.x, view.dt, width) for width in _PLAYS]
+def _plays(view: View, widths: Sequence[float]) -> Columns:
+    return [play(view.x, view.dt, width) for width in widths]
 
 
 def _friction(view: View) -> Columns:
-    return [*_step(view), *_plays(view)]
+    return [*_step(view), *_plays(view, _PLAYS)]
+
+
+def _memory(view: View) -> Columns:
+    return [*_friction(view), *_plays(view, _LONG_PLAYS)]
 
 
 def _beyond(view: View) -> Columns:
@@ -191,7 +195,7 @@ def _warm(view: View) -> Columns | None:
 def _current(view: View) -> Columns | None:
     if view.command is None:
         return None
-    memory = [play(view.x, view.dt, width) for width in _PLAYS[:3]]
+    memory = _plays(view, (*_PLAYS, _LONG_PLAYS[0]))
     return _times([*_coarse(view), *_step(view), *memory], view.command, view.command**2)
 
 
@@ -228,7 +232,8 @@ _ELASTIC = ("mass", "shift", "series", "valve")
 
 TESTS = (
     Test("curve", ("friction step", "blow-off", "even"), _curve, "velocity alone: another curve"),
-    Test("friction step", (), _friction, "the direction of motion and its last millimetres"),
+    Test("friction step", (), _friction, "the direction of motion"),
+    Test("memory", ("friction step",), _memory, "the last millimetres of the motion"),
     Test("blow-off", (), _beyond, "velocity beyond an opening speed"),
     Test("even", (), _even, "speed, alike in both directions"),
     Test("temperature", ("curve",), _warm, "velocity and temperature"),
@@ -244,7 +249,7 @@ TESTS = (
     Test("lags", _ELASTIC, _lags, "acceleration, by velocity"),
     Test(
         "history",
-        (*_ELASTIC, "lags", "curve", "friction step"),
+        (*_ELASTIC, "lags", "curve", "friction step", "memory"),
         _history,
         "acceleration and velocity, otherwise on opening than on closing",
     ),

@@ -121,11 +121,10 @@ def derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], 
 
 def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], force: np.ndarray) -> np.ndarray:
     """(r, k) derivatives by parameters times their sizes; those of a compliance's path as if it were rigid."""
-    rigid, origin = model, list(range(len(model.slots)))
+    rigid = model
     while compliances := [label for label, e in labels(rigid.effects) if e.effect.kind == "series"]:
-        in_compliance = [slot.address.rpartition(".")[0] == compliances[0] for slot in rigid.slots]
-        origin = [i for i, inside in zip(origin, in_compliance, strict=True) if not inside]
         rigid = rigid.without(compliances[0])
+    origin = _positions_in(model, rigid)
     if rigid is model or not slots:
         return derivatives(model, rows, slots, force)
     columns = np.zeros((force.size, len(slots)))
@@ -134,6 +133,13 @@ def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[i
     columns[:, stiff] = derivatives(model, rows, [slots[k] for k in stiff], force)
     columns[:, inner] = derivatives(rigid, rows, [origin.index(slots[k]) for k in inner], force_rows(rigid, rows))
     return columns
+
+
+def _positions_in(model: DamperModel, less: DamperModel) -> list[int]:
+    """The slot of ``model`` that each slot of ``less`` is, which has fewer of the same entries."""
+    entries, remaining = list(walk(model.effects)), list(walk(less.effects))
+    slots = {(id(entries[slot.entry]), slot.parameter.name, slot.index): i for i, slot in enumerate(model.slots)}
+    return [slots[id(remaining[slot.entry]), slot.parameter.name, slot.index] for slot in less.slots]
 
 
 def slot_size(slot) -> float:

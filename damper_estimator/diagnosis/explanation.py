@@ -129,14 +129,20 @@ def atlas_of(current: Round) -> tuple[AtlasRow, ...]:
     return tuple(sorted(rows, key=lambda row: -row.explains))
 
 
+_UNDELIVERED = "identified in the model, it does not lower the unseen error by what it explains alone"
+
+
 def ranking_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[RankedEffect, ...]:
     """The first round's hypotheses, best first; ``accepted`` names those that lower the error."""
     first = found.rounds[0]
     best = first.best
     order = sorted(first.hypotheses, key=lambda hypothesis: hypothesis is not best)
     otherwise = "has always been missing: the error is not new" if found.is_survey else "another explains more"
-    rows = [_ranked(first, hypothesis, force_rms, accepted, otherwise) for hypothesis in order]
     by_name = {one.element.effect.name: one for one in reversed(found.accepted)}
+    rows = [
+        _ranked(first, hypothesis, force_rms, accepted, _UNDELIVERED if hypothesis.name in by_name else otherwise)
+        for hypothesis in order
+    ]
     hidden = [_hidden(hypothesis, by_name.get(hypothesis.name)) for hypothesis in first.hidden]
     return tuple(rows + hidden)
 

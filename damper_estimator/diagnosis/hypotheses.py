@@ -6,7 +6,7 @@ a `TrialFit` (`trial_fit`), and then its `Evaluation` on unseen data (`evaluatio
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ import numpy as np
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.discovery import all_effects
-from damper_estimator.effects.trial import Ranges, Trial, Untestable
+from damper_estimator.effects.trial import Number, Ranges, Trial, Untestable
 from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.selection import narrowed
@@ -35,6 +35,7 @@ class Hypothesis:
         element: the entry as it would be added, with start values.
         limits: physical range of parameters by name.
         starts: further start values by name.
+        excludes: says why the effect with fitted values is not what it represents; None if it always is.
         fit: its fitted parameters and what they change; None before the trial fit.
         evaluation: what is left with it on unseen data; None before.
     """
@@ -42,6 +43,7 @@ class Hypothesis:
     element: Element
     limits: Mapping[str, tuple[float, float]]
     starts: Sequence[Mapping[str, float]]
+    excludes: Callable[[Mapping[str, Number]], str] | None = None
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
 
@@ -71,6 +73,11 @@ class Hypothesis:
         return self.evaluation.error + limits().penalty * self.size + limits().at_bound * bool(self.fit.at_bound)
 
     @property
+    def exclusion(self) -> str:
+        """Why it is not what it represents with its fitted values; "" if it is."""
+        return self.excludes(self.fitted_element.parameters) if self.excludes else ""
+
+    @property
     def fitted_element(self) -> Element:
         """The entry with the values of the trial fit."""
         return self.element.with_values(self.fit.values)
@@ -92,7 +99,7 @@ class Hypothesis:
         if fit.hidden or not np.any(fit.change_fit):
             return replace(self, fit=None, evaluation=None)
         given = {name: value for name, value in self.element.parameters.items() if np.ndim(value) == 0}
-        return Hypothesis(self.element.with_values(fit.values), self.limits, (*self.starts, given))
+        return Hypothesis(self.element.with_values(fit.values), self.limits, (*self.starts, given), self.excludes)
 
     def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:
         """The least-squares problem of the effect's parameters, all others kept."""
@@ -142,7 +149,7 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
             physical[parameter.name] = (low, high)
         if parameter.size is None:
             values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
-    return Hypothesis(_element(effect, model, values), physical, trial.starts)
+    return Hypothesis(_element(effect, model, values), physical, trial.starts, trial.exclusion)
 
 
 def _element(effect: Effect, model: DamperModel, values: Mapping[str, object]) -> Element:

@@ -11,6 +11,7 @@ It is kept only if it predicts the last part of those recordings from the first,
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,8 @@ from damper_estimator.model import DamperModel
 from damper_estimator.numerics import normal_equations
 from damper_estimator.signals import Measurement
 
-_KEPT = ("curve", "friction step", "travel", "shift", "series", "lags", "history")
+_KEPT = ("curve", "memory", "travel", "shift", "series", "lags", "history")
+_FORMER = {"friction step": "memory"}  # names of tests in files of earlier versions
 _FIRST = 0.6  # of each recording
 _DIGITS = 5
 _SAMPLES = 100_000  # of long recordings, in excerpts
@@ -77,10 +79,13 @@ def misfit_of(record: Mapping[str, Any]) -> Misfit | None:
     """What a model's record of its fit holds; None where it holds nothing of the kind, or something else."""
     kept = record.get(KEY)
     try:
-        coefficients = {str(name): tuple(float(c) for c in values) for name, values in kept["newtons"].items()}
+        given = {str(name): tuple(float(c) for c in values) for name, values in kept["newtons"].items()}
+        coefficients = {_FORMER.get(name, name): values for name, values in given.items()}
         ranges = _ranges(*(float(kept[name]) for name in ("compression", "extension", "speed")))
         left = float(kept.get("left", "nan"))
     except (TypeError, KeyError, ValueError, AttributeError):
+        return None
+    if any(len(values) != _sizes().get(name) for name, values in coefficients.items()):
         return None
     return Misfit(ranges, coefficients, left)
 
@@ -146,6 +151,14 @@ def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
 
 def _tests():
     return [test for test in TESTS if test.name in _KEPT]
+
+
+@cache
+def _sizes() -> dict[str, int]:
+    """Number of columns of each test."""
+    nothing = np.zeros(2)
+    view = View(nothing, nothing, nothing, nothing, None, None, nothing, nothing, nothing, _ranges(-1.0, 1.0, 1.0))
+    return {test.name: len(test.columns(view) or ()) for test in _tests()}
 
 
 def _system(model: DamperModel, rows: Sequence[Rows], ranges: Ranges) -> tuple[np.ndarray, np.ndarray]:

@@ -54,8 +54,9 @@ def scores_of(
     counted = [test for test in tests if _beyond_simpler(test, tests)]
     curve = next((test.error for test in tests if test.test.name == "curve"), 1.0)
     found = []
-    for phenomenon in dict.fromkeys(hypothesis.phenomenon for hypothesis in hypotheses):
-        tried = [hypothesis for hypothesis in hypotheses if hypothesis.phenomenon == phenomenon]
+    possible = [hypothesis for hypothesis in hypotheses if not hypothesis.exclusion]
+    for phenomenon in dict.fromkeys(hypothesis.phenomenon for hypothesis in possible):
+        tried = [hypothesis for hypothesis in possible if hypothesis.phenomenon == phenomenon]
         names = {name for hypothesis in tried for name in hypothesis.effect.tests}
         explained = 1.0 - min(hypothesis.evaluation.error for hypothesis in tried)
         alike = [test for test in counted if explained >= limits().form * (1.0 - test.error)]

@@ -63,7 +63,7 @@ class Round:
 
     def best_of(self, phenomenon: str) -> Hypothesis:
         """The effect that explains most in the way of one phenomenon."""
-        return next(hypothesis for hypothesis in self.hypotheses if hypothesis.phenomenon == phenomenon)
+        return next(h for h in self.hypotheses if h.phenomenon == phenomenon and not h.exclusion)
 
     def hypothesis(self, effect: str) -> Hypothesis:
         """The one with an effect."""
@@ -95,6 +95,8 @@ class Round:
 
     def reason_against(self, hypothesis: Hypothesis, force_rms: float) -> str:
         """Why the data do not support an effect by itself; "" where they do."""
+        if hypothesis.exclusion:
+            return hypothesis.exclusion
         gain, low, _ = self.gain(hypothesis)
         before, after = rmse(self.baseline, self.without), rmse(self.baseline, self.left(hypothesis))
         if gain <= 0.02:

@@ -81,6 +81,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="hysteresis",
+    tests=("memory",),
     parameters=PARAMETERS,
     states=2,
     order=2,

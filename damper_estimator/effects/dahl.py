@@ -8,11 +8,12 @@ States: F / F_c and the last displacement; second order in the step, from the re
 Dahl 1968.
 """
 
+from collections.abc import Mapping
 from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.effects.trial import Number, Ranges, Trial, slides_late, spread
 from damper_estimator.signals.layout import DT, X
 
 
@@ -39,6 +40,11 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += limit * state[0]
 
 
+def exclusion(values: Mapping[str, Number]) -> str:
+    """Friction slides after a short travel; a longer one would be another effect."""
+    return slides_late(values["force"], values["stiffness"])
+
+
 def trial(ranges: Ranges) -> Trial:
     """Friction slides after a short travel; a longer one would be another effect."""
     least = max(ranges.force / 5e-3, 1e4)
@@ -46,6 +52,7 @@ def trial(ranges: Ranges) -> Trial:
         values={"stiffness": 4.0 * least},
         limits={"stiffness": (least, 1e8), "force": (0.0, 2.0 * ranges.force), "exponent": (0.5, 2.0)},
         starts=spread(force=(0.05 * ranges.force, 0.2 * ranges.force), stiffness=(1.5 * least, 10.0 * least)),
+        exclusion=exclusion,
     )
 
 

@@ -56,16 +56,32 @@ class Trial:
         values: settings and start values by name; the effect's default for the others.
         limits: lowest and highest physical value of parameters by name, narrower than their bounds.
         starts: further start values of parameters by name; the fit continues from the best start.
+        exclusion: says why the effect with some values is no longer what it represents, "" if it is; for limits on
+            several parameters together.
     """
 
     values: Mapping[str, Number] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     starts: tuple[Mapping[str, float], ...] = ()
+    exclusion: Callable[[Mapping[str, Number]], str] | None = None
 
 
 Try = Callable[[Ranges], Trial]
 
+_LONGEST_TRAVEL = 6e-4  # m
+
+
+def slides_late(force: float, stiffness: float) -> str:
+    """Why dry friction with this force (N) and stiffness before sliding (N/m) is no friction; "" if it is.
+
+    Seals slide after some tenths of a millimetre; what needs a longer travel is another memory.
+    """
+    travel = force / stiffness
+    return f"would slide after {1e3 * travel:.2g} mm only: no friction" if travel > _LONGEST_TRAVEL else ""
+
+
 _STANDING = 0.05  # of the largest command: a smaller change counts as constant
+_NOISE = 0.02  # A (or V): so does the noise of a current that is switched off
 
 
 def changing_command(ranges: Ranges) -> tuple[float, float]:
@@ -77,7 +93,7 @@ def changing_command(ranges: Ranges) -> tuple[float, float]:
     if ranges.command is None:
         raise Untestable("no command was recorded")
     low, high = ranges.command
-    if high - low <= _STANDING * max(abs(low), abs(high)):
+    if high - low <= max(_STANDING * max(abs(low), abs(high)), _NOISE):
         raise Untestable("the command did not change")
     return low, high
 

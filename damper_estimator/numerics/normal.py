@@ -41,7 +41,12 @@ def damped_step(columns: np.ndarray, residual: np.ndarray, reach: float) -> np.n
         columns: (r, k) derivatives, each times its parameter's size.
         residual: (r,).
         reach: share of a parameter's size up to which derivatives are trusted.
+
+    No step is taken from numbers that are not finite, or too large to be squared.
     """
-    normal, right = normal_equations(columns, residual)
+    with np.errstate(over="ignore", invalid="ignore"):
+        normal, right = normal_equations(columns, residual)
+    if not (np.isfinite(normal).all() and np.isfinite(right).all()):
+        return np.zeros(columns.shape[1])
     normal[np.diag_indices_from(normal)] += float(np.mean(residual**2)) / reach**2
     return np.linalg.lstsq(normal, -right, rcond=_CUTOFF)[0]
