@@ -5,6 +5,7 @@ the updated figures; without a browser only the server is measured.
 """
 
 import argparse
+import contextlib
 import sys
 from pathlib import Path
 from time import perf_counter, process_time
@@ -32,6 +33,18 @@ def memory(pid: int | str) -> float:
     """Peak memory of a process, GB."""
     text = Path(f"/proc/{pid}/status").read_text()
     return int(text.split("VmHWM:")[1].split()[0]) / 1e6
+
+
+def present_memory(pid: int) -> float:
+    """Present memory of a process and all below it, GB; pages that they share are divided among them."""
+    total, waiting = 0.0, [pid]
+    while waiting:
+        process = Path(f"/proc/{waiting.pop()}")
+        with contextlib.suppress(OSError):  # it may end at any moment
+            total += int((process / "smaps_rollup").read_text().split("Pss:")[1].split()[0]) / 1e6
+            waiting += [int(child) for task in (process / "task").iterdir() for child in
+                        (task / "children").read_text().split()]  # fmt: skip
+    return total
 
 
 def server_alone(folder: Path, name: str) -> None:
@@ -76,12 +89,18 @@ def in_browser(folder: Path, name: str) -> None:
         user.page.click("#open")
         user.page.wait_for_selector(".figure.time .main-svg .scatterlayer .trace")
         print(f"browser: first picture {perf_counter() - began:.1f} s")
-        user.until(lambda: user.told("regions"))
+        user.until(lambda: user.text_of("regions"))
         print(f"browser: regions, map and quality {perf_counter() - began:.1f} s")
         took = [redraw(user, start, start + width) for start, width in ((100, 1800), (500, 300), (2000, 20), (3000, 2))]
         for what, i in (("the figure that is zoomed", 0), ("all four figures", 1)):
             print(f"browser: redraw of {what} {', '.join(f'{1e3 * seconds[i]:.0f}' for seconds in took)} ms")
         print(f"browser: memory of the server at most {memory(process.pid):.2f} GB")
+        began, most = perf_counter(), 0.0
+        user.page.click("#overview")
+        while user.page.locator(".corner").count() < 4:
+            most = max(most, present_memory(process.pid))
+            user.page.wait_for_timeout(100)
+        print(f"browser: all four dampers {perf_counter() - began:.1f} s, memory at most {most:.2f} GB with the worker")
 
 
 def redraw(user: Hand, start: float, stop: float) -> tuple[float, float]:

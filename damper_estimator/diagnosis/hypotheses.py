@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.contract import Effect
 from damper_estimator.effects.discovery import all_effects
-from damper_estimator.effects.trial import Number, Ranges, Trial, Untestable
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
 from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.selection import narrowed
@@ -43,7 +43,7 @@ class Hypothesis:
     element: Element
     limits: Mapping[str, tuple[float, float]]
     starts: Sequence[Mapping[str, float]]
-    excludes: Callable[[Mapping[str, Number]], str] | None = None
+    excludes: Callable[[Mapping[str, Any]], str] | None = None
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
 

@@ -13,7 +13,7 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Number, Ranges, Trial, slides_late, spread
+from damper_estimator.effects.trial import Ranges, Trial, slides_late, spread
 from damper_estimator.signals.layout import DT, X
 
 
@@ -40,7 +40,7 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += limit * state[0]
 
 
-def exclusion(values: Mapping[str, Number]) -> str:
+def exclusion(values: Mapping[str, float]) -> str:
     """Friction slides after a short travel; a longer one would be another effect."""
     return slides_late(values["force"], values["stiffness"])
 

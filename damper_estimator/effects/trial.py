@@ -7,6 +7,7 @@ states its physical limits for the ranges of a recording.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 Number = float | tuple[float, ...]
 
@@ -63,7 +64,7 @@ class Trial:
     values: Mapping[str, Number] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     starts: tuple[Mapping[str, float], ...] = ()
-    exclusion: Callable[[Mapping[str, Number]], str] | None = None
+    exclusion: Callable[[Mapping[str, Any]], str] | None = None
 
 
 Try = Callable[[Ranges], Trial]

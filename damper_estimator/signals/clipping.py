@@ -33,6 +33,8 @@ def _has_steep_run(value: np.ndarray, at: np.ndarray, quantum: float) -> bool:
     """Whether some run of ``at`` has steep ends."""
     edges = np.flatnonzero(np.diff(at.astype(np.int8), prepend=0, append=0))
     first, last = edges[::2], edges[1::2]
+    if (last - first).max(initial=0) < _RUN:
+        return False
     repeats = int(np.median(np.diff(np.flatnonzero(np.diff(value)), prepend=-1)))  # a logger can repeat every value
     long = last - first >= _RUN * repeats
     return any(

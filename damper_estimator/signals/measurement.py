@@ -241,12 +241,16 @@ def _kinematics(
         kinematics, verdict = Differentiator(cutoff, max_gap).block(stamp[inside], displacement[inside], **held)
         parts.append(kinematics)
         raws.append(displacement[inside][verdict < DUPLICATE])
-    joined = Kinematics(
-        np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
-        np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((8, 0)),
+    joined = (
+        parts[0]
+        if len(parts) == 1
+        else Kinematics(
+            np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
+            np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((8, 0)),
+        )
     )
     joined.block[T] = (joined.stamp - origin) / 1e9
-    return joined, np.concatenate(raws or [np.zeros(0)])
+    return joined, raws[0] if len(raws) == 1 else np.concatenate(raws or [np.zeros(0)])
 
 
 def _last_value(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:

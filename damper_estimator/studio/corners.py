@@ -1,7 +1,9 @@
 """All dampers of a recording side by side: how well each one's model agrees, where it fails, and what it lacks."""
 
+import multiprocessing
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,6 +26,7 @@ DEEDS = {"compare": "comparing all", "diagnose": "diagnosing all", "improve": "i
 """What can be done with all dampers in one go, and the name of that work."""
 
 _MOST_DOTS = 700
+_AT_A_TIME = 2
 
 
 @dataclass(frozen=True)
@@ -77,20 +80,39 @@ class Task:
 
 
 def worked_on(task: Task, progress: Progress) -> tuple[Corner, ...]:
-    """Does a task, damper by damper; one that cannot be read does not stop the others."""
-    folder = Folder(task.root)
+    """Does a task, damper by damper; one that cannot be read does not stop the others.
+
+    A comparison uses one processor, so that of two dampers runs at a time; more would need too much memory for long
+    recordings. The other tasks use all processors for each damper.
+    """
     names = list(task.choices)
+    if task.deed == "compare" and min(task.workers, len(names)) > 1:
+        return _compared(task, names, progress)
     corners = []
     for i, name in enumerate(names):
 
         def part(text: str, share: float, i: int = i, name: str = name) -> None:
             progress(f"{name}: {text}", (i + share) / len(names))
 
-        try:
-            corners.append(_corner(folder, task, name, part))
-        except InputError as error:
-            corners.append(Corner(name, failed=str(error)))
+        corners.append(_corner_or_reason(task, name, part))
     return tuple(corners)
+
+
+def _compared(task: Task, names: Sequence[str], progress: Progress) -> tuple[Corner, ...]:
+    corners: dict[str, Corner] = {}
+    with ProcessPoolExecutor(_AT_A_TIME, mp_context=multiprocessing.get_context("fork")) as pool:
+        waiting = {pool.submit(_corner_or_reason, task, name, _silent): name for name in names}
+        for future in as_completed(waiting):
+            corners[waiting[future]] = future.result()
+            progress(f"{waiting[future]}: compared", len(corners) / len(names))
+    return tuple(corners[name] for name in names)
+
+
+def _corner_or_reason(task: Task, name: str, progress: Progress) -> Corner:
+    try:
+        return _corner(Folder(task.root), task, name, progress)
+    except InputError as error:
+        return Corner(name, failed=str(error))
 
 
 def place(damper: str) -> tuple[bool, bool, str]:
@@ -155,3 +177,7 @@ def _picture(view: ModelRun) -> str:
         rows = rows[:: max(rows.size // _MOST_DOTS, 1)]
         clouds.append((velocity[rows], force[rows], colour))
     return dots_picture(clouds)
+
+
+def _silent(_text: str, _share: float) -> None:
+    """Progress of one of several dampers at a time."""
