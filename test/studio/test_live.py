@@ -15,6 +15,7 @@ from hand import hand, served
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import open_bag
+from damper_estimator.studio.callbacks.live_inputs import saved
 from damper_estimator.studio.live import Live
 
 NODE = Path(sysconfig.get_path("scripts")) / "estimator_node"
@@ -160,3 +161,13 @@ def test_what_leads_out_of_the_folder_is_not_opened_for_a_diagnosis(session):
         session.job.wait()
         assert session.job.state == "failed" and "should not have" not in session.job.error
         assert session.stage is stage
+
+
+def test_two_saves_in_one_second_are_two_recordings(session):
+    class Inputs:
+        def save(self, path):
+            path.write_bytes(b"")
+            return 1
+
+    names = {saved(session, Inputs())[0] for _ in range(5)}
+    assert len(names) == 5 and all((session.folder.root / name).exists() for name in names)

@@ -102,5 +102,7 @@ def saved(session: Session, live: Live) -> tuple[str, int]:
     Raises:
         InputError: where nothing came, or it cannot be written.
     """
-    name = f"live_{datetime.now().astimezone():%Y-%m-%d_%H%M%S}.mcap"
+    stem = f"live_{datetime.now().astimezone():%Y-%m-%d_%H%M%S}"
+    names = (f"{stem}.mcap", *(f"{stem}_{number}.mcap" for number in range(2, 100)))  # several in one second
+    name = next(name for name in names if not session.folder.path(name).exists())
     return name, live.save(session.folder.target(name, ".mcap", False))
