@@ -9,6 +9,7 @@ from damper_estimator.numbers import number
 from damper_estimator.numerics import least_squares
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import A, V, X
+from damper_estimator.signals.rest import find_rests
 from damper_estimator.validation.drift import drift
 from damper_estimator.validation.finding import DataFinding, entry
 from damper_estimator.validation.surrogate import Surrogate, Zero, surrogate
@@ -109,6 +110,8 @@ def _drift(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
     found = drift(m, explained)
     if found is None or abs(found.change) <= max(LEAST_DRIFT * explained.rms_n, explained.rest_n):
         return
+    if not _rests_at_both_ends(m):  # while the damper works, its gas and its fluid may change the mean as well
+        return
     begin, end, change = found.begin, found.end, found.change
     start, stop = _calmest_half(explained.zeros[0])
     warmth = _warming(m, begin, end)
@@ -123,6 +126,13 @@ def _drift(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
         m.recording,
         min(abs(change) / explained.rms_n, 1.0),
     )
+
+
+def _rests_at_both_ends(m: Measurement) -> bool:
+    """Whether the damper stands still early and late in the recording."""
+    rests = find_rests(m.kinematics.stamp, m.raw_displacement)
+    seconds = float(m.kinematics.time[-1] - m.kinematics.time[0])
+    return any(rest.end < 0.5 * seconds for rest in rests) and any(rest.start > 0.5 * seconds for rest in rests)
 
 
 def _warming(m: Measurement, begin: float, end: float) -> float:

@@ -9,8 +9,12 @@ from browser import needs_browser, needs_playwright
 from hand import hand, served
 
 from damper_estimator.cli.main import main
+from damper_estimator.studio.page_layout import TABS
 
 pytestmark = [needs_browser, needs_playwright]
+BEYOND = """width => [...document.querySelectorAll("#right button, #right input")].filter((part) =>
+    part.checkVisibility({contentVisibilityAuto: true}) && part.getBoundingClientRect().right > width + 1)
+    .map((part) => part.outerHTML)"""
 SECONDS = 6.0  # of each recording: enough to tell the hidden effect
 
 
@@ -189,4 +193,20 @@ def test_a_model_that_was_never_identified_offers_refit_and_a_moving_slider_grey
         assert float(page.evaluate("getComputedStyle(document.querySelector('#measures')).opacity")) < 0.5
         page.mouse.up()
         user.until(lambda: page.get_attribute("#studio", "data-stale") == "no")
+        assert not user.faults
+
+
+@pytest.mark.parametrize("width", [820, 1024])
+def test_every_panel_fits_a_narrow_screen(folder, width):
+    with served(folder) as (_, url), hand(url, width, 900) as user:
+        widest = "document.documentElement.scrollWidth"
+        assert user.page.evaluate(widest) <= width
+        user.open(["hidden_fit.mcap"], ["linear_viscous"])
+        user.until(lambda: user.text_of("regions"))
+        for name in TABS.values():
+            user.tab(name)
+            user.page.wait_for_timeout(300)
+            assert user.page.evaluate(widest) <= width, name
+            beyond = user.page.evaluate(BEYOND, width)
+            assert not beyond, name
         assert not user.faults
