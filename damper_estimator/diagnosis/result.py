@@ -69,7 +69,7 @@ class Finding:
         tied_with: other phenomena that these data cannot distinguish from it.
         rmse_before_n, rmse_after_n: on unseen data.
         share_of_explainable_error: (MSE before - MSE after) / (MSE before - floor^2).
-        confidence: probability that what is missing is in the tied group.
+        confidence: probability that what is missing is in the tied group, errors of form included.
         gain, low, high: as in ``EvaluationSummary``.
         evidence, test_to_separate: in words.
         remark: where kept and refitted parameters disagree, else "".

@@ -63,6 +63,18 @@ class Thresholds:
         "how fast probability falls with the error that is left",
         "the reliability diagram of the bench (make bench-diagnosis)",
     )
+    form_right: float = _threshold(
+        0.8,
+        "probability",
+        "that the phenomenon is right, whatever the evidence",
+        "one in five clear findings on unknown dampers was wrong (make bench-diagnosis)",
+    )
+    form_share: float = _threshold(
+        1.1,
+        "probability per share of the squared error",
+        "that it is right, where the effect leaves much",
+        "half of the findings that explained less than half of the error were wrong there",
+    )
     tied: float = _threshold(0.1, "probability", "another phenomenon is a tie", "one wrong name in ten is too many")
     hint: float = _threshold(
         0.1, _SQUARE, "effects of a phenomenon whose tests explain less are not tried", "less than half of gain"

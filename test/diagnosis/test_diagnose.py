@@ -30,7 +30,7 @@ def test_the_shipped_story_is_told_right(found_soft):
     assert found_soft.verdict == "missing"
     assert "oil_compressibility" in (first.phenomenon, *first.tied_with)
     assert first.rmse_after_n < 0.6 * first.rmse_before_n
-    assert 0.9 <= first.confidence <= 1.0 and first.low > 0.25
+    assert 0.75 <= first.confidence <= 1.0 and first.low > 0.25
     assert first.evidence and first.test_to_separate
     assert len(first.tied_with) <= 3
 
