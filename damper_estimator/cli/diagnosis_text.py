@@ -22,7 +22,10 @@ def print_diagnosis(damper: str, found: Diagnosis) -> None:
 
 def _findings(found: Diagnosis) -> list[str]:
     share = f", {100.0 * found.rmse_n / found.force_rms_n:.2g} % of the force" if found.force_rms_n else ""
-    lines = [f"  unseen error {number(found.rmse_n)} N{share}; noise floor {number(found.noise_floor_n)} N"]
+    lines = [
+        f"  unseen error {number(found.rmse_n)} N{share}; noise floor {number(found.noise_floor_n)} N; "
+        f"form-free reference {number(found.reference_n)} N"
+    ]
     if found.findings:
         lines += _table(found.findings)
     for finding in found.findings:
@@ -111,11 +114,12 @@ def print_improvement(damper: str, found: Improvement, written: Sequence[Path], 
     print(f"{damper}: {found.sentence}")
     print_findings(first_diagnosis(found).data)
     names = [f"{step_name(step)}{f' ({step.effect})' if step.effect else ''}" for step in found.steps]
-    width = max(map(len, (*names, "noise floor")))
+    width = max(map(len, (*names, "form-free reference")))
     lines = [f"  {'step':<{width}}  {'unseen':>9}  {'fitted':>9}"]
     for name, step in zip(names, found.steps, strict=True):
         row = f"  {name:<{width}}  {number(step.rmse_unseen_n):>7} N  {number(step.rmse_fit_n):>7} N"
         lines.append(f"{row}  {step.note if step.action != 'start' else ''}".rstrip())
+    lines.append(f"  {'form-free reference':<{width}}  {number(found.reference_n):>7} N")
     lines.append(f"  {'noise floor':<{width}}  {number(found.noise_floor_n):>7} N")
     corrections = correction_rows(found)
     if corrections:

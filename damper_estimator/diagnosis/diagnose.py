@@ -38,7 +38,7 @@ from damper_estimator.identification import usable
 from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
-from damper_estimator.validation import Comparison, compare, data_findings
+from damper_estimator.validation import Comparison, compare, data_findings, reference_error
 
 MODES = ("both", "kept", "refit")
 
@@ -243,4 +243,5 @@ def _diagnosis(
         steps=tuple((finding, at) for _, finding, _, at in taken),
         atlas=atlas,
         identified=state if state is not given else None,
+        reference_n=reference_error(state.fit, state.unseen),
     )

@@ -156,4 +156,6 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
     said = [words.get(s.action, "parameters identified again").format(s.effect) for s in done]
     floor = found.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""
-    return f"{', '.join(said)}: the unseen error falls from {first:.3g} to {last:.3g} N{above}."
+    more = found.reference_n < (1.0 - limits().least_fall) * last
+    least = f"; a regression without any form reaches {found.reference_n:.3g} N, so more is explainable" if more else ""
+    return f"{', '.join(said)}: the unseen error falls from {first:.3g} to {last:.3g} N{above}{least}."

@@ -172,6 +172,8 @@ class Diagnosis:
         steps: each finding with the model and its errors after it, in the order in which they are put in.
         atlas: what the form-free tests say of the error of the model as given, the one that explains most first.
         identified: the model after it was identified first, where it had no record of a fit; else None.
+        reference_n: unseen error of the form-free regression (``validation.form_free``): as much is explainable at
+            least; a model of the right form may be better.
     """
 
     model: DamperModel
@@ -196,6 +198,7 @@ class Diagnosis:
     steps: tuple[tuple[Finding, ModelState], ...] = ()
     atlas: tuple[AtlasRow, ...] = ()
     identified: ModelState | None = None
+    reference_n: float = float("nan")
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -207,6 +210,7 @@ class Diagnosis:
             "rmse_n": self.rmse_n,
             "force_rms_n": self.force_rms_n,
             "noise_floor_n": self.noise_floor_n,
+            "reference_n": self.reference_n,
             "rmse_refit_alone_n": self.rmse_refit_alone_n,
             "findings": [finding.record() for finding in self.findings],
             "rejected": [
@@ -269,6 +273,11 @@ class Improvement:
     first: Diagnosis
     final: Diagnosis
 
+    @property
+    def reference_n(self) -> float:
+        """Unseen error of the form-free regression, as in ``Diagnosis``."""
+        return self.final.reference_n
+
     def record(self) -> dict[str, object]:
         """For JSON."""
         names = ("action", "effect", "phenomenon", "rmse_fit_n", "rmse_unseen_n", "note")
@@ -277,5 +286,6 @@ class Improvement:
             "verdict": self.verdict,
             "sentence": self.sentence,
             "noise_floor_n": self.noise_floor_n,
+            "reference_n": self.reference_n,
             "rejected": [ranked.record() for ranked in self.rejected],
         }

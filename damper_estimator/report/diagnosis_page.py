@@ -51,7 +51,7 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
     """The part of the page about one damper."""
     shown = before_after(found)
     figures = force_figures(shown, found.findings) | {
-        "errors": error_bars(_levels(found), found.noise_floor_n, found.force_rms_n),
+        "errors": error_bars(_levels(found), found.noise_floor_n, found.force_rms_n, found.reference_n),
         "ranking": ranking_figure(found.ranking, found.findings, tied_notes(found)),
         "atlas": atlas_figure(found.atlas, found.findings),
     }

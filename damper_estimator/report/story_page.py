@@ -135,9 +135,11 @@ def _figures(story: Story) -> dict[str, object]:
 
 def _errors(story: Story) -> dict[str, object]:
     floor, steps = story.after.noise_floor_n, list(story.steps)
+    reference = story.diagnosis.reference_n if story.diagnosis else float("nan")
     if len(steps) < _LEAST_STEPS:
-        return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor, story.after.measures.force_rms_n)
-    return waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor))
+        force = story.after.measures.force_rms_n
+        return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor, force, reference)
+    return waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor, reference_n=reference))
 
 
 def _on_one_scale(maps: Sequence[Mapping]) -> list[dict[str, object]]:

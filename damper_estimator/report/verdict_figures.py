@@ -15,15 +15,18 @@ _NOTABLE, _MOST_ROWS = 0.03, 8  # of the squared error; rows of the atlas
 _APART = 0.17  # of a row, between the two ways of judging
 
 
-def error_bars(levels: Sequence[tuple[str, float]], floor_n: float, force_n: float) -> Figure:
-    """Unseen error as bars, the first of them before, with the noise floor as a line.
+def error_bars(
+    levels: Sequence[tuple[str, float]], floor_n: float, force_n: float, reference_n: float = float("nan")
+) -> Figure:
+    """Unseen error as bars, the first of them before, with the noise floor and the form-free reference as lines.
 
     Args:
         levels: (name, N) from top to bottom.
         floor_n, force_n: N; the error is also shown as a share of the force.
+        reference_n: N; NaN if it is unknown.
     """
     names, values = [name for name, _ in levels], np.array([value for _, value in levels])
-    most = float(np.nanmax([*values, floor_n]))
+    most = float(np.nanmax([*values, floor_n, reference_n]))
     bars = {
         "type": "bar",
         "orientation": "h",
@@ -41,20 +44,29 @@ def error_bars(levels: Sequence[tuple[str, float]], floor_n: float, force_n: flo
         "bargap": 0.35,
         "showlegend": False,
     }
-    return {"data": [bars], "layout": layout | _floor(floor_n, most), "height": 110 + 42 * len(levels), "plain": True}
+    return {
+        "data": [bars],
+        "layout": layout | _lines(floor_n, reference_n, most),
+        "height": 110 + 42 * len(levels),
+        "plain": True,
+    }
 
 
-def _floor(floor_n: float, most: float) -> Figure:
-    """A dashed line at the noise floor and its name."""
-    if not np.isfinite(floor_n):
-        return {}
-    dashed = {"type": "line", "x0": floor_n, "x1": floor_n, "y0": 0, "y1": 1, "yref": "paper"}
-    right = floor_n < 0.75 * most
-    name = note(
-        f"noise floor {number(floor_n)} N", floor_n, 1.0, xref="x", xanchor="left" if right else "right",
-        yanchor="bottom", font={"color": SOFT, "size": 12},
-    )  # fmt: skip
-    return {"shapes": [dashed | {"line": {"color": INK, "width": 1.5, "dash": "dash"}}], "annotations": [name]}
+def _lines(floor_n: float, reference_n: float, most: float) -> Figure:
+    """Lines at the noise floor (dashed) and at the form-free reference (dotted), with their names."""
+    shapes, names = [], []
+    for level, (value, name, dash) in enumerate(
+        [(floor_n, "noise floor", "dash"), (reference_n, "form-free reference", "dot")]
+    ):
+        if not np.isfinite(value):
+            continue
+        line = {"type": "line", "x0": value, "x1": value, "y0": 0, "y1": 1, "yref": "paper"}
+        shapes.append(line | {"line": {"color": INK, "width": 1.5, "dash": dash}})
+        names.append(note(
+            f"{name} {number(value)} N", value, 1.0, xref="x", xanchor="left" if value < 0.6 * most else "right",
+            yanchor="bottom", yshift=15 * level, font={"color": SOFT, "size": 12},
+        ))  # fmt: skip
+    return {"shapes": shapes, "annotations": names} if shapes else {}
 
 
 def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = 80) -> Figure:
@@ -249,12 +261,12 @@ def waterfall_figure(found: Improvement) -> Figure:
         "customdata": short([*errors, errors[-1]]),
         "hovertemplate": "%{y}: %{customdata:.4g} N on unseen data<extra></extra>",
     }
-    most = float(np.nanmax(errors))
+    most = float(np.nanmax([*errors, found.reference_n]))
     layout = {
         "xaxis": axis("rms error on unseen data in N", range=[0.0, 1.18 * most]),
         "yaxis": axis(autorange="reversed", showgrid=False),
         "bargap": 0.3,
-        **_floor(floor, most),
+        **_lines(floor, found.reference_n, most),
     }
     return {"data": [bars], "layout": layout, "height": 120 + 34 * len(names), "plain": True}
 

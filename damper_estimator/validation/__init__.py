@@ -5,6 +5,7 @@ from damper_estimator.validation.comparison import Comparison, compare, per_reco
 from damper_estimator.validation.data_quality import DataQuality
 from damper_estimator.validation.finding import DataFinding
 from damper_estimator.validation.findings import data_findings
+from damper_estimator.validation.form_free import reference_error
 from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.regions import Region
 from damper_estimator.validation.spectra import partial_coherence
@@ -31,6 +32,7 @@ __all__ = [
     "measures",
     "partial_coherence",
     "per_recording",
+    "reference_error",
     "step_check",
     "velocity_agreement",
     "verdict",

@@ -104,6 +104,16 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
     return _solved(empty, np.concatenate(rows), np.concatenate(forces))
 
 
+def reference_error(fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> float:
+    """RMS error in N on unseen recordings of the regression on others; NaN without a judged sample."""
+    reference = form_free(fit)
+    squares, count = 0.0, 0
+    for m in unseen:
+        error = m.in_band(reference.force(m.kinematics.block) - np.asarray(m.force))[m.judged]
+        squares, count = squares + float(error @ error), count + error.size
+    return float(np.sqrt(squares / count)) if count else float("nan")
+
+
 def _solved(empty: FormFree, rows: np.ndarray, force: np.ndarray) -> FormFree:
     size = np.sqrt(np.mean(rows**2, axis=0)) + 1e-300
     normal = (rows / size).T @ (rows / size)

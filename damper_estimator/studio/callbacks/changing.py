@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
 
@@ -179,15 +180,19 @@ def _connect_shown(app: Dash, sessions: Sessions) -> None:
         names = [step_name(version.step) for version in history.versions]
         files = [session.saved_as(version) for version in history.versions]
         listed = panels.steps_list(errors, names, files, history.at)
-        drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n)
+        reference = session.diagnosis.reference_n if session.diagnosis else float("nan")
+        drawn = _steps_figure(history, floor, session.shown(session.model).measures.force_rms_n, reference)
         return themed(drawn, theme), height_style(drawn), listed
 
 
-def _steps_figure(history: History, floor_n: float, force_n: float) -> Figure:
+def _steps_figure(history: History, floor_n: float, force_n: float, reference_n: float) -> Figure:
     """The error of the model as given, or what each step took off it."""
     steps = [version.step for version in history.done]
     if len(steps) == 1:
-        return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor_n, force_n)
-    drawn = waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n))
-    drawn["layout"]["xaxis"]["range"] = [0.0, _WIDTH * max(step.rmse_unseen_n for step in steps)]
+        return error_bars([(step_name(steps[0]), steps[0].rmse_unseen_n)], floor_n, force_n, reference_n)
+    drawn = waterfall_figure(SimpleNamespace(steps=steps, noise_floor_n=floor_n, reference_n=reference_n))
+    drawn["layout"]["xaxis"]["range"] = [
+        0.0,
+        _WIDTH * max(*(step.rmse_unseen_n for step in steps), np.nan_to_num(reference_n)),
+    ]
     return drawn
