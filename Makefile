@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test check format demo pictures bench bench-diagnosis bench-plan bench-hidden real-data bench-node soak fuzz man package clean
+.PHONY: help env test check format demo pictures bench bench-diagnosis bench-recordings bench-plan bench-hidden real-data bench-node soak fuzz man package clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -54,6 +54,9 @@ bench-node: env ## the node against a relay at full length: 60 s, five rounds, 2
 
 bench-diagnosis: env ## hide effects in 150 randomly drawn dampers and check whether they are found (FULL=1: 600)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_diagnosis.py -o docs/diagnosis_bench.md
+
+bench-recordings: env ## every verb on real recordings, whole and in windows: no traceback, no contradiction (FULL=1: all)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/every_recording.py $(RECORDINGS)
 
 bench-plan: env ## plan tests for 60 randomly drawn ties, drive them on the plant, and check whether the ties break; resumable
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_plan.py -o docs/planning.md $(PLAN)

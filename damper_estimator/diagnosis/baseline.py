@@ -124,7 +124,7 @@ def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[i
     rigid = model
     while compliances := [label for label, e in labels(rigid.effects) if e.effect.kind == "series"]:
         rigid = rigid.without(compliances[0])
-    origin = _positions_in(model, rigid)
+    origin = positions_in(model, rigid)
     if rigid is model or not slots:
         return derivatives(model, rows, slots, force)
     columns = np.zeros((force.size, len(slots)))
@@ -135,7 +135,7 @@ def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[i
     return columns
 
 
-def _positions_in(model: DamperModel, less: DamperModel) -> list[int]:
+def positions_in(model: DamperModel, less: DamperModel) -> list[int]:
     """The slot of ``model`` that each slot of ``less`` is, which has fewer of the same entries."""
     entries, remaining = list(walk(model.effects)), list(walk(less.effects))
     slots = {(id(entries[slot.entry]), slot.parameter.name, slot.index): i for i, slot in enumerate(model.slots)}

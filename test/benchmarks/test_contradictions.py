@@ -68,7 +68,6 @@ def test_it_sees_a_step_that_raises_the_error_and_a_promise_that_is_not_kept(fou
     ("bag", "window", "model"),
     [
         ("passenger_road.mcap", (2.0, 10.0), "viscous_curve"),
-        ("semi_active_random.mcap", (3.0, 9.0), "spencer"),
     ],
 )
 def test_every_verb_answers_or_refuses_in_a_line(bag, window, model):

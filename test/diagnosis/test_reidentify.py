@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from damper_estimator.cli.main import main
-from damper_estimator.diagnosis.baseline import baseline_of
+from damper_estimator.diagnosis.baseline import baseline_of, positions_in
 from damper_estimator.diagnosis.diagnosis_data import data_of
 from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.identification.knots import with_knots_of, with_placed_knots
-from damper_estimator.model import DamperModel, load_model
+from damper_estimator.model import DamperModel, library_models, load_model
+from damper_estimator.model.element import labels
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, load_signal_map, measure
 
@@ -58,3 +59,14 @@ def test_a_press_is_re_identified_from_a_bare_curve(name, shared_data, tmp_path)
     again = identified_again(load_model("viscous_curve"), measured.part(0, half), measured.part(half, 2 * half))
     assert again.gain > 0.5
     assert {moved.name for moved in again.moved} <= {slot.address for slot in again.model.slots}
+
+
+@pytest.mark.parametrize("name", library_models())
+def test_parameters_keep_their_places_when_compliances_are_taken_as_rigid(name):
+    """Also those that scale a compliance, and those whose labels change because another entry has gone."""
+    model = rigid = load_model(name)
+    while series := [label for label, element in labels(rigid.effects) if element.effect.kind == "series"]:
+        rigid = rigid.without(series[0])
+    places = positions_in(model, rigid)
+    assert len(set(places)) == len(rigid.slots)
+    assert [model.slots[i].value for i in places] == [slot.value for slot in rigid.slots]
