@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damper_estimator.numerics import hats, play
+from damper_estimator.numerics import bounded_least_squares, hats, play
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 
@@ -48,26 +48,30 @@ class FormFree:
     def force(self, block: np.ndarray) -> np.ndarray:
         """(n,) N on a sample block."""
         total = np.zeros(block.shape[1])
-        for weight, column in zip(self.weights, self.columns(block), strict=True):
+        for weight, (column, _) in zip(self.weights, self.columns(block), strict=True):
             total += weight * column
         return total
 
-    def columns(self, block: np.ndarray) -> Iterator[np.ndarray]:
-        """Columns (n,) of a sample block, one by one: all of them would need much memory."""
+    def columns(self, block: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
+        """Columns (n,) of a sample block with the least weight of each, one by one: together they need much memory.
+
+        Friction dissipates, so the weights of plays are not negative; otherwise they would stand in for a compliance.
+        """
         x, v = block[X] - self.middle, block[V]
         coarse = hats(v, self._knots(_COARSE))
         plays = [play(block[X], block[DT], width) for width in self.plays]
-        yield from hats(v, self._knots(_FINE))
-        yield from (*plays, x, x**2 * np.sign(x))
-        yield from (x * column for column in coarse)
+        yield from ((column, -np.inf) for column in (*hats(v, self._knots(_FINE)), x, x**2 * np.sign(x)))
+        yield from ((column, 0.0) for column in plays)
+        yield from ((x * column, -np.inf) for column in coarse)
         if self.command is not None:
-            share = _share(block[COMMAND], self.command)
-            yield from (power * column for power in (share, share**2) for column in (*coarse, *plays))
+            for level in hats(_share(block[COMMAND], self.command), np.array([-1.0, 0.0, 1.0]))[1:]:
+                yield from ((level * column, -np.inf) for column in coarse)
+                yield from ((level * column, 0.0) for column in plays)
         if self.temperature is not None:
             share = _share(block[TEMPERATURE], self.temperature)
-            yield from (share * column for column in coarse)
+            yield from ((share * column, -np.inf) for column in coarse)
         if self.with_acceleration:
-            yield from (block[A] * column for column in coarse)
+            yield from ((block[A] * column, -np.inf) for column in coarse)
 
     def _knots(self, shares: Sequence[float]) -> np.ndarray:
         above = self.speed * np.array(shares)
@@ -97,11 +101,13 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
         weights=np.zeros(0),
     )
     every = max(sum(int(good.sum()) for good in judged) // _MOST_SAMPLES, 1)
-    rows, forces = [], []
+    rows, forces, least = [], [], []
     for m, block, good in zip(measurements, blocks, judged, strict=True):
-        rows.append(np.stack([m.in_band(column)[good][::every] for column in empty.columns(block)], axis=1))
+        shown = [(m.in_band(column)[good][::every], lower) for column, lower in empty.columns(block)]
+        rows.append(np.stack([column for column, _ in shown], axis=1))
         forces.append(m.in_band(np.asarray(m.force))[good][::every])
-    return _solved(empty, np.concatenate(rows), np.concatenate(forces))
+        least = [lower for _, lower in shown]
+    return replace(empty, weights=_solved(np.concatenate(rows), np.concatenate(forces), np.array(least)))
 
 
 def reference_error(fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> float:
@@ -114,12 +120,13 @@ def reference_error(fit: Sequence[Measurement], unseen: Sequence[Measurement]) -
     return float(np.sqrt(squares / count)) if count else float("nan")
 
 
-def _solved(empty: FormFree, rows: np.ndarray, force: np.ndarray) -> FormFree:
+def _solved(rows: np.ndarray, force: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Weights (k,) of columns (r, k), with a ridge."""
     size = np.sqrt(np.mean(rows**2, axis=0)) + 1e-300
-    normal = (rows / size).T @ (rows / size)
-    normal[np.diag_indices_from(normal)] += _RIDGE * len(rows)
-    weights = np.linalg.solve(normal, (rows / size).T @ force) / size
-    return replace(empty, weights=weights)
+    ridge = np.sqrt(_RIDGE * len(rows)) * np.eye(size.size)
+    columns, target = np.vstack([rows / size, ridge]), np.concatenate([force, np.zeros(size.size)])
+    highest = np.full(size.size, np.inf)
+    return bounded_least_squares(columns, target, least, highest, np.zeros(size.size)) / size
 
 
 def _range(values: np.ndarray, least: float) -> tuple[float, float] | None:

@@ -33,7 +33,7 @@ _QUIET = 1.0  # s
 _DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
 _ALIKE = 2.0  # variances of quiet seconds over that of the quietest
 _COARSE = 2.0  # quantum over noise above which the signal is reconstructed from the moments of its changes
-_VISIBLE = 2.0  # standard deviations of the displacement's error: narrower pre-sliding is not seen
+_VISIBLE = 8.0  # standard deviations of the displacement's error: narrower pre-sliding is not seen
 _SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that is tried then
 
 
