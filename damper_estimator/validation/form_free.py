@@ -22,7 +22,7 @@ _PLAYS = (3e-5, 1e-4, 4e-4, 1.5e-3, 5e-3)  # m, half widths of pre-sliding
 _HIGHEST = 0.999  # quantile of the speed
 _LEAST_KELVIN, _LEAST_COMMAND = 1.0, 0.02
 _RIDGE = 1e-5  # of the mean square of a column
-_MOST_SAMPLES = 30_000  # of the recordings together
+_MOST_SAMPLES = 15_000  # of the recordings together
 
 
 @dataclass(frozen=True)
@@ -103,11 +103,15 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
     every = max(sum(int(good.sum()) for good in judged) // _MOST_SAMPLES, 1)
     rows, forces, least = [], [], []
     for m, block, good in zip(measurements, blocks, judged, strict=True):
-        shown = [(m.in_band(column)[good][::every], lower) for column, lower in empty.columns(block)]
-        rows.append(np.stack([column for column, _ in shown], axis=1))
+        columns = [(m.in_band(column)[good][::every], lower) for column, lower in empty.columns(block)]
+        rows.append(np.stack([column for column, _ in columns], axis=1))
         forces.append(m.in_band(np.asarray(m.force))[good][::every])
-        least = [lower for _, lower in shown]
-    return replace(empty, weights=_solved(np.concatenate(rows), np.concatenate(forces), np.array(least)))
+        least = [lower for _, lower in columns]
+    shown, force = np.concatenate(rows), np.concatenate(forces)
+    known = np.isfinite(force) & np.isfinite(shown).all(axis=1)
+    if not known.any():
+        return replace(empty, weights=np.full(shown.shape[1], np.nan))
+    return replace(empty, weights=_solved(shown[known], force[known], np.array(least)))
 
 
 def reference_error(fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> float:
