@@ -157,5 +157,20 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
     floor = found.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""
     more = found.reference_n < (1.0 - limits().least_fall) * last
-    least = f"; a regression without any form reaches {found.reference_n:.3g} N, so more is explainable" if more else ""
-    return f"{', '.join(said)}: the unseen error falls from {first:.3g} to {last:.3g} N{above}{least}."
+    least = f", and a regression without any form reaches {found.reference_n:.3g} N" if more else ""
+    fall = f"the unseen error falls from {first:.3g} to {last:.3g} N"
+    return f"{', '.join(said)}: {fall}{above}{least}. {_why_it_ends(found)}"
+
+
+def _why_it_ends(found: Diagnosis) -> str:
+    """Why nothing more was added after the last diagnosis."""
+    if found.verdict == "unexplained":
+        return found.sentence
+    if found.verdict == "missing":
+        return f"It ends although {found.findings[0].effect} may be missing: no more effects are added at a time."
+    best = found.ranking[0] if found.ranking else None
+    return (
+        f"Nothing more is justified: {best.effect}, the best candidate: {best.reason}."
+        if best and best.reason
+        else ("Nothing more is justified.")
+    )
