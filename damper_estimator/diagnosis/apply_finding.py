@@ -16,6 +16,7 @@ from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
 
 _DELIVERED = 0.5  # of what a finding promises
+_FULFILLED = 0.9  # of it: with less, the other way to identify is tried as well
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,16 @@ class ModelState:
     def delivers(self, promised: float, before: "ModelState") -> bool:
         """Whether the mean squared error (N^2) falls by a good part of what was promised, or by as much as an effect
         must explain to be found."""
-        fall = before.rmse_unseen_n**2 - self.rmse_unseen_n**2
+        fall = self.fall_from(before)
         return fall > 0.0 and fall >= min(_DELIVERED * promised, limits().gain * before.rmse_unseen_n**2)
+
+    def fall_from(self, before: "ModelState") -> float:
+        """By how much the mean squared error on unseen data is lower, N^2."""
+        return before.rmse_unseen_n**2 - self.rmse_unseen_n**2
+
+    def fulfils(self, promised: float, before: "ModelState") -> bool:
+        """Whether the mean squared error (N^2) falls by nearly all that was promised."""
+        return self.fall_from(before) >= _FULFILLED * promised
 
     def better_than(self, other: "ModelState") -> bool:
         """Whether the unseen error is lower by a share that counts."""
@@ -89,7 +98,7 @@ def applied(before: ModelState, element: Element, mode: str, promised: float) ->
     found = []
     if mode != "kept":
         found.append(after.with_model(identified(after, changed)))
-    if mode != "refit" and not (found and found[0].delivers(promised, before)):
+    if mode != "refit" and not (found and found[0].fulfils(promised, before)):
         found.append(after.with_model(identified(after, changed, keep=True), "the other parameters are kept"))
     return min(found, key=lambda one: one.rmse_unseen_n)
 

@@ -173,13 +173,24 @@ def _applied_together(
     """
     taken, after = [], before
     for one in group:
-        after = applied(after, one.element, mode, promised)
+        after = _applied(after, one, mode, promised)
         taken.append((one, after))
     if len(group) == 1:
         return taken
-    alone = [taken[0], *((one, applied(before, one.element, mode, promised)) for one in group[1:])]
+    alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
     best, at = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
     return taken if after.better_than(at) else [(replace(best, partner=""), at)]
+
+
+def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> ModelState:
+    """With a finding in its place: from its values next to all other findings, and if that keeps too little of the
+    promise, from those that it had alone.
+    """
+    after = applied(before, one.element, mode, promised)
+    if after.fulfils(promised, before):
+        return after
+    alone = applied(before, one.hypothesis.fitted_element, mode, promised)
+    return min(after, alone, key=lambda state: state.rmse_unseen_n)
 
 
 def _together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
