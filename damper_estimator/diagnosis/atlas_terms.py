@@ -15,12 +15,10 @@ from damper_estimator.diagnosis.diagnosis_data import slope_of
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
-from damper_estimator.numerics import hats, play
+from damper_estimator.numerics import COARSE_SHARES, FINE_SHARES, hats, play, speed_knots
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 
-_FINE = (0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 1.0)  # of the driven speed: knots of a change of the curve
-_COARSE = (0.1, 0.4, 1.0)  # the same where the curve is multiplied by another variable
 _OPENINGS = (0.15, 0.3, 0.5, 0.7)  # of the driven speed, at which a valve may open
 _PLACES = 8  # knots over the driven stroke
 _STOPS = 0.75  # of the half stroke: beyond, an end stop may be touched
@@ -115,17 +113,12 @@ def _command(values: np.ndarray, ends: tuple[float, float] | None) -> np.ndarray
     return values / max(abs(ends[0]), abs(ends[1]))
 
 
-def _speeds(view: View, shares: Sequence[float]) -> np.ndarray:
-    above = view.ranges.speed * np.array(shares)
-    return np.concatenate([-above[::-1], [0.0], above])
-
-
 def _curve(view: View) -> Columns:
-    return hats(view.v, _speeds(view, _FINE))
+    return hats(view.v, speed_knots(view.ranges.speed, FINE_SHARES))
 
 
 def _coarse(view: View) -> Columns:
-    return hats(view.v, _speeds(view, _COARSE))
+    return hats(view.v, speed_knots(view.ranges.speed, COARSE_SHARES))
 
 
 def _times(columns: Columns, *factors: np.ndarray) -> Columns:
@@ -155,7 +148,7 @@ def _beyond(view: View) -> Columns:
 
 def _even(view: View) -> Columns:
     speed = np.abs(view.v)
-    return hats(speed, view.ranges.speed * np.array([0.0, *_FINE]))
+    return hats(speed, view.ranges.speed * np.array([0.0, *FINE_SHARES]))
 
 
 def _places(view: View) -> np.ndarray:

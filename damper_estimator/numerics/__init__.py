@@ -4,7 +4,7 @@ from damper_estimator.numerics.bootstrap import block_draws
 from damper_estimator.numerics.bounded import bounded_least_squares
 from damper_estimator.numerics.covariance import Directions, directions, standard_errors
 from damper_estimator.numerics.differences import ROUGH, SMOOTH, stepped
-from damper_estimator.numerics.form_free import hats, play
+from damper_estimator.numerics.form_free import COARSE_SHARES, FINE_SHARES, hats, play, speed_knots
 from damper_estimator.numerics.long_run import MEMORY, block_variance, long_run_variance, score_covariance
 from damper_estimator.numerics.normal import damped_step, least_squares, normal_equations
 from damper_estimator.numerics.quantiles import order_statistics
@@ -12,6 +12,8 @@ from damper_estimator.numerics.ranks import rank_correlation
 from damper_estimator.numerics.triangle import triangle
 
 __all__ = [
+    "COARSE_SHARES",
+    "FINE_SHARES",
     "MEMORY",
     "ROUGH",
     "SMOOTH",
@@ -29,6 +31,7 @@ __all__ = [
     "play",
     "rank_correlation",
     "score_covariance",
+    "speed_knots",
     "standard_errors",
     "stepped",
     "triangle",

@@ -1,8 +1,22 @@
 """Columns of form-free regressions: hat functions of a variable, and the memory of a displacement."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from damper_estimator.compiled import compiled
+
+FINE_SHARES = (0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 1.0)
+"""Of the highest speed: knots of a curve over velocity."""
+
+COARSE_SHARES = (0.1, 0.4, 1.0)
+"""The same where the curve is multiplied by another variable."""
+
+
+def speed_knots(highest: float, shares: Sequence[float]) -> np.ndarray:
+    """Knots over velocity, rising: 0 and shares of the highest speed (m/s) in both directions."""
+    above = highest * np.array(shares)
+    return np.concatenate([-above[::-1], [0.0], above])
 
 
 def hats(values: np.ndarray, knots: np.ndarray) -> list[np.ndarray]:

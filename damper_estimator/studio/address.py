@@ -1,9 +1,8 @@
 """The page's address: what it names of a session, so that it can be loaded again or sent to a colleague.
 
 An example is ``?recording=a.mcap&damper=front_left&model=mine.yaml&session=NAME&step=2&tab=steps&from=1.5&to=3``;
-``dampers=all`` shows all dampers side by side. With
-``session`` the steps are read from that session's file; without, or where the file has gone, recordings and models are
-opened.
+``dampers=all`` shows all dampers side by side. With ``session`` the steps are read from that session's file; without,
+or where the file has gone, recordings and models are opened.
 """
 
 from collections.abc import Mapping

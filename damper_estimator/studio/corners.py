@@ -21,6 +21,7 @@ from damper_estimator.studio.opening import load_chosen
 from damper_estimator.studio.stage import Choice, Stage, opened
 from damper_estimator.studio.thumbnail import dots_picture
 from damper_estimator.studio.worker_process import Progress
+from damper_estimator.workflows import no_progress
 
 DEEDS = {"compare": "comparing all", "diagnose": "diagnosing all", "improve": "improving all"}
 """What can be done with all dampers in one go, and the name of that work."""
@@ -101,7 +102,7 @@ def worked_on(task: Task, progress: Progress) -> tuple[Corner, ...]:
 def _compared(task: Task, names: Sequence[str], progress: Progress) -> tuple[Corner, ...]:
     corners: dict[str, Corner] = {}
     with ProcessPoolExecutor(_AT_A_TIME, mp_context=multiprocessing.get_context("fork")) as pool:
-        waiting = {pool.submit(_corner_or_reason, task, name, _silent): name for name in names}
+        waiting = {pool.submit(_corner_or_reason, task, name, no_progress): name for name in names}
         for future in as_completed(waiting):
             corners[waiting[future]] = future.result()
             progress(f"{waiting[future]}: compared", len(corners) / len(names))
@@ -177,7 +178,3 @@ def _picture(view: ModelRun) -> str:
         rows = rows[:: max(rows.size // _MOST_DOTS, 1)]
         clouds.append((velocity[rows], force[rows], colour))
     return dots_picture(clouds)
-
-
-def _silent(_text: str, _share: float) -> None:
-    """Progress of one of several dampers at a time."""

@@ -12,12 +12,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from damper_estimator.numerics import bounded_least_squares, hats, play
+from damper_estimator.numerics import (
+    COARSE_SHARES,
+    FINE_SHARES,
+    bounded_least_squares,
+    hats,
+    play,
+    speed_knots,
+)
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 
-_FINE = (0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 1.0)  # of the highest speed: knots of the curve
-_COARSE = (0.1, 0.4, 1.0)  # the same where it is multiplied by another variable
 _PLAYS = (3e-5, 1e-4, 4e-4, 1.5e-3, 5e-3)  # m, half widths of pre-sliding
 _HIGHEST = 0.999  # quantile of the speed
 _LEAST_KELVIN, _LEAST_COMMAND = 1.0, 0.02
@@ -58,9 +63,11 @@ class FormFree:
         Friction dissipates, so the weights of plays are not negative; otherwise they would stand in for a compliance.
         """
         x, v = block[X] - self.middle, block[V]
-        coarse = hats(v, self._knots(_COARSE))
+        coarse = hats(v, speed_knots(self.speed, COARSE_SHARES))
         plays = [play(block[X], block[DT], width) for width in self.plays]
-        yield from ((column, -np.inf) for column in (*hats(v, self._knots(_FINE)), x, x**2 * np.sign(x)))
+        yield from (
+            (column, -np.inf) for column in (*hats(v, speed_knots(self.speed, FINE_SHARES)), x, x**2 * np.sign(x))
+        )
         yield from ((column, 0.0) for column in plays)
         yield from ((x * column, -np.inf) for column in coarse)
         if self.command is not None:
@@ -72,10 +79,6 @@ class FormFree:
             yield from ((share * column, -np.inf) for column in coarse)
         if self.with_acceleration:
             yield from ((block[A] * column, -np.inf) for column in coarse)
-
-    def _knots(self, shares: Sequence[float]) -> np.ndarray:
-        above = self.speed * np.array(shares)
-        return np.concatenate([-above[::-1], [0.0], above])
 
 
 def form_free(measurements: Sequence[Measurement], with_acceleration: bool = True, finest: float = 0.0) -> FormFree:

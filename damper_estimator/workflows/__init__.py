@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         import_files,
         import_guessed,
     )
-    from damper_estimator.workflows.cases import Case, DiagnosisCases, diagnosis_cases
+    from damper_estimator.workflows.cases import Case, DiagnosisCases, diagnosis_cases, no_progress
     from damper_estimator.workflows.characterization import (
         CharacterizationResults,
         DamperCharacterized,
@@ -120,6 +120,7 @@ __all__ = [
     "model_for",
     "models_for",
     "no_force_error",
+    "no_progress",
     "open_reader",
     "output_paths",
     "page_title",
