@@ -46,27 +46,26 @@ def error_bars(
     }
     return {
         "data": [bars],
-        "layout": layout | _lines(floor_n, reference_n, most),
+        "layout": layout | _lines(floor_n, reference_n),
         "height": 110 + 42 * len(levels),
         "plain": True,
     }
 
 
-def _lines(floor_n: float, reference_n: float, most: float) -> Figure:
-    """Lines at the noise floor (dashed) and at the form-free reference (dotted), with their names."""
-    shapes, names = [], []
-    for level, (value, name, dash) in enumerate(
-        [(floor_n, "noise floor", "dash"), (reference_n, "form-free reference", "dot")]
-    ):
-        if not np.isfinite(value):
-            continue
-        line = {"type": "line", "x0": value, "x1": value, "y0": 0, "y1": 1, "yref": "paper"}
-        shapes.append(line | {"line": {"color": INK, "width": 1.5, "dash": dash}})
-        names.append(note(
-            f"{name} {number(value)} N", value, 1.0, xref="x", xanchor="left" if value < 0.6 * most else "right",
-            yanchor="bottom", yshift=15 * level, font={"color": SOFT, "size": 12},
-        ))  # fmt: skip
-    return {"shapes": shapes, "annotations": names} if shapes else {}
+def _lines(floor_n: float, reference_n: float) -> Figure:
+    """Lines at the noise floor (dashed) and at the form-free reference (dotted), with their names above the figure."""
+    lines = [(floor_n, "noise floor", "dash"), (reference_n, "form-free reference", "dot")]
+    known = [line for line in lines if np.isfinite(line[0])]
+    shapes = [
+        {"type": "line", "x0": value, "x1": value, "y0": 0, "y1": 1, "yref": "paper",
+         "line": {"color": INK, "width": 1.5, "dash": dash}}
+        for value, _, dash in known
+    ]  # fmt: skip
+    name = note(
+        ", ".join(f"{name} {number(value)} N" for value, name, _ in known), 1.0, 1.0, xanchor="right",
+        yanchor="bottom", font={"color": SOFT, "size": 12},
+    )  # fmt: skip
+    return {"shapes": shapes, "annotations": [name]} if known else {}
 
 
 def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = 80) -> Figure:
@@ -266,7 +265,7 @@ def waterfall_figure(found: Improvement) -> Figure:
         "xaxis": axis("rms error on unseen data in N", range=[0.0, 1.18 * most]),
         "yaxis": axis(autorange="reversed", showgrid=False),
         "bargap": 0.3,
-        **_lines(floor, found.reference_n, most),
+        **_lines(floor, found.reference_n),
     }
     return {"data": [bars], "layout": layout, "height": 120 + 34 * len(names), "plain": True}
 
