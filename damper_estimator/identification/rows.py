@@ -4,14 +4,14 @@ The error is compared behind a zero-phase low-pass at ``band``, so neighbouring 
 rows per period of the band contain all information. The reported error measures use every sample.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.signals import Measurement
+from damper_estimator.signals import Measurement, columns_zero_phase
 from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
 
 ROWS_PER_BAND = 4.0  # rows per second over the band's frequency
@@ -48,6 +48,12 @@ class Rows:
     def of(self, force: np.ndarray) -> np.ndarray:
         """(r,) rows of a force (n,) over the whole measurement."""
         rows = self.measurement.in_band(force)[self.picks] * np.sqrt(self.weight[self.picks])
+        return rows - self.blind @ (self.blind.T @ rows) if self.blind.size else rows
+
+    def of_columns(self, forces: Iterable[np.ndarray]) -> np.ndarray:
+        """(r, k) rows of several forces (n,)."""
+        band, dt = self.measurement.band, self.measurement.kinematics.dt
+        rows = columns_zero_phase(band, dt, forces, self.picks) * np.sqrt(self.weight[self.picks])[:, None]
         return rows - self.blind @ (self.blind.T @ rows) if self.blind.size else rows
 
     def weighing(self, weight: np.ndarray) -> "Rows":

@@ -1,7 +1,7 @@
 """From stamps to samples: signal maps, the differentiating filter, and measurements for comparison with models."""
 
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Counts
-from damper_estimator.signals.butterworth import delay_seconds, low_pass, low_pass_zero_phase
+from damper_estimator.signals.butterworth import columns_zero_phase, delay_seconds, low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, find_topic, read_channels, signals_for
 from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
@@ -33,6 +33,7 @@ __all__ = [
     "Rest",
     "SignalMap",
     "check_force",
+    "columns_zero_phase",
     "default_signals",
     "delay_seconds",
     "find_rests",

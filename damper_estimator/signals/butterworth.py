@@ -9,6 +9,8 @@ w (-1 +- j sqrt 3) / 2) and exact for every step, however uneven the steps are.
 Source: Carrera Akutain et al., section 4 (third-order Butterworth, then derivatives).
 """
 
+from collections.abc import Iterable
+from itertools import islice
 from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
@@ -17,6 +19,7 @@ from damper_estimator.compiled import compiled
 
 STATE_SIZE = 4  # y, y'/w, y''/w^2, last raw value
 _HALF_ROOT_3 = sqrt(3.0) / 2.0
+_AT_A_TIME = 8  # columns that are filtered together
 
 
 @compiled
@@ -70,6 +73,50 @@ def differentiate(cutoff, dt, raw, state, x, v, a):
         x[i], v[i], a[i] = state[0], w * state[1], w * w * state[2]
 
 
+@compiled
+def _filter_columns(cutoff, dt, values):
+    """``differentiate`` of every column of values (n, k) in place, without its derivatives; bit for bit the same.
+
+    The recursion waits for its own result at every sample; several columns together fill the wait.
+    """
+    w = 2.0 * pi * cutoff
+    known_step = 0.0
+    decay = envelope = cosine = sine = 0.0
+    count = values.shape[1]
+    y, v, a, last = values[0].copy(), np.zeros(count), np.zeros(count), values[0].copy()
+    for i in range(values.shape[0]):
+        step = dt[i]
+        if step <= 0.0:
+            for k in range(count):
+                y[k], v[k], a[k], last[k] = values[i, k], 0.0, 0.0, values[i, k]
+            continue
+        if step != known_step:
+            known_step = step
+            angle = w * step
+            decay = exp(-angle)
+            envelope = exp(-0.5 * angle)
+            cosine = envelope * cos(_HALF_ROOT_3 * angle)
+            sine = envelope * sin(_HALF_ROOT_3 * angle)
+        for k in range(count):
+            u = values[i, k]
+            slope = (u - last[k]) / (w * step)
+            e0 = y[k] - last[k] + 2.0 * slope
+            e1 = v[k] - slope
+            e2 = a[k]
+            m = (e0 + e1 + e2) * decay
+            b0 = -(e1 + e2)
+            c0 = (2.0 * e0 + 3.0 * e1 + e2) / (2.0 * _HALF_ROOT_3)
+            b1 = -0.5 * b0 + _HALF_ROOT_3 * c0
+            c1 = -0.5 * c0 - _HALF_ROOT_3 * b0
+            b2 = -0.5 * b1 + _HALF_ROOT_3 * c1
+            c2 = -0.5 * c1 - _HALF_ROOT_3 * b1
+            y[k] = m + b0 * cosine + c0 * sine + u - 2.0 * slope
+            v[k] = -m + b1 * cosine + c1 * sine + slope
+            a[k] = m + b2 * cosine + c2 * sine
+            last[k] = u
+            values[i, k] = y[k]
+
+
 def low_pass(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
     """The causal low-pass of a whole signal: (n,) in, (n,) out; starts at rest, and restarts where ``dt`` is 0."""
     x, (v, a) = np.empty(raw.size), np.empty((2, raw.size))  # x separately: only x is kept
@@ -81,14 +128,30 @@ def low_pass(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
 def low_pass_zero_phase(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.ndarray:
     """The same filter forward and backward over each stretch between restarts: no delay, twice the attenuation.
 
-    A cutoff of 0 leaves the signal unchanged. Shapes: (n,) in, (n,) out.
+    A cutoff of 0 leaves the signal unchanged. Shapes: (n,) in, (n,) out; or (n, k) in and out, a signal per column.
     """
     if cutoff <= 0.0:
         return np.array(raw, float)
+    reversed_dt = np.concatenate([[0.0], dt[:0:-1]])  # backwards a stretch begins just before the next restart
+    if raw.ndim == 2 and raw.size:
+        forward = np.array(raw, float, order="C")
+        _filter_columns(cutoff, dt, forward)
+        backward = np.ascontiguousarray(forward[::-1])
+        _filter_columns(cutoff, reversed_dt, backward)
+        return backward[::-1]
     forward = low_pass(cutoff, dt, raw)
-    # Walked backwards, a stretch begins on its last sample, just before the next restart.
-    reversed_dt = np.concatenate([[0.0], dt[:0:-1]])
     return low_pass(cutoff, reversed_dt, forward[::-1])[::-1]
+
+
+def columns_zero_phase(cutoff: float, dt: np.ndarray, columns: Iterable[np.ndarray], picks: np.ndarray) -> np.ndarray:
+    """(r, k) several signals (n,) through ``low_pass_zero_phase``, at the samples ``picks`` (r,).
+
+    Filtered some at a time: all together need much memory, one by one much time.
+    """
+    columns, found = iter(columns), [np.zeros((picks.size, 0))]
+    while some := list(islice(columns, _AT_A_TIME)):
+        found.append(low_pass_zero_phase(cutoff, dt, np.stack(some, axis=1))[picks])
+    return np.hstack(found)
 
 
 def delay_seconds(cutoff: float) -> float:

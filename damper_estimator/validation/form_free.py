@@ -20,7 +20,7 @@ from damper_estimator.numerics import (
     play,
     speed_knots,
 )
-from damper_estimator.signals import Measurement
+from damper_estimator.signals import Measurement, columns_zero_phase
 from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 
 _PLAYS = (3e-5, 1e-4, 4e-4, 1.5e-3, 5e-3)  # m, half widths of pre-sliding
@@ -104,12 +104,13 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
         weights=np.zeros(0),
     )
     every = max(sum(int(good.sum()) for good in judged) // _MOST_SAMPLES, 1)
-    rows, forces, least = [], [], []
+    least = [lower for _, lower in empty.columns(blocks[0][:, :1])]
+    rows, forces = [], []
     for m, block, good in zip(measurements, blocks, judged, strict=True):
-        columns = [(m.in_band(column)[good][::every], lower) for column, lower in empty.columns(block)]
-        rows.append(np.stack([column for column, _ in columns], axis=1))
-        forces.append(m.in_band(np.asarray(m.force))[good][::every])
-        least = [lower for _, lower in columns]
+        picks = np.flatnonzero(good)[::every]
+        columns = (column for column, _ in empty.columns(block))
+        rows.append(columns_zero_phase(m.band, m.kinematics.dt, columns, picks))
+        forces.append(m.in_band(np.asarray(m.force))[picks])
     shown, force = np.concatenate(rows), np.concatenate(forces)
     known = np.isfinite(force) & np.isfinite(shown).all(axis=1)
     if not known.any():

@@ -175,3 +175,15 @@ def test_zero_phase_is_the_same_forward_and_backward_in_time():
 
 def test_low_pass_of_a_constant_is_the_constant():
     assert low_pass(30.0, np.full(50, 0.01), np.full(50, -7.0)) == pytest.approx(np.full(50, -7.0))
+
+
+@given(st.integers(1, 9), st.integers(0, 5), st.integers(0, 2**32 - 1))
+def test_columns_are_filtered_as_each_alone_bit_for_bit(count, restarts, seed):
+    rng = np.random.default_rng(seed)
+    dt = rng.uniform(1e-3, 3e-3, 400)
+    dt[[0, *rng.integers(1, 400, restarts)]] = 0.0
+    columns = rng.standard_normal((400, count))
+    together = low_pass_zero_phase(30.0, dt, columns)
+    each = np.stack([low_pass_zero_phase(30.0, dt, column) for column in columns.T], axis=1)
+    assert np.array_equal(together, each)
+    assert np.array_equal(low_pass_zero_phase(0.0, dt, columns), columns)
