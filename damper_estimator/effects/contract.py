@@ -139,6 +139,11 @@ class Effect:
     name: str = ""
     description: str = ""
 
+    @property
+    def is_series_spring(self) -> bool:
+        """Whether it is a compliance with a stiffness: oil, mount, joint."""
+        return self.kind == "series" and any(parameter.unit == "N/m" for parameter in self.parameters)
+
     def parameter(self, name: str) -> Parameter:
         """The declaration of a parameter; KeyError for an unknown name."""
         return {parameter.name: parameter for parameter in self.parameters}[name]

@@ -162,7 +162,27 @@ class DamperModel:
             effects = (*(e for e in self.effects if e not in channels), element, *channels)
         else:
             effects = (*self.effects, element)
-        return replace(self, effects=effects, fit={})
+        return self._with(effects)
+
+    @property
+    def spring(self) -> Element | None:
+        """The series spring (oil, mount, joint) that carries the sources of the top level; None if there is none."""
+        return next((e for e in self.effects if e.effect.is_series_spring), None)
+
+    def with_missing(self, element: Element) -> "DamperModel":
+        """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
+
+        As ``with_effect``, but a source goes behind the modifiers, and a series spring takes the place of the present
+        one, because two springs in a row are one.
+        """
+        kind, present = element.effect.kind, self.spring
+        if element.effect.is_series_spring and present is not None:
+            instead = replace(element, path=element.path or present.path)
+            return self._with(tuple(instead if e is present else e for e in self.effects))
+        if kind in ("source", "path"):
+            channels = [e for e in self.effects if e.effect.kind == "channel"]
+            return self._with((*(e for e in self.effects if e not in channels), element, *channels))
+        return self.with_effect(element)
 
     def without(self, label: str) -> "DamperModel":
         """The model without one entry; entries that a series effect wrapped remain.
@@ -173,7 +193,18 @@ class DamperModel:
         entries = dict(labels(self.effects))
         if label not in entries:
             raise InputError(f"model {self.name}: has no effect {label}; it has {', '.join(entries)}")
-        return replace(self, effects=_removed(self.effects, entries[label]), fit={})
+        return self._with(_removed(self.effects, entries[label]))
+
+    def _with(self, effects: tuple[Element, ...]) -> "DamperModel":
+        """The model with other entries and no record of a fit; parameters that were fixed and remain stay fixed."""
+        now = {id(element.parameters): label for label, element in labels(effects)}
+        fixed = []
+        for label, element in labels(self.effects):
+            if id(element.parameters) in now:
+                prefix = f"{label}."
+                fixed += [f"{now[id(element.parameters)]}.{one.removeprefix(prefix)}" for one in self.fixed
+                          if one.startswith(prefix)]  # fmt: skip
+        return replace(self, effects=effects, fixed=tuple(fixed), fit={})
 
     # The exporters import this module, so these two methods import them when called.
     def to_c(self, folder: str | PathLike[str], **options: Any) -> "WrittenC":

@@ -222,3 +222,19 @@ def test_every_model_of_the_library_loads_and_gives_finite_forces():
         block = sweep()
         assert model.name == name and model.source
         assert np.isfinite(model.force(block)).all()
+
+
+def test_what_is_fixed_stays_so_whatever_is_added_or_removed(tmp_path):
+    curve, friction, gas = entry("viscous_curve"), entry("coulomb", force=5.0), entry("gas_spring")
+    second = entry("coulomb", force=9.0)
+    fixed = ("coulomb.force", "gas_spring.volume", "coulomb#2.force")
+    model = DamperModel("m", "s", (curve, friction, gas, second), fixed=fixed)
+    less = model.without("coulomb")
+    assert less.fixed == ("gas_spring.volume", "coulomb.force"), "the second is the first now"
+    assert model.with_effect(entry("inertia")).fixed == fixed
+    spring = entry("oil_spring", model.effects)
+    on_oil = DamperModel("m", "s", (spring,), fixed=("oil_spring.stiffness_rebound", "coulomb.force"))
+    assert on_oil.with_missing(entry("rubber_mount", model.effects)).fixed == ("coulomb.force",)
+    for changed in (less, model.without("gas_spring"), on_oil.without("oil_spring")):
+        save_model(changed, tmp_path / "changed.yaml")
+        assert load_model(str(tmp_path / "changed.yaml")).fixed == changed.fixed
