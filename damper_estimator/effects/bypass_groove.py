@@ -1,8 +1,9 @@
 """Bypass groove: around a stroke position part of the oil flows past the piston.
 
-    v <- v (1 - s h(x) / sqrt(1 + |v| / v_o)),      h(x) = 1 / (1 + ((x - x_0) / w)^4)
+    v <- v (1 - s (1 + d sgn v) h(x) / sqrt(1 + |v| / v_o)),      h(x) = 1 / (1 + ((x - x_0) / w)^4)
 
-s without unit is the share of the oil that flows through the groove at low speed at its middle; x_0 in m its middle, w
+s without unit is the share of the oil that flows through the groove at low speed at its middle; d without unit is 0 for
+a groove, 1 or -1 for ports with a check valve that pass oil in rebound or in compression only; x_0 in m its middle, w
 in m half its length; v_o in m/s the speed at which the valves open and the groove's share begins to fall. The valves
 pass the remaining oil, so the velocity is rewritten and not the force. No state. Source: parallel orifices, as in
 position-sensitive dampers, e.g. Lee and Moon 2005.
@@ -23,7 +24,8 @@ def kernel(parameters, settings, kinematics, state, force):
         away = (kinematics[X, i] - parameters[1]) / parameters[2]
         square = away * away
         opened = sqrt(1.0 + abs(kinematics[V, i]) / parameters[3])
-        kinematics[V, i] *= 1.0 - parameters[0] / ((1.0 + square * square) * opened)
+        way = 1.0 + parameters[4] if kinematics[V, i] > 0.0 else 1.0 - parameters[4]
+        kinematics[V, i] *= 1.0 - min(parameters[0] * way, 0.99) / ((1.0 + square * square) * opened)
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -37,7 +39,9 @@ def trial(ranges: Ranges) -> Trial:
     }
     values = {"share": 0.3, "middle": middle, "half_length": 0.1 * stroke, "opening": 0.2 * ranges.speed}
     places = (middle - 0.25 * stroke, middle + 0.25 * stroke, middle)
-    return Trial(values, limits, spread(middle=places, half_length=(0.06 * stroke, 0.2 * stroke)))
+    starts = spread(middle=places, half_length=(0.06 * stroke, 0.2 * stroke))
+    ports = spread(middle=places, half_length=(0.2 * stroke,), check=(-0.9, 0.9))
+    return Trial(values, limits, (*starts, *ports))
 
 
 EFFECT = Effect(
@@ -50,6 +54,7 @@ EFFECT = Effect(
         Parameter("middle", "m", 0.0, -0.5, 0.5, "stroke position of the groove's middle"),
         Parameter("half_length", "m", 0.01, 1e-4, 0.5, "half the groove's length"),
         Parameter("opening", "m/s", 0.1, 1e-3, 5.0, "speed at which the valves open"),
+        Parameter("check", "1", 0.0, -1.0, 1.0, "1: passes oil in rebound only, -1: in compression only, 0: in both"),
     ),
     shows="at the same velocity the damper is softer in one part of the stroke",
     separate="the same velocities at several mean positions",

@@ -14,7 +14,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, reference_commands, spread
 from damper_estimator.signals.layout import COMMAND
 
 _STRAIGHT = 1e-6  # of bend times command: below, the exponentials are straight to machine precision
@@ -37,10 +37,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The model holds at the highest command; a constant command scales nothing."""
+    """The model holds at one command; a constant command scales nothing."""
     most = max(abs(value) for value in changing_command(ranges))
     limits = {"rest": (0.0, 3.0), "bend": (-1.0 / most, 10.0 / most)}
-    return Trial({"reference": most, "rest": 0.5, "bend": 1.0 / most}, limits, spread(rest=(0.1, 0.5)))
+    first, *others = reference_commands(ranges)
+    values = {"reference": first, "rest": 0.5, "bend": 1.0 / most}
+    return Trial(values, limits, spread(rest=(0.1, 0.5, 1.5)), conditions=tuple({"reference": at} for at in others))
 
 
 EFFECT = Effect(

@@ -7,7 +7,7 @@ N/mm is +250 N/m here. No state. Source: Gao et al., eq. (6).
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
@@ -20,11 +20,20 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += (parameters[0] * x + parameters[1]) * x + parameters[2]
 
 
+_STRAIGHT = 0.05  # change of the slope over the stroke, share of the slope
+
+
 def trial(ranges: Ranges) -> Trial:
     """Gas resists compression progressively: the force rises with extension and bends down."""
     bend = 5.0 * ranges.force / ranges.stroke**2
     limits = {"square": (-bend, 0.0), "slope": (0.0, 5e4), "constant": (-1e-6, 1e-6)}
-    return Trial({"constant": 0.0}, limits)
+
+    def exclusion(values: Values) -> str:
+        square, slope = (number(values, name) for name in ("square", "slope"))
+        straight = abs(square) * ranges.stroke < _STRAIGHT * slope
+        return "is straight over displacement: a spring, no gas" if straight else ""
+
+    return Trial({"constant": 0.0}, limits, exclusion=exclusion)
 
 
 EFFECT = Effect(

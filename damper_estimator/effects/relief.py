@@ -1,10 +1,11 @@
 """Relief: beyond an opening speed the damper is softer than its curve, per direction.
 
-    F -= c_r (v - v_r)  for v > v_r,      F += c_c (-v - v_c)  for v < -v_c
+    F -= c_r v_r ((v - v_r) / v_r)^p  for v > v_r,      F += c_c v_c ((-v - v_c) / v_c)^p  for v < -v_c
 
-c >= 0 in N s/m is the loss of slope when the blow-off valve opens; v_r, v_c in m/s are the opening speeds. The knee is
-rounded over a tenth of the opening speed. The effect corrects a curve without the knee; ``leak_blow_off_port`` is a
-damper's whole hydraulic force. No state. Source: the blow-off characteristic of Carrera Akutain et al., section 3.
+c >= 0 in N s/m is the loss of slope when the blow-off valve opens; v_r, v_c in m/s are the opening speeds; p without
+unit is 1 for a straight loss, less where the valve opens at once and the force drops, more where it opens slowly. The
+knee is rounded over a tenth of the opening speed. The effect corrects a curve without the knee; ``leak_blow_off_port``
+is a damper's whole hydraulic force. No state. Source: the blow-off characteristic of Carrera Akutain et al., section 3.
 """
 
 from math import sqrt
@@ -19,7 +20,7 @@ _ROUND = 0.1  # of the opening speed
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F -= c max(|v| - v_o, 0) sgn v, rounded."""
+    """F -= c v_o (max(|v| - v_o, 0) / v_o)^p sgn v, rounded."""
     for i in range(force.size):
         v = kinematics[V, i]
         k = 0 if v > 0.0 else 2
@@ -28,7 +29,8 @@ def kernel(parameters, settings, kinematics, state, force):
         width = _ROUND * opening
         # Half of (u + |u|) with the corner rounded, and zero at rest.
         rounded = 0.5 * (past + sqrt(past * past + width * width)) - 0.5 * (sqrt(opening**2 + width**2) - opening)
-        force[i] -= parameters[k] * rounded * (1.0 if v > 0.0 else -1.0)
+        loss = parameters[k] * opening * max(rounded / opening, 0.0) ** parameters[4]
+        force[i] -= loss if v > 0.0 else -loss
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -36,8 +38,9 @@ def trial(ranges: Ranges) -> Trial:
     speed = ranges.speed
     limits = dict.fromkeys(("opening_rebound", "opening_compression"), (0.06 * speed, 0.8 * speed))
     values = dict.fromkeys(limits, 0.3 * speed)
-    starts = spread(opening_rebound=(0.15 * speed, 0.5 * speed), opening_compression=(0.15 * speed, 0.5 * speed))
-    return Trial(values, limits, starts)
+    openings = (0.15 * speed, 0.5 * speed)
+    starts = spread(opening_rebound=openings, opening_compression=openings, exponent=(0.5, 1.0))
+    return Trial(values, limits | {"exponent": (0.3, 2.0)}, starts)
 
 
 EFFECT = Effect(
@@ -50,6 +53,7 @@ EFFECT = Effect(
         Parameter("opening_rebound", "m/s", 0.3, 1e-3, 5.0, "speed at which the valve opens in rebound"),
         Parameter("softening_compression", "N s/m", 500.0, 0.0, 1e5, "loss of slope in compression", linear=True),
         Parameter("opening_compression", "m/s", 0.3, 1e-3, 5.0, "speed at which the valve opens in compression"),
+        Parameter("exponent", "1", 1.0, 0.2, 3.0, "shape of the loss beyond the opening speed"),
     ),
     shows="a knee in F-v: above a certain speed the force grows much more slowly than the model's",
     separate="speeds well above and below the knee in both directions",

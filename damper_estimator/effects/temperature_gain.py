@@ -11,7 +11,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, changing_temperature
+from damper_estimator.effects.trial import Ranges, Trial, reference_temperatures
 from damper_estimator.signals.layout import TEMPERATURE
 
 
@@ -26,9 +26,9 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The model holds at the lowest recorded temperature."""
-    low, _ = changing_temperature(ranges)
-    return Trial({"reference": low, "fade": 0.002})
+    """The model holds at one temperature."""
+    first, *others = reference_temperatures(ranges)
+    return Trial({"reference": first, "fade": 0.002}, conditions=tuple({"reference": at} for at in others))
 
 
 EFFECT = Effect(

@@ -27,6 +27,8 @@ class Ranges:
         force: rms about the mean, N.
         seconds: compared duration of the shortest recording.
         command, temperature: lowest and highest (A, deg C); None where not recorded.
+        model_command, model_temperature: middle of what the model was identified at, where its parameters hold; None if
+            unknown.
     """
 
     compression: float
@@ -37,6 +39,8 @@ class Ranges:
     seconds: float
     command: tuple[float, float] | None = None
     temperature: tuple[float, float] | None = None
+    model_command: float | None = None
+    model_temperature: float | None = None
 
     @property
     def stroke(self) -> float:
@@ -59,12 +63,15 @@ class Trial:
         starts: further start values of parameters by name; the fit continues from the best start.
         exclusion: says why the effect with some values is no longer what it represents, "" if it is; for limits on
             several parameters together.
+        conditions: settings by name to try as well, where recordings do not say which apply; those that explain the
+            fitted recordings best are taken.
     """
 
     values: Mapping[str, Number] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     starts: tuple[Mapping[str, float], ...] = ()
     exclusion: Callable[[Mapping[str, Any]], str] | None = None
+    conditions: tuple[Mapping[str, float], ...] = ()
 
 
 Try = Callable[[Ranges], Trial]
@@ -114,6 +121,29 @@ def changing_temperature(ranges: Ranges) -> tuple[float, float]:
     if high - low < _LEAST_CHANGE:
         raise Untestable(f"the temperature changed by only {high - low:.2g} K")
     return low, high
+
+
+def reference_temperatures(ranges: Ranges) -> tuple[float, ...]:
+    """Temperatures at which the model may hold (deg C), the most probable first: where it was identified, and the ends
+    of the recorded range, because a damper may have changed since.
+
+    Raises:
+        Untestable: as ``changing_temperature``.
+    """
+    low, high = changing_temperature(ranges)
+    return (low if ranges.model_temperature is None else ranges.model_temperature, low, high)
+
+
+def reference_commands(ranges: Ranges) -> tuple[float, ...]:
+    """Sizes of the command at which the model may hold (A), the most probable first: where it was identified, and large
+    and small recorded ones.
+
+    Raises:
+        Untestable: as ``changing_command``.
+    """
+    most = max(abs(value) for value in changing_command(ranges))
+    known = abs(ranges.model_command) if ranges.model_command is not None else 0.0
+    return (known if known > _STANDING * most else most, most, 0.25 * most)
 
 
 def ordinary(ranges: Ranges) -> Trial:

@@ -13,7 +13,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, changing_temperature
+from damper_estimator.effects.trial import Ranges, Trial, reference_temperatures
 from damper_estimator.signals.layout import TEMPERATURE
 
 
@@ -27,9 +27,10 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The model holds at the lowest recorded temperature; oils lose 1 to 4 % per kelvin."""
-    low, _ = changing_temperature(ranges)
-    return Trial({"reference": low, "rate": 0.005}, {"rate": (0.0, 0.06)})
+    """The model holds at one temperature; oils lose 1 to 4 % per kelvin."""
+    first, *others = reference_temperatures(ranges)
+    conditions = tuple({"reference": at} for at in others)
+    return Trial({"reference": first, "rate": 0.005}, {"rate": (0.0, 0.06)}, conditions=conditions)
 
 
 EFFECT = Effect(

@@ -223,3 +223,63 @@ def test_a_weak_force_does_not_cavitate():
     assert np.array_equal(
         force(block, entry("linear_viscous", **DASHPOT), entry("cavitation_limit", limit=5000.0)), plain
     )
+
+
+def test_a_relief_with_exponent_one_is_a_straight_loss_and_others_follow_a_power():
+    block = sweep(amplitude=0.1)
+    values = {"softening_rebound": 400.0, "opening_rebound": 0.2, "softening_compression": 0.0}
+    far = block[V] > 0.6
+    for exponent in (0.5, 1.0, 2.0):
+        loss = -force(block, entry("relief", **values, exponent=exponent))
+        past = (block[V][far] - 0.2) / 0.2
+        # The offset of the rounded knee is 0.5 % of the opening speed.
+        assert loss[far] == pytest.approx(400.0 * 0.2 * past**exponent, rel=0.03)
+        assert np.abs(loss[block[V] <= 0.0]).max() == 0.0
+        assert np.all(np.diff(loss[np.argsort(block[V])]) >= -1e-9)
+
+
+@pytest.mark.parametrize(("check", "free"), [(1.0, -1.0), (-1.0, 1.0)])
+def test_ports_with_a_check_valve_pass_oil_in_one_direction_only(check, free):
+    block = sweep()
+    plain = force(block, entry("linear_viscous", **DASHPOT))
+    groove = {"share": 0.3, "middle": 0.0, "half_length": 0.02, "opening": 0.2}
+    checked = force(block, entry("bypass_groove", **groove, check=check), entry("linear_viscous", **DASHPOT))
+    unaffected = np.sign(block[V]) == free
+    assert np.array_equal(checked[unaffected], plain[unaffected])
+    both = force(block, entry("bypass_groove", **{**groove, "share": 0.6}), entry("linear_viscous", **DASHPOT))
+    assert checked[~unaffected] == pytest.approx(both[~unaffected]), "all oil of both directions flows in one"
+
+
+def test_oil_that_follows_at_every_speed_leaves_no_void():
+    block = sweep()
+    plain = force(block, entry("linear_viscous", **DASHPOT))
+    fast = 1.01 * np.abs(block[V]).max()
+    followed = force(block, entry("linear_viscous", **DASHPOT), entry("starved_intake", follows=fast, missing=1.0))
+    assert np.array_equal(followed, plain)
+
+
+def test_compression_lacks_force_until_the_void_of_the_rebound_is_closed():
+    """Rebound at 0.5 m/s for 40 mm with oil that follows at 0.2 m/s leaves a void of 24 mm; compression closes it at
+    0.5 + 0.2 m/s."""
+    rate = 2000
+    time = np.arange(round(0.2 * rate) + 1) / rate
+    block = np.full((ROWS, time.size), np.nan)
+    block[T], block[DT] = time, np.diff(time, prepend=0.0)
+    block[V] = np.where(time < 0.08, 0.5, -0.5)
+    block[X] = np.cumsum(block[V]) / rate
+    block[A] = 0.0
+    computed = force(block, entry("linear_viscous", **DASHPOT), entry("starved_intake", follows=0.2, missing=0.75))
+    closed = time[np.flatnonzero(computed < -0.5 * 1500.0 * 0.99)[0]]
+    assert closed == pytest.approx(0.08 + 0.024 / 0.7, abs=0.002)
+    assert computed[(time > 0.085) & (time < closed - 0.002)] == pytest.approx(-0.25 * 0.5 * 1500.0)
+    assert computed[time < 0.08] == pytest.approx(0.5 * 2000.0), "rebound is as before"
+
+
+def test_a_valve_that_is_always_open_is_a_mass():
+    block = sweep(amplitude=0.1)
+    open_valve = force(block, entry("valve_inertia", mass_rebound=2.0, mass_compression=2.0, opening=1e-3))
+    mass = force(block, entry("inertia", mass=2.0))
+    moving = np.abs(block[V]) > 0.01
+    assert open_valve[moving] == pytest.approx(mass[moving])
+    closed = force(block, entry("valve_inertia", mass_rebound=2.0, mass_compression=2.0, opening=5.0))
+    assert np.abs(closed).max() < 0.05 * np.abs(mass).max()
