@@ -83,8 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(damper: str, planned: Plan) -> None:
     print(fill(f"{damper}: {planned.sentence}", _WIDTH, subsequent_indent="  "))
-    for number, step in enumerate(planned.steps, 1):
-        print(f"  {number:2d}  {step.words}")
+    for number, (_, words) in enumerate(planned.listed, 1):
+        print(f"  {number:2d}  {words}")
     if planned.would:
         print("  expected differences:")
         for text in planned.would:

@@ -11,7 +11,8 @@ f in rows of the comparison's band, J with a column for the gauge's zero. A's ow
 that of draws from their covariance on the old recordings (Bayesian, as in Box and Hill 1967).
 
 The decision is the one that a diagnosis takes from both recordings: a phenomenon is named alone once its rival leaves
-more squared error by the factor r, with r^k = (1 - p) / p from the diagnosis's sharpness k and its bound p of a tie.
+more squared error by the factor r, with r^k = (1 - p) / p from the bound p of a tie and k, the sharpness of the
+diagnosis for effects (its form-free tests are taken to speak for both alike).
 With S_A, S_B left on the old recordings and E the squared error expected on the new one, of noise and of model form,
 
     P(right) = Phi((S_B + E + D - r (S_A + E)) / s),     P(wrong) = Phi(((S_A + E) / r - (S_B + E + D)) / s)
@@ -196,7 +197,7 @@ class Criterion:
 def ratio() -> float:
     """Factor r between the squared errors of two phenomena from which on a diagnosis names one of them alone."""
     tied = limits().tied
-    return float(((1.0 - tied) / tied) ** (1.0 / limits().sharpness))
+    return float(((1.0 - tied) / tied) ** (1.0 / (limits().sharpness * (1.0 - limits().form_free))))
 
 
 def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Criterion:

@@ -228,8 +228,10 @@ def _telling(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
 
 
 def _in_halves(order: Sequence[int]) -> list[int]:
-    """Every second step first: a diagnosis judges on the last part of a recording, which must tell as much."""
-    return [*order[1::2], *order[::2]]
+    """Every second step first: a diagnosis judges on the last part of a recording, which must tell as much. Within each
+    half equal steps follow each other.
+    """
+    return [*sorted(order[1::2]), *sorted(order[::2])]
 
 
 def _curve(judge: Criterion, choice: Choice, seconds: np.ndarray) -> Curve:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
@@ -82,6 +83,12 @@ class Plan:
     def minutes(self) -> float:
         """Length of the drive."""
         return self.displacement.size / self.limits.rate / 60.0
+
+    @property
+    def listed(self) -> list[tuple[Step, str]]:
+        """The steps in words, equal ones in a row as one: the step, and how it is driven."""
+        groups = [list(group) for _, group in groupby(self.steps, key=lambda step: step.words)]
+        return [(one[0], f"{len(one)} times: {one[0].words}" if len(one) > 1 else one[0].words) for one in groups]
 
     @property
     def rest_samples(self) -> int:

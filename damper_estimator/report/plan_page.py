@@ -39,8 +39,8 @@ def _section(damper: str, plan: Plan) -> dict[str, object]:
         "predicted": plan.chances is not None,
         "played": plan.rig.kind != "manoeuvres",
         "steps": [
-            [step.words, *(f"{step.record()[key]:.3g}" for key in ("speed_m_s", "acceleration_m_s2"))]
-            for step in plan.steps
+            [words, *(f"{step.record()[key]:.3g}" for key in ("speed_m_s", "acceleration_m_s2"))]
+            for step, words in plan.listed
         ],
         "limits": [[key, _value(value)] for key, value in limits.items() if value not in ([], False)],
         "parameters": [

@@ -53,7 +53,7 @@ def planned(
     target = _new_folder(root, "test")
     files = found.write(target)
     others = tuple(sorted(file.name for file in files if file.suffix != ".html"))
-    steps = tuple(step.words for step in found.plan.steps)
+    steps = tuple(words for _, words in found.plan.listed)
     return RigTest(f"test for {case.damper}", found.sentence, target.name, "plan.html", others, steps)
 
 
