@@ -130,6 +130,7 @@ def judged(kept: saved_cases.Kept, improving: bool) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "sentence": diagnosis.sentence,
         "findings": [_finding(one) for one in diagnosis.findings],
+        "left": {one.phenomenon: one.left for one in diagnosis.phenomena},
         "moved": [one.name for one in diagnosis.moved],
         "skew": _skew(diagnosis.signals) - _skew(signals.dampers[DAMPER]),
         "before": user_models.error(kept.model, recordings["unseen"]),

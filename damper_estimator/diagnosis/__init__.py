@@ -11,6 +11,7 @@ from damper_estimator.diagnosis.fitted_explanations import (
     sensitivities,
 )
 from damper_estimator.diagnosis.improve import improve
+from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.misfit import with_misfit
 from damper_estimator.diagnosis.result import (
@@ -18,10 +19,8 @@ from damper_estimator.diagnosis.result import (
     Diagnosis,
     EvaluationSummary,
     Finding,
-    Improvement,
     Moved,
     RankedEffect,
-    Step,
     Structure,
 )
 from damper_estimator.diagnosis.thresholds import limits

@@ -41,27 +41,17 @@ class Accepted:
 
 def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     """The effect, with what else it could be in this round."""
-    return accepted_with(current, best, *ties_of(current, best))
-
-
-def accepted_with(current: Round, best: Hypothesis, tied: tuple[str, ...], confidence: float) -> Accepted:
-    """The effect, with ties that were found elsewhere."""
+    tied = current.tied(best)
     return Accepted(
         round=current,
         hypothesis=best,
         element=best.fitted_element,
         tied=tied,
-        confidence=confidence,
+        confidence=current.confidence((best.phenomenon, *tied)),
         gain=current.gain(best),
         before_n=rmse(current.baseline, current.without),
         after_n=rmse(current.baseline, current.left(best)),
     )
-
-
-def ties_of(current: Round, best: Hypothesis) -> tuple[tuple[str, ...], float]:
-    """What else it could be, and how sure the group is."""
-    tied = current.tied(best)
-    return tied, current.confidence((best.phenomenon, *tied))
 
 
 def names_of(accepted: Sequence[Accepted]) -> list[str]:

@@ -94,7 +94,7 @@ def applied(before: ModelState, element: Element, mode: str, promised: float) ->
         return replace(before, fit=fit, unseen=unseen).with_model(before.model, "goes to the signal map")
     name = element.effect.name
     after = replace(before, added=(*before.added, name))
-    changed = before.model.with_effect(element)
+    changed = before.model.with_missing(element)
     found = []
     if mode != "kept":
         found.append(after.with_model(identified(after, changed)))

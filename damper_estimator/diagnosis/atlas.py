@@ -47,6 +47,4 @@ def terms(model: DamperModel, data: DiagnosisData, tests: Sequence[Test] = TESTS
 
 
 def _rows(rows: Sequence[Rows], columns: Sequence[Columns]) -> np.ndarray:
-    return np.concatenate(
-        [np.stack([one.of(column) for column in group], axis=1) for one, group in zip(rows, columns, strict=True)]
-    )
+    return np.concatenate([one.of_columns(group) for one, group in zip(rows, columns, strict=True)])

@@ -79,7 +79,9 @@ class Baseline:
 
     def for_kind(self, kind: str) -> tuple[DamperModel, DiagnosisData]:
         """The model and data on which an effect of a kind is tried: what acts behind the model need not run it."""
-        behind = kind in ("modifier", "channel") or (kind == "source" and self.has_compliance)
+        # Input and channel effects rewrite the motion or the force of all sources, the new one included.
+        untouched = self.has_compliance or all(e.effect.kind not in ("input", "channel") for e in self.model.effects)
+        behind = kind in ("modifier", "channel") or (kind == "source" and untouched)
         return self.recorded if behind else (self.model, self.data)
 
 
@@ -109,14 +111,16 @@ def baseline_of(
 
 def derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], force: np.ndarray) -> np.ndarray:
     """(r, k) derivatives of the force rows by parameters, times the parameters' sizes."""
-    columns = np.zeros((force.size, len(slots)))
     vector = np.array([slot.value for slot in model.slots])
-    for k, i in enumerate(slots):
+    models, scales = [], []
+    for i in slots:
         slot = model.slots[i]
         size = slot_size(slot)
         changed, step = stepped(vector, i, size, slot.parameter.lower, slot.parameter.upper, ROUGH)
-        columns[:, k] = np.nan_to_num((force_rows(model.with_vector(changed), rows) - force) * (size / step))
-    return columns
+        models.append(model.with_vector(changed))
+        scales.append(size / step)
+    changed_rows = [part.of_columns(one.force(part.measurement.kinematics.block) for one in models) for part in rows]
+    return np.nan_to_num((np.concatenate(changed_rows) - force[:, None]) * np.array(scales))
 
 
 def near_derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], force: np.ndarray) -> np.ndarray:

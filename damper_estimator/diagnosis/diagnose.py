@@ -7,7 +7,10 @@ parameters from a missing effect.
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted
 from damper_estimator.diagnosis.apply_finding import ModelState, applied, identified_first, state_of
@@ -23,18 +26,17 @@ from damper_estimator.diagnosis.diagnosis_data import (
 from damper_estimator.diagnosis.explanation import (
     atlas_of,
     finding_of,
-    identified_sentence,
+    phenomena_of,
     ranking_of,
-    sentence_of,
-    unexplained_sentence,
 )
 from damper_estimator.diagnosis.misfit import has_grown, misfit_of, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import Diagnosis, Structure
 from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
+from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
-from damper_estimator.identification import usable
+from damper_estimator.identification import pooled_error, usable
 from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
@@ -80,13 +82,17 @@ def diagnose(
     again = reidentified(found.rounds[0], data) if mode != "kept" and not is_usual else None
     before = compare(state.model, *state.unseen)
     force, floor = before.measures.force_rms_n, before.noise_floor_n
-    verdict, picture = ("nothing_missing", None) if is_usual else verdict_on(found, again, force, floor)
+    judged = partial(verdict_on, again=again, force_n=force, floor_n=floor, is_identified_here=_is_identified_on(state))
+    verdict, picture = ("nothing_missing", None) if is_usual else judged(found)
     if verdict == "parameters_changed" and not found.accepted:
         found = replace(found, accepted=as_if_by(found.rounds[0]))
     report("adding what was found", 0.9)
     steps = _steps(state, found, mode, again if verdict == "parameters_changed" else None)
     if verdict == "missing" and not steps:
-        verdict, picture = verdict_on(replace(found, accepted=()), again, force, floor)
+        verdict, picture = judged(replace(found, accepted=()))
+    error = max(state.rmse_fit_n, state.rmse_unseen_n)
+    if verdict == "unexplained" and not _is_identified_on(state) and not has_grown(state.model, error / force):
+        verdict, picture, found = "nothing_missing", None, replace(found, is_survey=True)
     report("done", 1.0)
     return _diagnosis(state, found, again, verdict, picture, steps, before, given)
 
@@ -133,15 +139,20 @@ def _searched(
             )
             if found.accepted:
                 return found, news
-    return search(state.model, data, mode, skip, workers, progress), data
+    here = _is_identified_on(state)
+    return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data
 
 
 def _is_identified_on(state: ModelState) -> bool:
-    """Whether the model was identified on one of these recordings: then the question is what it lacks, not what
-    changed."""
+    """Whether the model was identified on one of these recordings, and errs there as it did then: then the question is
+    what it lacks, not what changed."""
     bags = state.model.fit.get("bags")
     names = {Path(str(bag)).name for bag in bags} if isinstance(bags, (list, tuple)) else set()
-    return any(Path(m.recording).name in names for m in (*state.fit, *state.unseen))
+    same = [m for m in (*state.fit, *state.unseen) if Path(m.recording).name in names]
+    if not same:
+        return False
+    force = np.concatenate([m.in_band(m.force)[m.judged] for m in same])
+    return not has_grown(state.model, pooled_error(state.model, same)[0] / float(np.std(force)), if_unknown=False)
 
 
 def _steps(
@@ -226,12 +237,13 @@ def _diagnosis(
     last = steps[-1][1] if steps else state
     then = recorded(state.model, "residual_stddev") if found.is_survey else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
+    reference = reference_error(state.fit, state.unseen)
     return Diagnosis(
         model=before.model,
         verdict=verdict,
         sentence=identified_sentence(given, state)
         + (
-            unexplained_sentence(atlas, picture, errors[0], floor)
+            unexplained_sentence(atlas, picture, errors[0], floor, reference)
             if verdict == "unexplained"
             else sentence_of(verdict, findings, again, errors, found.left_n, floor, then)
         ),
@@ -253,6 +265,7 @@ def _diagnosis(
         unseen=state.unseen,
         steps=tuple((finding, at) for _, finding, _, at in taken),
         atlas=atlas,
+        phenomena=phenomena_of(found.rounds[0]),
         identified=state if state is not given else None,
-        reference_n=reference_error(state.fit, state.unseen),
+        reference_n=reference,
     )

@@ -70,7 +70,7 @@ def data_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Mea
     fit_rows = _rows(model, fit_parts)
     unseen_rows = _rows(model, unseen_parts)
     return DiagnosisData(
-        fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows])
+        fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows], model)
     )
 
 
@@ -149,8 +149,8 @@ def _blocks(rows: Sequence[Rows]) -> np.ndarray:
     return np.concatenate(numbers)
 
 
-def ranges_of(measurements: Sequence[Measurement]) -> Ranges:
-    """What recordings drive."""
+def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = None) -> Ranges:
+    """What recordings drive, and where the model was identified."""
 
     def gathered(column) -> np.ndarray:
         return np.concatenate([np.asarray(column(m))[m.judged] for m in measurements])
@@ -172,4 +172,15 @@ def ranges_of(measurements: Sequence[Measurement]) -> Ranges:
         seconds=min(float(np.sum(m.kinematics.dt[m.judged])) for m in measurements),
         command=ends(COMMAND),
         temperature=ends(TEMPERATURE),
+        model_command=_identified_at(model, "command"),
+        model_temperature=_identified_at(model, "temperature"),
     )
+
+
+def _identified_at(model: DamperModel | None, channel: str) -> float | None:
+    """Middle of a channel over the recordings that a model was identified on; None if its record does not say."""
+    region = model.fit.get("region") if model is not None else None
+    try:
+        return float(np.mean([float(end) for end in region[channel]]))
+    except (TypeError, KeyError, ValueError):
+        return None

@@ -1,17 +1,20 @@
-"""Explains a search in words and numbers: findings, reasons and sentences."""
-
-from collections.abc import Sequence
+"""Explains a search in words and numbers: findings, reasons, ranking."""
 
 import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted
-from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, rmse
 from damper_estimator.diagnosis.evidence import confirming, evidence
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.reidentify import Reidentified
-from damper_estimator.diagnosis.result import AtlasRow, EvaluationSummary, Finding, RankedEffect, Structure
+from damper_estimator.diagnosis.result import (
+    AtlasRow,
+    EvaluationSummary,
+    Finding,
+    PhenomenonShare,
+    RankedEffect,
+)
 from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import TrialFit
@@ -136,6 +139,15 @@ def atlas_of(current: Round) -> tuple[AtlasRow, ...]:
     return tuple(sorted(rows, key=lambda row: -row.explains))
 
 
+def phenomena_of(current: Round) -> tuple[PhenomenonShare, ...]:
+    """All phenomena that one round tried, the most probable first."""
+    shares = [
+        PhenomenonShare(score.phenomenon, score.left, current.probabilities[score.phenomenon])
+        for score in current.scores
+    ]
+    return tuple(sorted(shares, key=lambda share: -share.probability))
+
+
 _UNDELIVERED = "identified in the model, it does not lower the unseen error by what it explains alone"
 
 
@@ -201,77 +213,3 @@ def _explains(current: Round, hypothesis: Hypothesis) -> tuple[np.ndarray, ...]:
         block = rows.measurement.kinematics.block
         parts.append(rows.measurement.in_band(np.nan_to_num(changed.force(block) - model.force(block))))
     return tuple(parts)
-
-
-def identified_sentence(given: ModelState, state: ModelState) -> str:
-    """That the model was identified first, where it was."""
-    if state is given:
-        return ""
-    return (
-        "The model had no record of a fit and was identified first "
-        f"(unseen error {given.rmse_unseen_n:.3g} to {state.rmse_unseen_n:.3g} N). "
-    )
-
-
-def sentence_of(
-    verdict: str,
-    findings: Sequence[Finding],
-    again: Reidentified | None,
-    errors_n: tuple[float, float],
-    left_n: float,
-    floor_n: float,
-    then_n: float | None = None,
-) -> str:
-    """The verdict in one sentence; see ``unexplained_sentence`` for one of them.
-
-    Args:
-        errors_n: unseen error as given, and with all findings, N.
-        left_n: what is left without the gauge's zero and drift in each recording.
-        then_n: error when the model was identified, if the error is not new.
-    """
-    rmse_n = errors_n[0]
-    if verdict == "missing":
-        names = " and ".join(_named(finding) for finding in findings)
-        fall = f"from {rmse_n:.3g} to {errors_n[1]:.3g} N"
-        return f"Missing: {names}; with it the unseen error falls {fall}."
-    if verdict == "parameters_changed":
-        moved = ", ".join(m.name for m in again.moved[:4]) or "its parameters"
-        like = f", as if by {_named(findings[0])}" if findings else ""
-        return (
-            f"Nothing is missing, but parameters changed ({moved}{like}): re-identifying them takes the unseen error "
-            f"to {again.rmse_n:.3g} N."
-        )
-    if then_n is not None:
-        return (
-            f"Nothing is missing that is new: the error of {rmse_n:.3g} N is as large as when the model was identified "
-            f"({then_n:.3g} N). For what the model has always lacked, diagnose the recordings of its identification."
-        )
-    rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
-    return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{rest}, noise makes {floor_n:.3g} N."
-
-
-def unexplained_sentence(atlas: Sequence[AtlasRow], picture: Structure | None, error_n: float, floor_n: float) -> str:
-    """What is known of an error that no effect accounts for: on what it depends, and where it is largest."""
-    first = atlas[0] if atlas else None
-    depends = ""
-    if first is not None and first.low >= limits().gain:
-        names = " or ".join(name.replace("_", " ") for name in first.phenomena)
-        like = f", as with {names} of a form that no effect has" if names else ""
-        depends = f" {100.0 * first.explains:.0f} % of its square depends on {first.shows}{like}."
-    if picture is not None:
-        return (
-            f"The error of {error_n:.3g} N has a structure that no known effect accounts for: {picture.words}.{depends}"
-        )
-    known = f"No known effect accounts for the error of {error_n:.3g} N, {error_n / floor_n:.2g} times the noise"
-    if depends:
-        return f"{known}.{depends}"
-    return (
-        f"{known}, and it follows nothing that was measured at the same instant: what happened before, or was not "
-        "measured, counts."
-    )
-
-
-def _named(finding: Finding) -> str:
-    name = finding.phenomenon.replace("_", " ")
-    tied = [phenomenon.replace("_", " ") for phenomenon in finding.tied_with]
-    return name + (f" (or {', '.join(tied)}: tied)" if tied else "")

@@ -6,21 +6,21 @@ a `TrialFit` (`trial_fit`), and then its `Evaluation` on unseen data (`evaluatio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.effects.contract import Effect
+from damper_estimator.effects.contract import Effect, number
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges, Trial, Untestable
 from damper_estimator.identification import LocalRows, Problem
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.selection import narrowed
-from damper_estimator.model import DamperModel, Element, Slot, make_element
-from damper_estimator.model.element import walk
+from damper_estimator.model import DamperModel, Element, Slot
+from damper_estimator.model.element import new_element, walk
 
 if TYPE_CHECKING:  # the later stages import this module
     from damper_estimator.diagnosis.evaluation import Evaluation
@@ -35,6 +35,7 @@ class Hypothesis:
         element: the entry as it would be added, with start values.
         limits: physical range of parameters by name.
         starts: further start values by name.
+        conditions: other settings by name, of which the trial fit takes the best.
         excludes: says why the effect with fitted values is not what it represents; None if it always is.
         fit: its fitted parameters and what they change; None before the trial fit.
         evaluation: what is left with it on unseen data; None before.
@@ -44,6 +45,7 @@ class Hypothesis:
     limits: Mapping[str, tuple[float, float]]
     starts: Sequence[Mapping[str, float]]
     excludes: Callable[[Mapping[str, Any]], str] | None = None
+    conditions: Sequence[Mapping[str, float]] = ()
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
 
@@ -79,12 +81,18 @@ class Hypothesis:
 
     @property
     def fitted_element(self) -> Element:
-        """The entry with the values of the trial fit."""
-        return self.element.with_values(self.fit.values)
+        """The entry with the values and settings of the trial fit."""
+        return replace(self.element.with_values(self.fit.values), settings=self.fit.settings)
+
+    def under(self, settings: Mapping[str, float]) -> Hypothesis:
+        """With other settings, and no further ones to try."""
+        return replace(
+            self, element=replace(self.element, settings={**self.element.settings, **settings}), conditions=()
+        )
 
     def added_to(self, model: DamperModel) -> tuple[DamperModel, tuple[int, ...]]:
         """The model with the effect, and the positions in its slots of the effect's parameters."""
-        changed = model.with_effect(self.element)
+        changed = model.with_missing(self.element)
         # A compliance gets its path when it is added; the values stay the same object.
         entry = next(i for i, e in enumerate(walk(changed.effects)) if e.parameters is self.element.parameters)
         return changed, tuple(i for i, slot in enumerate(changed.slots) if slot.entry == entry)
@@ -99,7 +107,14 @@ class Hypothesis:
         if fit.hidden or not np.any(fit.change_fit):
             return replace(self, fit=None, evaluation=None)
         given = {name: value for name, value in self.element.parameters.items() if np.ndim(value) == 0}
-        return Hypothesis(self.element.with_values(fit.values), self.limits, (*self.starts, given), self.excludes)
+        return replace(
+            self,
+            element=earlier.fitted_element,
+            starts=(*self.starts, given),
+            conditions=(),
+            fit=None,
+            evaluation=None,
+        )
 
     def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:
         """The least-squares problem of the effect's parameters, all others kept."""
@@ -124,11 +139,13 @@ class Hypothesis:
 def hypotheses_for(model: DamperModel, ranges: Ranges) -> tuple[list[Hypothesis], dict[str, str]]:
     """Every effect that can be tried on such recordings, and by name why others cannot."""
     found, untestable = [], {}
+    series = [element for element in walk(model.effects) if element.effect.kind == "series"]
     for effect in all_effects().values():
         if not effect.phenomenon or effect.trial is None:
             continue
-        if effect.kind == "series" and any(e.effect.kind == "series" for e in walk(model.effects)):
-            untestable[effect.name] = "there is a compliance already; two in a row are one"
+        takes_its_place = effect.is_series_spring and series == [model.spring]
+        if effect.kind == "series" and series and not takes_its_place:
+            untestable[effect.name] = "there is a compliance already; two in a row cannot be distinguished"
             continue
         try:
             found.append(_hypothesis(effect, model, effect.trial(ranges)))
@@ -149,10 +166,22 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
             physical[parameter.name] = (low, high)
         if parameter.size is None:
             values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
-    return Hypothesis(_element(effect, model, values), physical, trial.starts, trial.exclusion)
+    starts = [*trial.starts, *_as_stiff(effect, model.spring)]
+    return Hypothesis(new_element(effect, model.effects, values), physical, starts, trial.exclusion, trial.conditions)
 
 
-def _element(effect: Effect, model: DamperModel, values: Mapping[str, object]) -> Element:
-    if effect.kind != "series":
-        return make_element(effect, values)
-    return replace(make_element(effect, values, model.effects), path=())
+def _as_stiff(effect: Effect, present: Element | None) -> list[dict[str, float]]:
+    """A further start of a series spring: as the one whose place it takes."""
+    if not effect.is_series_spring or present is None:
+        return []
+    if effect is present.effect:
+        return [{name: number(present.parameters, name) for name in present.parameters}]
+    stiffness = np.mean([number(present.parameters, p.name) for p in present.effect.parameters if p.unit == "N/m"])
+    return [{p.name: float(stiffness) for p in effect.parameters if p.unit == "N/m"}]
+
+
+def settled(added: Collection[str]) -> set[str]:
+    """Names of effects that are not tried once some were added: these, and after a series spring all others."""
+    effects = all_effects()
+    has_spring = any(effects[name].is_series_spring for name in added)
+    return {*added, *(name for name, effect in effects.items() if has_spring and effect.is_series_spring)}

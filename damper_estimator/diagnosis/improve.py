@@ -12,8 +12,10 @@ import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified, identified_first
 from damper_estimator.diagnosis.diagnose import begun, diagnose
+from damper_estimator.diagnosis.hypotheses import settled
+from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.misfit import with_misfit
-from damper_estimator.diagnosis.result import Diagnosis, Finding, Improvement, Step
+from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
@@ -114,7 +116,7 @@ def _diagnosed(improving: _Improving, workers: int, progress: Progress) -> Diagn
         current.unseen,
         mode=improving.mode,
         workers=workers,
-        skip=current.added,
+        skip=settled(current.added),
         progress=progress,
     )
 
@@ -156,7 +158,7 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
     said = [words.get(s.action, "parameters identified again").format(s.effect) for s in done]
     floor = found.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""
-    more = found.reference_n < (1.0 - limits().least_fall) * last
+    more = found.verdict != "unexplained" and found.reference_n < (1.0 - limits().least_fall) * last
     least = f", and a regression without any form reaches {found.reference_n:.3g} N" if more else ""
     fall = f"the unseen error falls from {first:.3g} to {last:.3g} N"
     return f"{', '.join(said)}: {fall}{above}{least}. {_why_it_ends(found)}"

@@ -95,11 +95,14 @@ def is_larger(now: float, then: float) -> bool:
     return not now**2 <= limits().growth * then**2
 
 
-def has_grown(model: DamperModel, error: float) -> bool:
-    """Whether a model's error, share of the force's rms, is clearly larger than when it was identified; true if that is
-    unknown. Shares, since the error of a form that is not quite the damper's grows with the motion."""
+def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool:
+    """Whether a model's error, share of the force's rms, is clearly larger than when it was identified.
+
+    Shares, since the error of a form that is not quite the damper's grows with the motion.
+    """
     then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
-    return is_larger(error, then_n / force_n if force_n else float("nan"))
+    then = then_n / force_n if force_n else float("nan")
+    return is_larger(error, then) if np.isfinite(then) else if_unknown
 
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
@@ -167,7 +170,7 @@ def _system(model: DamperModel, rows: Sequence[Rows], ranges: Ranges) -> tuple[n
     for part in rows:
         view: View = view_of(model, part.measurement, ranges)
         terms: Columns = [column for test in _tests() for column in test.columns(view)]
-        columns.append(np.stack([part.of(column) for column in terms], axis=1))
+        columns.append(part.of_columns(terms))
         missing.append(part.target - part.of(np.nan_to_num(model.force(part.measurement.kinematics.block))))
     return np.concatenate(columns), np.concatenate(missing)
 

@@ -149,6 +149,20 @@ class AtlasRow:
 
 
 @dataclass(frozen=True)
+class PhenomenonShare:
+    """How well the best effect of one phenomenon explains the error of the model as given.
+
+    Attributes:
+        left: share of the squared error, geometric mean of fitted and unseen recordings, penalties included.
+        probability: that it is this one, given that it is one of those that were tried.
+    """
+
+    phenomenon: str
+    left: float
+    probability: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """What is missing from a model, as far as these recordings show it.
 
@@ -171,6 +185,7 @@ class Diagnosis:
         fit, unseen: what was used for what.
         steps: each finding with the model and its errors after it, in the order in which they are put in.
         atlas: what the form-free tests say of the error of the model as given, the one that explains most first.
+        phenomena: all that were tried in the first round, the most probable first.
         identified: the model after it was identified first, where it had no record of a fit; else None.
         reference_n: unseen error of the form-free regression (``validation.form_free``): as much is explainable at
             least; a model of the right form may be better.
@@ -197,6 +212,7 @@ class Diagnosis:
     unseen: tuple[Measurement, ...]
     steps: tuple[tuple[Finding, ModelState], ...] = ()
     atlas: tuple[AtlasRow, ...] = ()
+    phenomena: tuple[PhenomenonShare, ...] = ()
     identified: ModelState | None = None
     reference_n: float = float("nan")
 
@@ -220,72 +236,6 @@ class Diagnosis:
             "parameters_moved": [asdict(moved) for moved in self.moved],
             "data_findings": [asdict(finding) for finding in self.data],
             "atlas": [asdict(row) for row in self.atlas],
+            "phenomena": [asdict(one) for one in self.phenomena],
             "structure": None if self.structure is None else self.structure.words,
-        }
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step of an improvement.
-
-    Attributes:
-        action: start, correct, refit, add or prune.
-        effect, phenomenon: None for start and refit.
-        model: after the step.
-        rmse_fit_n, rmse_unseen_n: N in band.
-        diagnosis: what was tried before this step; None where nothing was.
-        note: in words.
-    """
-
-    action: str
-    effect: str | None
-    phenomenon: str | None
-    model: DamperModel
-    rmse_fit_n: float
-    rmse_unseen_n: float
-    diagnosis: Diagnosis | None
-    note: str
-
-
-@dataclass(frozen=True)
-class Improvement:
-    """A model with all that was missing and justified.
-
-    Attributes:
-        steps: the first is the model as given.
-        verdict: of what is left after the last step.
-        sentence: what happened, in one sentence.
-        model, signals: the improved model, and the damper's entry of the signal map with corrections.
-        rejected: hypotheses of the last round.
-        first: the diagnosis of the model as given.
-        final: the diagnosis that found nothing more.
-    """
-
-    steps: tuple[Step, ...]
-    verdict: str
-    sentence: str
-    noise_floor_n: float
-    model: DamperModel
-    signals: DamperSignals
-    rejected: tuple[RankedEffect, ...]
-    fit: tuple[Measurement, ...]
-    unseen: tuple[Measurement, ...]
-    first: Diagnosis
-    final: Diagnosis
-
-    @property
-    def reference_n(self) -> float:
-        """Unseen error of the form-free regression, as in ``Diagnosis``."""
-        return self.final.reference_n
-
-    def record(self) -> dict[str, object]:
-        """For JSON."""
-        names = ("action", "effect", "phenomenon", "rmse_fit_n", "rmse_unseen_n", "note")
-        return {
-            "steps": [{name: getattr(step, name) for name in names} for step in self.steps],
-            "verdict": self.verdict,
-            "sentence": self.sentence,
-            "noise_floor_n": self.noise_floor_n,
-            "reference_n": self.reference_n,
-            "rejected": [ranked.record() for ranked in self.rejected],
         }

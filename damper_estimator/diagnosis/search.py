@@ -8,29 +8,24 @@ import numpy as np
 from damper_estimator.diagnosis.accepted import (
     Accepted,
     accepted_in,
-    accepted_with,
     entry_of,
     fitted_together,
     names_of,
     positions,
-    ties_of,
 )
 from damper_estimator.diagnosis.baseline import Baseline, baseline_of
 from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
 from damper_estimator.diagnosis.evaluation import rmse, without_effects
-from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for
+from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for, settled
 from damper_estimator.diagnosis.pairs import paired
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import trial_fit
-from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
-from damper_estimator.model.element import labels
 
 MOST = 4  # findings
 _WORTH = 0.03  # of the squared error: what explains less by itself gets no derivatives
-_RIVALS = 6  # of an earlier finding, that it is compared with again
 
 Progress = Callable[[str, float], None]
 
@@ -42,7 +37,7 @@ class Search:
     Attributes:
         left_n: unseen error with them, N.
         mode: how the rounds evaluate: both, kept or refit.
-        is_survey: whether the hypotheses were only evaluated, because the error is not new.
+        is_survey: whether nothing is added, because the error is not new.
     """
 
     rounds: tuple[Round, ...]
@@ -71,19 +66,22 @@ def search(
     skip: Collection[str],
     workers: int,
     progress: Progress,
+    *,
     trusted: bool = False,
+    is_identified_here: bool = False,
 ) -> Search:
     """Adds effects one after the other, until nothing more is justified.
 
-    With ``both`` a model's parameters are kept, because it may have taken over part of an effect that is missing; if
-    the model was never right, or if nothing is found this way, a pass with ``refit`` refits them with every effect. If
-    the model is ``trusted``, because the error that it always had is subtracted, they are kept throughout.
+    With ``both`` a model's parameters are kept: refitted with an effect, they take over part of what it should explain.
+    A model that was identified on these recordings has done so already, and is refitted with every effect; others are
+    if nothing is found with their parameters kept. If the model is ``trusted``, because the error that it always had is
+    subtracted, they are kept throughout.
     """
     tried, untestable = _tried(model, data, skip)
     start = baseline_of(model, data)
     error = rmse(start, without_effects(start)[0])
     may_refit = mode == "both" and not trusted and error > limits().poor * data.force_rms
-    if may_refit and _never_better(start):
+    if may_refit and is_identified_here:
         found = _rounds("refit", start, tried, workers, progress)
     else:
         found = _rounds(mode, start, tried, workers, progress)
@@ -130,13 +128,11 @@ def _rounds(mode: str, start: Baseline, tried: Sequence[Hypothesis], workers: in
         elif best is not None:
             accepted.append(accepted_in(found, best))
             model = fitted_together(best.fitted_into(current.model), names_of(accepted), data, found.refits)
-            if len(accepted) > 1:
-                accepted, model = _compared_again(accepted, model, data, mode, workers, report)
         else:
             break
         current = _next(current, model, names_of(accepted), found.refits)
         accepted[-1] = replace(accepted[-1], after_n=rmse(current, without_effects(current)[int(found.refits)]))
-        names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - set(names_of(accepted))
+        names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(names_of(accepted))
         tried = [one.resumed(one) for one in fitted if one.name in names]
     return _Pass(mode, rounds, accepted, current)
 
@@ -155,11 +151,6 @@ def as_if_by(first: Round) -> tuple[Accepted, ...]:
     if best is None or first.gain(best)[0] < limits().gain:
         return ()
     return (accepted_in(first, best),)
-
-
-def _never_better(current: Baseline) -> bool:
-    """Whether the model was about as wrong when it was identified: then nothing speaks for its parameters."""
-    return recorded(current.model, "residual_stddev") > limits().usual * rmse(current, without_effects(current)[0])
 
 
 def _report(progress: Progress, round_number: int, count: int) -> Callable[[int], None]:
@@ -187,39 +178,6 @@ def _next(before: Baseline, model: DamperModel, added: Collection[str], refits: 
         return baseline_of(model, before.data, found)
     after = baseline_of(model, before.data, found, base=())
     return replace(after, base_fit=before.base_fit, base_unseen=before.base_unseen)
-
-
-def _compared_again(
-    accepted: Sequence[Accepted],
-    model: DamperModel,
-    data: DiagnosisData,
-    mode: str,
-    workers: int,
-    progress: Callable[[int], None],
-) -> tuple[list[Accepted], DamperModel]:
-    """Every earlier finding against its rivals with all others in place, and the model with what is better now: when
-    it was chosen, the effects found later were still in the residual, and it may have stood in for them.
-    """
-    compared = list(accepted)
-    for i, one in enumerate(accepted[:-1]):
-        name = one.element.effect.name
-        others = [other for other in names_of(compared) if other != name]
-        entry = entry_of(model, name)
-        less = model.without(next(label for label, element in labels(model.effects) if element is entry))
-        strong = [h for h in one.round.hypotheses if one.round.gain(h)[0] >= limits().gain][:_RIVALS]
-        rivals = {hypothesis.name: hypothesis for hypothesis in strong if hypothesis.name not in others}
-        tried = [h.resumed(rivals[h.name]) for h in hypotheses_for(less, data.ranges)[0] if h.name in rivals]
-        baseline = baseline_of(less, data, positions(less, others), None if one.round.refits else ())
-        found = round_of(baseline, all_fitted(baseline, tried, 0.0, workers, lambda done: progress(0)), mode)
-        best = found.best
-        tied, confidence = ties_of(found, best)
-        if best.name == name:
-            compared[i] = replace(one, tied=tied, confidence=confidence)
-            continue
-        compared[i] = accepted_with(one.round, one.round.hypothesis(best.name), tied, confidence)
-        compared[i + 1] = replace(compared[i + 1], before_n=compared[i].after_n)
-        model = fitted_together(best.fitted_into(less), [*others, best.name], data, found.refits)
-    return compared, model
 
 
 def _hidden_by_the_zero(first: Round, model: DamperModel, added: Collection[str]) -> list[Accepted]:

@@ -31,22 +31,13 @@ class Thresholds:
         0.015, _FORCE, "an effect must be worth it", "gauges of this kind are calibrated to 1 or 2 %"
     )
     penalty: float = _threshold(
-        0.01, _SQUARE, "what an effect must explain more per parameter", "settles nested effects on unseen data"
+        0.003,
+        _SQUARE,
+        "what an effect must explain more per parameter",
+        "settles nested effects on unseen data",
     )
     at_bound: float = _threshold(
         0.02, _SQUARE, "what an effect with a parameter at a limit must explain more", "it is not quite itself there"
-    )
-    form_free_margin: float = _threshold(
-        0.02, _SQUARE, "what a form-free test must explain more than an effect", "effects say more where both fit"
-    )
-    form_free_penalty: float = _threshold(
-        0.001, _SQUARE, "what a test must explain more per column", "columns found on some minutes of road cost little"
-    )
-    form: float = _threshold(
-        0.5,
-        "share of what the test explains",
-        "an effect must explain it for its test to count",
-        "a test that hardly resembles any effect of its phenomenon shows something else",
     )
     general_margin: float = _threshold(
         0.05, _SQUARE, "what a general effect must explain more than a specific one", "it can take any shape"
@@ -57,23 +48,26 @@ class Thresholds:
         "what goes beyond it",
         "tests that imitate each other differ by less in simulated dampers of other physics",
     )
+    form_free: float = _threshold(
+        0.1,
+        "exponent",
+        "weight of the form-free test of a phenomenon beside its effects",
+        "names most effects rightly on randomly drawn dampers of other physics",
+    )
     sharpness: float = _threshold(
-        6.0,
-        "1",
-        "how fast probability falls with the error that is left",
-        "the reliability diagram of the bench (make bench-diagnosis)",
+        8.0, "1", "how fast probability falls with the error that is left", "fitted together with form_free"
     )
     form_right: float = _threshold(
-        0.8,
+        0.92,
         "probability",
         "that the phenomenon is right, whatever the evidence",
-        "one in five clear findings on unknown dampers was wrong (make bench-diagnosis)",
+        "one in ten clear findings on unknown dampers is wrong (make bench-diagnosis)",
     )
     form_share: float = _threshold(
-        1.1,
+        1.5,
         "probability per share of the squared error",
         "that it is right, where the effect leaves much",
-        "half of the findings that explained less than half of the error were wrong there",
+        "a third of the findings that explain less than half of the error are wrong there",
     )
     tied: float = _threshold(0.1, "probability", "another phenomenon is a tie", "one wrong name in ten is too many")
     hint: float = _threshold(
@@ -108,12 +102,6 @@ class Thresholds:
     )
     poor: float = _threshold(
         0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
-    )
-    usual: float = _threshold(
-        0.5,
-        "share of the error",
-        "where identification left more, the parameters have no standing",
-        "the model was never much better",
     )
     pair: float = _threshold(
         0.5,

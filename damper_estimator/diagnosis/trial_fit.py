@@ -29,7 +29,7 @@ class TrialFit:
     """The fitted parameters of a hypothesis, and what they change.
 
     Attributes:
-        values: of its parameters by name.
+        values, settings: of its parameters and settings by name.
         at_bound: addresses of those that stopped at a physical limit.
         derivatives_fit, derivatives_unseen: (r, k) derivatives by its parameters, each times the parameter's size; k is
             0 where it explains too little to need them.
@@ -39,6 +39,7 @@ class TrialFit:
     """
 
     values: dict[str, float | tuple[float, ...]]
+    settings: dict[str, float | tuple[float, ...]]
     at_bound: tuple[str, ...]
     derivatives_fit: np.ndarray
     derivatives_unseen: np.ndarray
@@ -56,6 +57,10 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0) ->
     """
     if not baseline.suggests(hypothesis):
         return _untried(baseline, hypothesis)
+    if hypothesis.conditions:
+        each = [hypothesis.under({}), *(hypothesis.under(settings) for settings in hypothesis.conditions)]
+        fits = [trial_fit(baseline, one, worth) for one in each]
+        return min(fits, key=lambda fit: float(np.sum((baseline.residual_fit + fit.change_fit) ** 2)))
     given, data = baseline.for_kind(hypothesis.effect.kind)
     problem = hypothesis.problem(given, data.fit)
     vector = _fitted(problem, hypothesis, data)
@@ -77,6 +82,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0) ->
         derivatives_fit, derivatives_unseen = np.zeros((change_fit.size, 0)), np.zeros((change_unseen.size, 0))
     return TrialFit(
         values=dict(list(walk(model.effects))[model.slots[free[0]].entry].parameters),
+        settings=dict(hypothesis.element.settings),
         at_bound=_at_bound(problem, vector),
         derivatives_fit=derivatives_fit,
         derivatives_unseen=derivatives_unseen,
@@ -112,6 +118,7 @@ def _untried(baseline: Baseline, hypothesis: Hypothesis) -> TrialFit:
     fit, unseen = baseline.residual_fit.size, baseline.residual_unseen.size
     return TrialFit(
         values=dict(hypothesis.element.parameters),
+        settings=dict(hypothesis.element.settings),
         at_bound=(),
         derivatives_fit=np.zeros((fit, 0)),
         derivatives_unseen=np.zeros((unseen, 0)),

@@ -18,13 +18,15 @@ _ENOUGH = 0.75  # of what re-identification explains, by one effect instead
 
 
 def verdict_on(
-    found: Search, again: Reidentified | None, force_n: float, floor_n: float
+    found: Search, again: Reidentified | None, force_n: float, floor_n: float, is_identified_here: bool = False
 ) -> tuple[str, Structure | None]:
     """The verdict, with a picture where it is ``unexplained`` and there is structure to be seen.
 
     Args:
         again: None where the model's parameters are trusted.
         force_n, floor_n: rms of the measured force, and the noise floor, N.
+        is_identified_here: whether the model was identified on these recordings: then only noise excuses what is left,
+            elsewhere also what the identification left.
     """
     first, left = found.rounds[0], found.left_n
     floor = floor_n if np.isfinite(floor_n) else 0.0
@@ -36,7 +38,8 @@ def verdict_on(
         return "parameters_changed", None
     if found.accepted:
         return "missing", None
-    explainable = max(floor, min(_residual_before(first.baseline.model), limits().notable * force_n))
+    usual = min(_residual_before(first.baseline.model), limits().notable * force_n)
+    explainable = floor if is_identified_here and floor > 0.0 else max(floor, usual)
     if left > max(limits().notable * force_n, limits().above * explainable):
         picture, gain, low = structure(first.baseline, first.kept)
         if gain >= limits().structured and low > 0.0:

@@ -24,7 +24,7 @@ def element_for(effect: Effect, model: DamperModel, fit: Sequence[Measurement], 
     values: dict[str, object] = {}
     if effect.trial is not None:
         try:
-            values |= effect.trial(ranges_of(fit)).values
+            values |= effect.trial(ranges_of(fit, model)).values
         except Untestable as error:
             raise InputError(f"{effect.name}: cannot be identified on these recordings: {error}") from None
     for tried in found.ranking if found is not None else ():

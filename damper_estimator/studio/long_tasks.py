@@ -32,7 +32,7 @@ def refitted(case: Case, deed: Deed, progress: Progress) -> Step:
 def identified_alone(case: Case, element: Element, progress: Progress) -> Element:
     """An entry with its parameters identified while the model's are kept."""
     progress(f"identifying {element.effect.name}", 0.1)
-    model = case.model.with_effect(element)
+    model = case.model.with_missing(element)
     label = [name for name, entry in labels(model.effects) if entry.effect is element.effect][-1]
     found = locally_fitted(model, case.fit, free=[label], fix=["*"])
     return dict(labels(found.effects))[label]

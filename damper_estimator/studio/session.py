@@ -195,7 +195,7 @@ class Session(PageState):
         if effect.correct is not None:
             self._correct(element, Deed("correct", name, effect.phenomenon))
             return
-        model = self.model.with_effect(element)
+        model = self.model.with_missing(element)
         self._refit(model, Deed("add", name, effect.phenomenon or name))
 
     def refit(self) -> None:

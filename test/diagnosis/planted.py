@@ -21,7 +21,8 @@ def tried(baseline: Baseline, effect: str, share: float, unseen: float | None = 
     """A hypothesis that takes ``share`` of the residual's amplitude away, alike on both parts without ``unseen``."""
     hypothesis, count = known(baseline)[effect], baseline.residual_fit.size
     fit = TrialFit(
-        dict(hypothesis.element.parameters), (), np.zeros((count, 0)), np.zeros((baseline.residual_unseen.size, 0)),
+        dict(hypothesis.element.parameters), dict(hypothesis.element.settings), (),
+        np.zeros((count, 0)), np.zeros((baseline.residual_unseen.size, 0)),
         np.ones(1), -share * baseline.residual_fit,
         -(share if unseen is None else unseen) * baseline.residual_unseen, False,
     )  # fmt: skip

@@ -70,6 +70,38 @@ def test_a_second_compliance_is_not_tried():
     assert "compliance" in untestable[series.name]
 
 
+def test_a_series_spring_is_tried_in_the_place_of_the_present_one():
+    springs = [e for e in all_effects().values() if e.is_series_spring]
+    stiff = make_element(springs[0], {p.name: 3e6 for p in springs[0].parameters if p.unit == "N/m"}, MODEL.effects)
+    found, _ = hypotheses_for(DamperModel("soft", "", (stiff,)), Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
+    tried_springs = [hypothesis for hypothesis in found if hypothesis.effect.kind == "series"]
+    assert {hypothesis.effect for hypothesis in tried_springs} == set(springs)
+    for hypothesis in tried_springs:
+        model, free = hypothesis.added_to(DamperModel("soft", "", (stiff,)))
+        assert [e.effect for e in model.effects] == [hypothesis.effect] and model.effects[0].path == MODEL.effects
+        assert free
+        stiffness = [p.name for p in hypothesis.effect.parameters if p.unit == "N/m"]
+        assert all(hypothesis.starts[-1][name] == 3e6 for name in stiffness), "one start is as stiff as the present one"
+
+
+def test_what_is_missing_acts_in_parallel_to_all_that_is_there():
+    gain = make_element(all_effects()["viscosity_gain"], {"rate": 0.02})
+    friction = make_element(all_effects()["coulomb"])
+    faded = DamperModel("faded", "", (*MODEL.effects, gain))
+    assert faded.with_missing(friction).effects == (*MODEL.effects, gain, friction)
+    assert faded.with_effect(friction).effects == (*MODEL.effects, friction, gain)
+
+
+def test_scales_refer_to_where_the_model_was_identified():
+    known = Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0, (0.0, 2.0), (20.0, 60.0), 1.3, 27.0)
+    unknown = replace(known, model_command=None, model_temperature=None)
+    for effect, here, otherwise in (("viscosity_gain", 27.0, 20.0), ("command_gain", 1.3, 2.0)):
+        for ranges, first in ((known, here), (unknown, otherwise)):
+            hypothesis = next(h for h in hypotheses_for(MODEL, ranges)[0] if h.name == effect)
+            assert hypothesis.element.settings["reference"] == first
+            assert len({first, *(condition["reference"] for condition in hypothesis.conditions)}) >= 2
+
+
 def test_the_package_names_no_effect_and_no_phenomenon():
     names = set(all_effects()) | {e.phenomenon for e in all_effects().values() if e.phenomenon}
     names -= {"path", "current"}  # ordinary words

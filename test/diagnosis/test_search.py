@@ -17,14 +17,11 @@ GOOD, POOR = 0.5, 3.0  # times the error from which on a model is poor
 def searched(noisy, monkeypatch):
     """A search whose passes are replaced; returns the modes of the passes and the result."""
 
-    def run(mode, error, found, trusted=False, residual=0.0):
-        """``error`` in multiples of ``poor``, ``found`` in each pass, ``residual`` of the identification, N."""
+    def run(mode, error, found, trusted=False, here=False):
+        """``error`` in multiples of ``poor``, ``found`` in each pass, ``here``: the model was identified on it."""
         rms = error * limits().poor * noisy.data.force_rms
         scale = rms / np.sqrt(np.mean(noisy.residual_unseen**2))
-        model = replace(noisy.model, fit={**noisy.model.fit, "residual_stddev": residual * rms})
-        start = replace(
-            noisy, model=model, residual_fit=scale * noisy.residual_fit, residual_unseen=scale * noisy.residual_unseen
-        )
+        start = replace(noisy, residual_fit=scale * noisy.residual_fit, residual_unseen=scale * noisy.residual_unseen)
         passes = []
 
         def rounds(mode, start, hypotheses, workers, progress):
@@ -36,7 +33,9 @@ def searched(noisy, monkeypatch):
 
         monkeypatch.setattr(module, "baseline_of", lambda model, data: start)
         monkeypatch.setattr(module, "_rounds", rounds)
-        result = module.search(model, noisy.data, mode, (), 1, lambda text, share: None, trusted)
+        result = module.search(
+            noisy.model, noisy.data, mode, (), 1, lambda text, share: None, trusted=trusted, is_identified_here=here
+        )
         assert result.rounds == tuple(passes[-1].rounds) and result.mode == passes[-1].mode
         assert len(result.accepted) == len(passes[-1].accepted)
         return [one.mode for one in passes]
@@ -55,12 +54,12 @@ def test_a_poor_model_is_refitted_only_if_nothing_is_found_while_it_is_kept(sear
     assert searched("both", POOR, found=()) == ["both", "refit"]
 
 
-def test_a_model_that_was_never_better_is_refitted_at_once(searched):
-    assert searched("both", POOR, found=("both", "refit"), residual=0.9) == ["refit"]
-    assert searched("both", GOOD, found=("both",), residual=0.9) == ["both"]
+def test_a_model_that_was_identified_on_the_same_data_is_refitted_at_once(searched):
+    assert searched("both", POOR, found=("both", "refit"), here=True) == ["refit"]
+    assert searched("both", GOOD, found=("both",), here=True) == ["both"]
 
 
 def test_a_trusted_model_and_an_explicit_mode_get_one_pass(searched):
-    assert searched("both", POOR, found=(), trusted=True, residual=0.9) == ["both"]
-    assert searched("kept", POOR, found=(), residual=0.9) == ["kept"]
+    assert searched("both", POOR, found=(), trusted=True, here=True) == ["both"]
+    assert searched("kept", POOR, found=(), here=True) == ["kept"]
     assert searched("refit", GOOD, found=()) == ["refit"]

@@ -11,6 +11,7 @@ from damper_estimator.diagnosis.evaluation import errors
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.structure import structure
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
 from damper_estimator.signals.layout import X
 
@@ -49,6 +50,15 @@ def test_what_is_left_is_unexplained_only_far_above_the_noise(noisy):
     assert verdict_on(found(current, left=100.0), None, FORCE, 90.0) == ("nothing_missing", None)
     assert verdict_on(found(current, left=100.0), None, FORCE, 5.0) == ("unexplained", None)
     assert verdict_on(found(current, left=100.0), None, 1e5, 5.0) == ("nothing_missing", None)
+
+
+def test_what_the_identification_left_excuses_nothing_on_its_own_recordings(noisy):
+    usual = replace(noisy, model=replace(noisy.model, fit={"residual_stddev": 40.0}))
+    current, left = rounded(usual), 100.0
+    assert left < 3.0 * 40.0 and left < 3.0 * limits().notable * 2000.0
+    assert verdict_on(found(current, left=left), None, 2000.0, 5.0)[0] == "nothing_missing"
+    assert verdict_on(found(current, left=left), None, 2000.0, 5.0, is_identified_here=True)[0] == "unexplained"
+    assert verdict_on(found(current, left=left), None, 2000.0, 60.0, is_identified_here=True)[0] == "nothing_missing"
 
 
 def test_structure_over_the_motion_is_seen_and_put_in_words(noisy):
