@@ -179,8 +179,10 @@ def _steps(
 def _applied_together(
     before: ModelState, group: Sequence[Accepted], mode: str, promised: float
 ) -> list[tuple[Accepted, ModelState]]:
-    """The findings of a group with the model after each; of a pair only one if it does as well as both: identified with
-    all parameters, it may explain what it did not explain while they were kept.
+    """The findings of a group with the model after each.
+
+    Of a pair only the one that explains more, if it does as well as both: identified with all parameters, it may
+    explain what it did not explain while they were kept.
     """
     taken, after = [], before
     for one in group:
@@ -188,9 +190,9 @@ def _applied_together(
         taken.append((one, after))
     if len(group) == 1:
         return taken
-    alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
-    best, at = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
-    return taken if after.better_than(at) else [(replace(best, partner=""), at)]
+    first = max(group, key=lambda one: one.before_n**2 - one.after_n**2)
+    alone = taken[0][1] if first is group[0] else _applied(before, first, mode, promised)
+    return taken if after.better_than(alone) else [(replace(first, partner=""), alone)]
 
 
 def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> ModelState:
