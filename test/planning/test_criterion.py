@@ -78,7 +78,7 @@ def test_repeats_average_noise_but_not_what_the_form_gets_wrong(rng):
 
 
 def test_the_factor_of_a_decision_follows_from_the_diagnosis():
-    assert ratio() == pytest.approx(9.0 ** (1.0 / 6.0), rel=1e-6)
+    assert ratio() == pytest.approx(9.0 ** (1.0 / (8.0 * 0.9)), rel=1e-6)
 
 
 def test_the_search_finds_what_helps_and_keeps_to_the_time():
