@@ -91,7 +91,15 @@ def search(
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     offsets = _hidden_by_the_zero(found.rounds[0], last.model, names_of(accepted))
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
-    return Search(tuple(found.rounds), tuple(accepted + offsets), last.model, left, untestable, found.mode)
+    most = max((_explained(one) for one in accepted), default=0.0)
+    ahead = [one for one in offsets if _explained(one) > most]
+    ordered = (*ahead, *accepted, *(one for one in offsets if one not in ahead))
+    return Search(tuple(found.rounds), ordered, last.model, left, untestable, found.mode)
+
+
+def _explained(one: Accepted) -> float:
+    """N^2, of the mean squared error on unseen data."""
+    return one.before_n**2 - one.after_n**2
 
 
 def surveyed(

@@ -7,6 +7,8 @@ from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import AtlasRow, Finding, Structure
 from damper_estimator.diagnosis.thresholds import limits
 
+_ALIKE = 1.2  # times: errors that are called as large as each other
+
 
 def identified_sentence(given: ModelState, state: ModelState) -> str:
     """That the model was identified first, where it was."""
@@ -48,8 +50,11 @@ def sentence_of(
         )
     if then_n is not None:
         above = f" ({rmse_n / floor_n:.2g} times the noise)" if rmse_n > limits().far_above * floor_n else ""
+        as_then = (
+            "as large as" if rmse_n < _ALIKE * then_n else "larger, but not by more than errors usually differ, than"
+        )
         return (
-            f"Nothing is missing that is new: the error of {rmse_n:.3g} N{above} is as large as when the model was "
+            f"Nothing is missing that is new: the error of {rmse_n:.3g} N{above} is {as_then} when the model was "
             f"identified ({then_n:.3g} N). For what the model has always lacked, diagnose the recordings of its "
             "identification."
         )

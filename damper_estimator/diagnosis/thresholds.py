@@ -37,7 +37,7 @@ class Thresholds:
         "settles nested effects on unseen data",
     )
     at_bound: float = _threshold(
-        0.02, _SQUARE, "what an effect with a parameter at a limit must explain more", "it is not quite itself there"
+        0.005, _SQUARE, "what an effect with a parameter at a limit must explain more", "it is not quite itself there"
     )
     general_margin: float = _threshold(
         0.05, _SQUARE, "what a general effect must explain more than a specific one", "it can take any shape"

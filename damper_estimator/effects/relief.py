@@ -11,11 +11,12 @@ is a damper's whole hydraulic force. No state. Source: the blow-off characterist
 from math import sqrt
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import V
 
 _ROUND = 0.1  # of the opening speed
+_EARLIEST = 0.06  # of the recorded speed
 
 
 @compiled
@@ -36,11 +37,16 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """The valve opens within the recorded speeds, above the lowest ones."""
     speed = ranges.speed
-    limits = dict.fromkeys(("opening_rebound", "opening_compression"), (0.06 * speed, 0.8 * speed))
+    limits = dict.fromkeys(("opening_rebound", "opening_compression"), (_EARLIEST * speed, 0.8 * speed))
     values = dict.fromkeys(limits, 0.3 * speed)
     openings = (0.15 * speed, 0.5 * speed)
     starts = spread(opening_rebound=openings, opening_compression=openings, exponent=(0.5, 1.0))
-    return Trial(values, limits | {"exponent": (0.3, 2.0)}, starts)
+
+    def exclusion(fitted: Values) -> str:
+        early = all(number(fitted, name) < 1.05 * _EARLIEST * speed for name in limits)
+        return "opens at once in both directions: a step, as of friction" if early else ""
+
+    return Trial(values, limits | {"exponent": (0.3, 2.0)}, starts, exclusion)
 
 
 EFFECT = Effect(
