@@ -182,8 +182,8 @@ def _applied_together(
 ) -> list[tuple[Accepted, ModelState]]:
     """The findings of a group with the model after each.
 
-    Of a pair only the one that explains more, if it does as well as both: identified with all parameters, it may
-    explain what it did not explain while they were kept.
+    Of a pair only one, if the other does harm, or if the one that explains more does as well as both: identified with
+    all parameters, it may explain what it did not explain while they were kept.
     """
     taken, after = [], before
     for one in group:
@@ -191,9 +191,14 @@ def _applied_together(
         taken.append((one, after))
     if len(group) == 1:
         return taken
-    first = max(group, key=lambda one: one.before_n**2 - one.after_n**2)
-    alone = taken[0][1] if first is group[0] else _applied(before, first, mode, promised)
-    return taken if after.better_than(alone) else [(replace(first, partner=""), alone)]
+    alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
+    best = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
+    first = max(alone, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
+    harms, suffices = best[1].better_than(after), not after.better_than(first[1])
+    if not (harms or suffices):
+        return taken
+    one, state = first if suffices else best
+    return [(replace(one, partner=""), state)]
 
 
 def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> ModelState:
