@@ -16,8 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test" / "studio"))
 
 from browser import BROWSER
-from hand import Hand, hand, served
 from hour_bag import write_hour
+from studio_page import StudioPage, open_page, served
 
 from damper_estimator.report.theme import themed
 from damper_estimator.studio.folder import Folder
@@ -82,7 +82,7 @@ def drawn(session: Session, view: View) -> dict:
 
 def in_browser(folder: Path, name: str) -> None:
     """The same in a browser."""
-    with served(folder) as (process, url), hand(url) as user:
+    with served(folder) as (process, url), open_page(url) as user:
         user.choose("recordings", name)
         user.choose("models", MODEL)
         began = perf_counter()
@@ -103,7 +103,7 @@ def in_browser(folder: Path, name: str) -> None:
         print(f"browser: all four dampers {perf_counter() - began:.1f} s, memory at most {most:.2f} GB with the worker")
 
 
-def redraw(user: Hand, start: float, stop: float) -> tuple[float, float]:
+def redraw(user: StudioPage, start: float, stop: float) -> tuple[float, float]:
     """Seconds from a zoom until the figure over time, and the last of all, show the server's data for it."""
     zoom = """([start, stop]) => new Promise((done) => {
         const figures = [...document.querySelectorAll("#left .js-plotly-plot")].filter((own) => own.data.length);

@@ -34,7 +34,7 @@ from damper_estimator.numerics import long_run_variance
 from damper_estimator.planning.simulated import Simulated
 
 DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
-_REACH = 0.5  # of its size a parameter may be off or moved: beyond, derivatives say little
+_REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
 _LEAST_FORM = 0.01  # of the force: what no model's form gets right
 _UNSURE = 0.3  # of the expected error: errors of good recordings vary by that
 _AT_REST = 0.1  # of the force's mean square on the recordings
@@ -43,7 +43,7 @@ _FREE = 1e-9  # the gauge's zero is held by nothing
 
 @dataclass(frozen=True)
 class Errors:
-    """What the recordings say about errors to expect.
+    """Errors to expect, estimated from the recordings.
 
     Attributes:
         noise: N^2 of a row, of the sensors.
@@ -77,7 +77,7 @@ def errors_of(found: Explanations, floor_n: float) -> Errors:
 
 @dataclass(frozen=True)
 class Pair:
-    """One hypothesis as the truth, another as the rival, and what each step says.
+    """One hypothesis as the truth, another as the rival, and the information of each step.
 
     Attributes:
         truth, rival: positions in the hypotheses.

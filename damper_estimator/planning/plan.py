@@ -13,7 +13,7 @@ from damper_estimator.planning.criterion import Criterion, Errors, criterion, er
 from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
 from damper_estimator.planning.rig import Rig
-from damper_estimator.planning.search import Choice, Tell, chosen
+from damper_estimator.planning.search import Choice, Report, chosen
 from damper_estimator.planning.sharpening import sharpening
 from damper_estimator.planning.simulated import Simulated, simulated
 from damper_estimator.planning.steps import Step, steps_of
@@ -48,7 +48,7 @@ def plan(
     *,
     minutes: float | None = None,
     longest: float = LONGEST,
-    progress: Tell | None = None,
+    progress: Report | None = None,
 ) -> Plan:
     """The test that tells apart which of these phenomena is missing; without phenomena, the one that sharpens the
     model's parameters.
@@ -65,18 +65,18 @@ def plan(
     Raises:
         InputError: where the recordings cannot show a phenomenon, or the limits leave nothing to drive.
     """
-    tell = progress or (lambda text, share: None)
+    report = progress or (lambda text, share: None)
     if len(phenomena) == 1:
         raise InputError(f"{phenomena[0]}: is tied with nothing; a plan needs two phenomena to tell apart, or none")
     if minutes is not None and not 0.2 <= minutes <= 120.0:
         raise InputError(f"{minutes:g} minutes: a test lasts from 0.2 to 120 minutes")
-    tell("fitting the hypotheses", 0.0)
+    report("fitting the hypotheses", 0.0)
     found = explanations(model, measurements, phenomena)
-    tell("simulating steps", 0.3)
+    report("simulating steps", 0.3)
     stage = _stage(found, rig, limits_of(rig, found.ranges, measurements[0].band), measurements[0])
     if not phenomena:
-        return _sharpening(stage, measurements, minutes, tell)
-    return _separating(stage, measurements, minutes, longest, tell)
+        return _sharpening(stage, measurements, minutes, report)
+    return _separating(stage, measurements, minutes, longest, report)
 
 
 def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> _Stage:
@@ -108,7 +108,7 @@ def _matters(found: Explanations, row: int, like: Measurement) -> bool:
 
 
 def _separating(
-    stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, longest: float, tell: Tell
+    stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, longest: float, report: Report
 ) -> Plan:
     hypotheses = stage.found.fitted
     best = min(hypotheses, key=lambda one: float(np.sum(one.residual**2)))
@@ -128,7 +128,7 @@ def _separating(
         )
         return past[-1][0] >= SURE or stalled
 
-    choice = chosen(judge.score, seconds, most, enough, _scaled(tell, 0.5, 0.85))
+    choice = chosen(judge.score, seconds, most, enough, _scaled(report, 0.5, 0.85))
     if not choice.order:
         choice = Choice((int(np.argmin(seconds)),)) if seconds.min() <= most else Choice(())
     if not choice.order:
@@ -142,11 +142,11 @@ def _separating(
     shortest = float(curve.minutes[sure[0]]) if sure.size else None
     would: tuple[str, ...] = ()
     if chances.right < SURE:
-        tell("looking for what would separate", 0.86)
+        report("looking for what would separate", 0.86)
         would = _would(stage, errors, most, chances.right)
     draft = _drafted(stage, choice, judge, errors)
     sentence = sentence_of(draft.phenomena, chances, draft.minutes, shortest)
-    tell("done", 1.0)
+    report("done", 1.0)
     return replace(draft, sentence=sentence, chances=chances, curve=curve, shortest=shortest, would=would)
 
 
@@ -167,13 +167,13 @@ def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str,
     return widenings(stage.rig, stage.limits, stage.found, chance, now)
 
 
-def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, tell: Tell) -> Plan:
+def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, report: Report) -> Plan:
     (hypothesis,) = stage.found.fitted
     errors = errors_of(stage.found, compare(hypothesis.model, *measurements).noise_floor_n)
     judge = sharpening(stage.found, stage.on, len(stage.steps), errors)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or 2.0) - sum(REST)
-    choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(tell, 0.5, 0.95))
+    choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(report, 0.5, 0.95))
     if not choice.order:
         raise InputError(f"{minutes:g} minutes: are too short for any step; the shortest takes {seconds.min():.0f} s")
     before, after = (judge.standard_errors(c) for c in (np.zeros(seconds.size), choice.counts(seconds.size)))
@@ -187,19 +187,19 @@ def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: flo
         f"{draft.minutes:.1f} minutes bring the standard errors of {len(parameters)} parameters to "
         f"{100.0 * fall:.0f} % of what they are, on average."
     )
-    tell("done", 1.0)
+    report("done", 1.0)
     return replace(draft, sentence=sentence, parameters=parameters)
 
 
 def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Errors) -> Plan:
-    """The plan with its drive and its most telling step, without predictions."""
+    """The plan with its drive and its clearest step, without predictions."""
     order = _in_halves(choice.order)
     steps = tuple(stage.steps[i] for i in order)
     rate = stage.limits.rate
     rest = [np.full(round(seconds * rate), stage.limits.home) for seconds in REST]
     drive = np.concatenate([rest[0], *(step.displacement for step in steps), rest[1]])
-    telling = _telling(choice, judge, stage)
-    part = slice(*np.searchsorted(stage.on.step, [telling, telling + 1]))
+    clearest = _clearest(choice, judge, stage)
+    part = slice(*np.searchsorted(stage.on.step, [clearest, clearest + 1]))
     picks = stage.on.rows.picks[part]
     kinematics = stage.on.rows.measurement.kinematics
     force = stage.on.force[:, part]
@@ -213,11 +213,11 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
         untestable=tuple((name, why, all_effects()[name].separate) for name, why in stage.found.untestable.items()),
         displacement=drive, time=kinematics.time[picks] - kinematics.time[picks[0]], force=force,
         velocity=kinematics.velocity[picks], band_n=2.0 * float(np.sqrt(variance)),
-        telling=stage.steps[telling].words,
+        clearest=stage.steps[clearest].words,
     )  # fmt: skip
 
 
-def _telling(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
+def _clearest(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
     """The chosen step whose refitted difference is largest over the error expected on it."""
     if judge is None:
         return choice.order[0]
@@ -228,8 +228,8 @@ def _telling(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
 
 
 def _in_halves(order: Sequence[int]) -> list[int]:
-    """Every second step first: a diagnosis judges on the last part of a recording, which must tell as much. Within each
-    half equal steps follow each other.
+    """Every second step first: a diagnosis judges on the last part of a recording, which must be as informative.
+    Within each half equal steps follow each other.
     """
     return [*sorted(order[1::2]), *sorted(order[::2])]
 
@@ -245,9 +245,9 @@ def _curve(judge: Criterion, choice: Choice, seconds: np.ndarray) -> Curve:
     return Curve(np.array(minutes), np.array(rights), np.array(wrongs))
 
 
-def _scaled(tell: Tell, begin: float, end: float) -> Tell:
-    return lambda text, share: tell(text, begin + (end - begin) * share)
+def _scaled(report: Report, begin: float, end: float) -> Report:
+    return lambda text, share: report(text, begin + (end - begin) * share)
 
 
 def _silent(text: str, share: float) -> None:
-    """Tells nobody."""
+    """Reports nothing."""

@@ -1,4 +1,4 @@
-"""What a plan says."""
+"""The result of a plan."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -55,9 +55,9 @@ class Plan:
         parameters: sharpened ones.
         untestable: effects that the recordings cannot show, why, and what would show them.
         displacement: (n,) m at ``limits.rate``, the whole drive.
-        time, force, velocity: of the most telling step: (n,) s, (h, n) N, (n,) m/s.
+        time, force, velocity: of the step that shows the difference best: (n,) s, (h, n) N, (n,) m/s.
         band_n: two standard deviations of noise and form on that step, N.
-        telling: that step, in words.
+        clearest: that step, in words.
     """
 
     phenomena: tuple[str, ...]
@@ -77,7 +77,7 @@ class Plan:
     force: np.ndarray
     velocity: np.ndarray
     band_n: float
-    telling: str
+    clearest: str
 
     @property
     def minutes(self) -> float:

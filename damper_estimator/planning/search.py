@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 Score = Callable[[np.ndarray], float]
-Tell = Callable[[str, float], None]
+Report = Callable[[str, float], None]
 
 _EXCHANGES = 2  # passes over the chosen steps
 _MOST_EXCHANGED = 24  # chosen steps up to which exchanges pay
@@ -26,7 +26,9 @@ class Choice:
         return np.bincount(np.array(self.order[:first], int), minlength=steps).astype(float)
 
 
-def chosen(score: Score, seconds: np.ndarray, most: float, enough: Callable[[np.ndarray], bool], tell: Tell) -> Choice:
+def chosen(
+    score: Score, seconds: np.ndarray, most: float, enough: Callable[[np.ndarray], bool], report: Report
+) -> Choice:
     """Steps for a test of at most ``most`` seconds.
 
     Args:
@@ -49,7 +51,7 @@ def chosen(score: Score, seconds: np.ndarray, most: float, enough: Callable[[np.
         counts, spent = _more(counts, best), spent + seconds[best]
         order.append(best)
         now = score(counts)
-        tell("choosing steps", min(spent / most, 1.0))
+        report("choosing steps", min(spent / most, 1.0))
     if len(order) <= _MOST_EXCHANGED:
         order = _exchanged(order, score, seconds, most, alive)
     return Choice(tuple(order))

@@ -17,7 +17,7 @@ from damper_estimator.planning.simulated import Simulated
 
 @dataclass(frozen=True)
 class Sharpening:
-    """What each step says about the parameters.
+    """Information of each step about the parameters.
 
     Attributes:
         prior: (k + 1, k + 1) information of the old recordings, parameters in sizes, the gauge's zero last.

@@ -1,4 +1,4 @@
-"""What the hypotheses say of every step: force and derivatives in the rows in which recordings are compared."""
+"""Simulation of all steps with every hypothesis: force and derivatives in the rows in which recordings are compared."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ def plan_page(plans: Mapping[str, Plan], title: str) -> str:
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Force of every hypothesis over time on the most telling step."""
+    """Force of every hypothesis over time on the step that shows the difference best."""
     return _force(plan)
 
 
@@ -34,7 +34,7 @@ def _section(damper: str, plan: Plan) -> dict[str, object]:
     return {
         "damper": damper,
         "headline": plan.sentence,
-        "telling": plan.telling,
+        "clearest": plan.clearest,
         "several": len(plan.force) > 1,
         "predicted": plan.chances is not None,
         "played": plan.rig.kind != "manoeuvres",

@@ -15,7 +15,7 @@ from damper_estimator.report.wording import in_signs, measure_text
 from damper_estimator.studio.drawn_rows import cloud_rows
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.history import History, Version
-from damper_estimator.studio.long_tasks import Deed, diagnose_case, improve_case, judged
+from damper_estimator.studio.long_tasks import Change, diagnose_case, improve_case, judged
 from damper_estimator.studio.model_run import ModelRun, run_model
 from damper_estimator.studio.opening import load_chosen
 from damper_estimator.studio.stage import Choice, Stage, opened
@@ -23,7 +23,7 @@ from damper_estimator.studio.thumbnail import dots_picture
 from damper_estimator.studio.worker_process import Progress
 from damper_estimator.workflows import no_progress
 
-DEEDS = {"compare": "comparing all", "diagnose": "diagnosing all", "improve": "improving all"}
+TASKS = {"compare": "comparing all", "diagnose": "diagnosing all", "improve": "improving all"}
 """What can be done with all dampers in one go, and the name of that work."""
 
 _MOST_DOTS = 700
@@ -66,7 +66,7 @@ class Task:
         root: of the studio's folder.
         choices: by damper, in the order of the overview.
         model: name of a model file or of a model of the library.
-        deed: key of ``DEEDS``.
+        kind: key of ``TASKS``.
         mode, workers: of the diagnosis.
         histories: by damper, the steps that were made already.
     """
@@ -74,7 +74,7 @@ class Task:
     root: Path
     choices: Mapping[str, Choice]
     model: str
-    deed: str
+    kind: str
     mode: str
     workers: int
     histories: Mapping[str, History]
@@ -87,7 +87,7 @@ def worked_on(task: Task, progress: Progress) -> tuple[Corner, ...]:
     recordings. The other tasks use all processors for each damper.
     """
     names = list(task.choices)
-    if task.deed == "compare" and min(task.workers, len(names)) > 1:
+    if task.kind == "compare" and min(task.workers, len(names)) > 1:
         return _compared(task, names, progress)
     corners = []
     for i, name in enumerate(names):
@@ -130,16 +130,16 @@ def _corner(folder: Folder, task: Task, damper: str, progress: Progress) -> Corn
     def later(text: str, share: float) -> None:
         progress(text, 0.3 + 0.7 * share)
 
-    if task.deed == "diagnose":
+    if task.kind == "diagnose":
         case = stage.corrected(history.now.signals).case(history.now.step.model)
         found = diagnose_case(case, task.mode, task.workers, later)
-    elif task.deed == "improve":
+    elif task.kind == "improve":
         history, found = _improved(stage, history, task, later)
     return _summary(stage, history, found)
 
 
 def _begun(stage: Stage, model: DamperModel) -> History:
-    return History((Version(judged(stage.case(model), Deed("start")), stage.signals),))
+    return History((Version(judged(stage.case(model), Change("start")), stage.signals),))
 
 
 def _improved(stage: Stage, history: History, task: Task, progress: Progress) -> tuple[History, Diagnosis]:

@@ -9,11 +9,11 @@ from damper_estimator.model.element import labels
 from damper_estimator.studio.worker_process import Progress
 from damper_estimator.workflows import Case, diagnose_case, improve_case
 
-__all__ = ["Case", "Deed", "diagnose_case", "identified_alone", "improve_case", "judged", "refitted"]
+__all__ = ["Case", "Change", "diagnose_case", "identified_alone", "improve_case", "judged", "refitted"]
 
 
 @dataclass(frozen=True)
-class Deed:
+class Change:
     """What a step does, for the record: action, effect and phenomenon as in ``diagnosis.Step``."""
 
     action: str
@@ -21,12 +21,12 @@ class Deed:
     phenomenon: str | None = None
 
 
-def refitted(case: Case, deed: Deed, progress: Progress) -> Step:
+def refitted(case: Case, change: Change, progress: Progress) -> Step:
     """The model with its free parameters identified from their values."""
     progress(f"identifying {case.model.name}", 0.1)
     found = locally_fitted(case.model, case.fit)
     progress("judging", 0.9)
-    return judged(replace(case, model=found), deed)
+    return judged(replace(case, model=found), change)
 
 
 def identified_alone(case: Case, element: Element, progress: Progress) -> Element:
@@ -38,7 +38,7 @@ def identified_alone(case: Case, element: Element, progress: Progress) -> Elemen
     return dict(labels(found.effects))[label]
 
 
-def judged(case: Case, deed: Deed) -> Step:
+def judged(case: Case, change: Change) -> Step:
     """A step with the errors of its model."""
     errors = [pooled_error(case.model, group)[0] for group in (case.fit, case.unseen)]
-    return Step(deed.action, deed.effect, deed.phenomenon, case.model, *errors, None, "")
+    return Step(change.action, change.effect, change.phenomenon, case.model, *errors, None, "")

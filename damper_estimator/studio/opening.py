@@ -9,7 +9,7 @@ from damper_estimator.identification import usable
 from damper_estimator.model import DamperModel, library_models, load_model
 from damper_estimator.studio.folder import YAML, Folder
 from damper_estimator.studio.history import History, Version
-from damper_estimator.studio.long_tasks import Deed, judged
+from damper_estimator.studio.long_tasks import Change, judged
 from damper_estimator.studio.model_run import ModelRun, run_model
 from damper_estimator.studio.session_files import SavedSession, history_of
 from damper_estimator.studio.stage import Choice, Stage, opened
@@ -48,7 +48,7 @@ def read_choice(
     for measurement in (*stage.fit, *stage.unseen):
         usable(first, measurement)
     if history is None:
-        history = History((Version(judged(stage.case(first), Deed("start")), stage.signals),))
+        history = History((Version(judged(stage.case(first), Change("start")), stage.signals),))
     return Opened(stage, history, tuple(others), tuple(models), _views(stage, history, others))
 
 

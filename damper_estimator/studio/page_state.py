@@ -11,7 +11,7 @@ from damper_estimator.studio.corners import Corner
 from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.history import History, Version
 from damper_estimator.studio.job import Job
-from damper_estimator.studio.long_tasks import Case, Deed, judged
+from damper_estimator.studio.long_tasks import Case, Change, judged
 from damper_estimator.studio.model_run import ModelRun, run_model
 from damper_estimator.studio.rig_tasks import RigTest
 from damper_estimator.studio.session_files import SessionFiles, Stamp
@@ -187,9 +187,9 @@ class PageState:
     def _case(self) -> Case:
         return self.here.case(self.model)
 
-    def _then_judged(self, model: DamperModel, deed: Deed, rebuilt: bool = True) -> None:
+    def _then_judged(self, model: DamperModel, change: Change, rebuilt: bool = True) -> None:
         stage = self.here
-        self._then(Version(judged(stage.case(model), deed), self._now().signals), rebuilt)
+        self._then(Version(judged(stage.case(model), change), self._now().signals), rebuilt)
 
     def _then(self, version: Version, rebuilt: bool = True) -> None:
         with self._lock:
@@ -225,5 +225,5 @@ class PageState:
 
 def _judged_again(version: Version, stage: Stage) -> Version:
     step = version.step
-    step_now = judged(stage.corrected(version.signals).case(step.model), Deed(step.action))
+    step_now = judged(stage.corrected(version.signals).case(step.model), Change(step.action))
     return replace(version, step=replace(step, rmse_fit_n=step_now.rmse_fit_n, rmse_unseen_n=step_now.rmse_unseen_n))

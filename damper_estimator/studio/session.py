@@ -7,12 +7,12 @@ from damper_estimator.diagnosis import corrected_signals
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, Element, save_model
-from damper_estimator.studio.corners import DEEDS, Corner, Task, place, worked_on
+from damper_estimator.studio.corners import TASKS, Corner, Task, place, worked_on
 from damper_estimator.studio.effect_entry import element_for
 from damper_estimator.studio.history import History, Version
 from damper_estimator.studio.long_tasks import (
     Case,
-    Deed,
+    Change,
     diagnose_case,
     identified_alone,
     improve_case,
@@ -56,16 +56,16 @@ class Session(PageState):
         )
         return kept
 
-    def work_on_all(self, deed: str, mode: str) -> None:
-        """Compares, diagnoses or improves all dampers of the recordings in one go; ``deed`` is a key of ``DEEDS``."""
-        if deed not in DEEDS:
+    def work_on_all(self, kind: str, mode: str) -> None:
+        """Compares, diagnoses or improves all dampers of the recordings in one go; ``kind`` is a key of ``TASKS``."""
+        if kind not in TASKS:
             raise InputError("choose what to do with all dampers")
         self._now()
 
         def work(progress: Progress) -> None:
-            self._worked_on_all(deed, mode, progress)
+            self._worked_on_all(kind, mode, progress)
 
-        self.start(DEEDS[deed], work)
+        self.start(TASKS[kind], work)
 
     def open_and_diagnose(self, recording: str, model: str, mode: str) -> None:
         """Opens a recording and diagnoses all its dampers in one go."""
@@ -74,12 +74,12 @@ class Session(PageState):
             self._take(read_choice(self.folder, Choice((recording,)), [model], progress))
             self._worked_on_all("diagnose", mode, progress)
 
-        self.start(DEEDS["diagnose"], work)
+        self.start(TASKS["diagnose"], work)
 
-    def _worked_on_all(self, deed: str, mode: str, progress: Progress) -> None:
+    def _worked_on_all(self, kind: str, mode: str, progress: Progress) -> None:
         histories, workers = self.histories(), os.cpu_count() or 1
         choices = {name: self.choice_of(name) for name in sorted(self.stage.signal_map.dampers, key=place)}
-        task = Task(self.folder.root, choices, self.names[0], deed, mode, workers, histories)
+        task = Task(self.folder.root, choices, self.names[0], kind, mode, workers, histories)
         corners = run_in_process(worked_on, (task,), progress)
         with self._lock:
             for corner in corners:
@@ -193,20 +193,20 @@ class Session(PageState):
         self._now()
         element = element_for(effect, self.model, self.here.fit, self.diagnosis)
         if effect.correct is not None:
-            self._correct(element, Deed("correct", name, effect.phenomenon))
+            self._correct(element, Change("correct", name, effect.phenomenon))
             return
         model = self.model.with_missing(element)
-        self._refit(model, Deed("add", name, effect.phenomenon or name))
+        self._refit(model, Change("add", name, effect.phenomenon or name))
 
     def refit(self) -> None:
         """Identifies the free parameters again."""
-        self._refit(self.model, Deed("refit"))
+        self._refit(self.model, Change("refit"))
 
     def refit_marked(self, view: View) -> None:
         """Identifies the free parameters on a marked region alone; judged as all steps are."""
         run = self.shown(self.model)
         case = replace(self._case(), fit=(marked_alone(run, view),))
-        self._refit(self.model, Deed("refit", None, f"on the marked {in_words(run, view)}"), case)
+        self._refit(self.model, Change("refit", None, f"on the marked {in_words(run, view)}"), case)
 
     def leave_out(self, view: View) -> None:
         """Takes a marked region out of all that is fitted to and judged on."""
@@ -225,7 +225,7 @@ class Session(PageState):
 
     def remove(self, label: str) -> None:
         """Takes an entry out of the model."""
-        self._then_judged(self.model.without(label), Deed("prune", label))
+        self._then_judged(self.model.without(label), Change("prune", label))
 
     def set(self, address: str, value: float) -> None:
         """Gives a parameter a value, by hand."""
@@ -237,7 +237,7 @@ class Session(PageState):
             raise InputError(f"{address}: {value:g} is outside {low:g} to {high:g} {slot.parameter.unit}")
         if value != slot.value:
             model = replace(self.model.with_values({address: value}), fixed=self.model.fixed)
-            self._then_judged(model, Deed("set", address, address), rebuilt=False)
+            self._then_judged(model, Change("set", address, address), rebuilt=False)
 
     def fix(self, addresses: list[str]) -> None:
         """The parameters that identification leaves alone; no step of its own."""
@@ -261,23 +261,23 @@ class Session(PageState):
             self.history = self.history.redone()
             self._changed()
 
-    def _refit(self, model: DamperModel, deed: Deed, case: Case | None = None) -> None:
+    def _refit(self, model: DamperModel, change: Change, case: Case | None = None) -> None:
         now, case = self._now(), case or self.here.case(model)
 
         def work(progress: Progress) -> None:
-            step = run_in_process(refitted, (case, deed), progress)
+            step = run_in_process(refitted, (case, change), progress)
             self._then(Version(step, now.signals))
 
         self.start("identifying", work)
 
-    def _correct(self, element: Element, deed: Deed) -> None:
+    def _correct(self, element: Element, change: Change) -> None:
         now, case = self._now(), self._case()
 
         def work(progress: Progress) -> None:
             fitted = run_in_process(identified_alone, (case, element), progress)
             signals = corrected_signals(now.signals, fitted)
             stage = self.stage.corrected(signals)
-            self._then(Version(judged(stage.case(case.model), deed), signals))
+            self._then(Version(judged(stage.case(case.model), change), signals))
 
         self.start("identifying", work)
 

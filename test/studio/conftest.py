@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from hand import BAGS
+from studio_page import BAGS
 
 pytest.importorskip("dash", reason="the studio is not installed (pip install 'damper_estimator[studio]')")
 pytest.importorskip("dash", reason="the studio is not installed (pip install 'damper_estimator[studio]')")

@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
-from hand import Hand, hand, served
+from studio_page import StudioPage, open_page, served
 
 from damper_estimator.cli.main import main as command
 
@@ -31,7 +31,7 @@ class Camera:
         self._out, self._wanted = out, wanted
         self._kind = ("_dark" if scheme == "dark" else "") + ("_large" if size == LARGE else "")
 
-    def shot(self, user: Hand, name: str) -> None:
+    def shot(self, user: StudioPage, name: str) -> None:
         """A picture when the page has come to rest; none of a state that is not wanted."""
         if not self._wanted or name in self._wanted:
             user.page.wait_for_timeout(1500)
@@ -40,7 +40,7 @@ class Camera:
 
 def walk(url: str, camera: Camera) -> None:
     """The whole way, and what can go wrong."""
-    with hand(url, *camera.size, camera.scheme) as user:
+    with open_page(url, *camera.size, camera.scheme) as user:
         camera.shot(user, "empty")
         user.choose("bench-file", "run.csv")
         user.until(lambda: user.page.locator(".bench-velocity .scatterlayer .trace").count() > 0)
@@ -52,7 +52,7 @@ def walk(url: str, camera: Camera) -> None:
         compare(user, camera)
         learn(user, camera)
         change(user, camera)
-    with hand(url, *camera.size, camera.scheme) as user:
+    with open_page(url, *camera.size, camera.scheme) as user:
         user.open(["passenger_dyno.mcap"], ["viscous_curve"])
         user.until(lambda: user.text_of("regions"))
         user.tab("Tests")
@@ -60,13 +60,13 @@ def walk(url: str, camera: Camera) -> None:
         user.done("characterizing")
         user.until(lambda: user.page.locator(".test-result").count() == 1)
         camera.shot(user, "tests")
-    with hand(url, *camera.size, camera.scheme) as user:
+    with open_page(url, *camera.size, camera.scheme) as user:
         user.open(["four_corners_road.mcap"], ["linear_viscous"])
         user.page.click("#overview")
         user.done("comparing all")
         user.until(lambda: user.page.locator(".corner").count() == 4)
         camera.shot(user, "overview")
-    with hand(url, *camera.size, camera.scheme) as user:
+    with open_page(url, *camera.size, camera.scheme) as user:
         user.choose("recordings", "cut.mcap")
         user.choose("models", "linear_viscous")
         user.page.click("#open")
@@ -74,7 +74,7 @@ def walk(url: str, camera: Camera) -> None:
         camera.shot(user, "error")
 
 
-def compare(user: Hand, camera: Camera) -> None:
+def compare(user: StudioPage, camera: Camera) -> None:
     """The worst region, a band of velocities marked, the map of the error and the quality of the data."""
     user.page.locator(".region").first.click()
     user.until(lambda: user.seen()[1] - user.seen()[0] < 2.1)
@@ -89,7 +89,7 @@ def compare(user: Hand, camera: Camera) -> None:
     camera.shot(user, "map")
 
 
-def learn(user: Hand, camera: Camera) -> None:
+def learn(user: StudioPage, camera: Camera) -> None:
     """The diagnosis while it runs, what it found, and what an effect would explain."""
     user.tab("What is missing")
     user.page.locator("#mode").get_by_text("parameters kept").click()
@@ -105,7 +105,7 @@ def learn(user: Hand, camera: Camera) -> None:
     camera.shot(user, "evidence")
 
 
-def change(user: Hand, camera: Camera) -> None:
+def change(user: StudioPage, camera: Camera) -> None:
     """The error falls, sliders, saving; a value that is out of bounds and a file that is there."""
     user.page.locator(".finding button").first.click()
     user.done("identifying")

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 from browser import needs_browser, needs_playwright
-from hand import hand, served
+from studio_page import open_page, served
 
 from damper_estimator.model import library_models, load_model
 from damper_estimator.studio.cards import Card, Cards, characteristic
@@ -63,7 +63,7 @@ def test_a_search_looks_at_names_and_lines():
 @needs_browser
 @needs_playwright
 def test_a_card_is_found_and_chosen(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.page.click("#library summary")
         user.page.fill("#search", "hidden_unseen")
         user.until(lambda: user.page.locator(".library-card").count() == 1)

@@ -5,13 +5,13 @@ import signal
 
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import Hand, hand, served
+from studio_page import StudioPage, open_page, served
 
 pytestmark = [needs_browser, needs_playwright]
 SECONDS = 4.0
 
 
-def reach(user: Hand, wanted: str, most: int = 60) -> None:
+def reach(user: StudioPage, wanted: str, most: int = 60) -> None:
     """Presses Tab until the focus is on, or in, an element."""
     for _ in range(most):
         user.page.keyboard.press("Tab")
@@ -20,13 +20,13 @@ def reach(user: Hand, wanted: str, most: int = 60) -> None:
     raise AssertionError(f"{wanted} is not reached with Tab")
 
 
-def focused(user: Hand, wanted: str) -> bool:
+def focused(user: StudioPage, wanted: str) -> bool:
     """Whether the focus is on, or in, an element."""
     return user.page.evaluate("wanted => !!document.activeElement.closest(wanted)", wanted)
 
 
 def test_by_keyboard_alone(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         keys = user.page.keyboard
         for dropdown, name in (("recordings", "hidden_fit"), ("models", "before")):
             reach(user, f"#{dropdown}")
@@ -56,7 +56,7 @@ def test_by_keyboard_alone(folder):
 
 def test_what_is_reported_twice_changes_nothing(folder):
     """Answers overlap on a slow machine; a list that is rebuilt takes the focus, and the next key, away."""
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         user.until(lambda: user.text_of("regions"))
         lists = [f"document.querySelector('{name} > *').kept" for name in ("#regions", "#parameters", "#steps")]
@@ -73,10 +73,10 @@ def test_what_is_reported_twice_changes_nothing(folder):
 
 
 def test_two_pages_do_not_disturb_each_other_and_a_cancelled_work_changes_nothing(folder):
-    with served(folder) as (process, url), hand(url) as user:
+    with served(folder) as (process, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         before = user.rms()
-        other = Hand(user.page.context.new_page(), url)
+        other = StudioPage(user.page.context.new_page(), url)
         other.open(["hidden_unseen.mcap"], ["linear_viscous"], stop=SECONDS)
         user.page.bring_to_front()
         user.tab("What is missing")
@@ -96,7 +96,7 @@ def test_two_pages_do_not_disturb_each_other_and_a_cancelled_work_changes_nothin
 
 
 def test_far_zooms_and_a_server_that_is_gone(folder):
-    with served(folder) as (process, url), hand(url) as user:
+    with served(folder) as (process, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         user.until(lambda: user.text_of("regions"))
         for stretch in ([1.0, 1.0001], [-1e6, 1e6], [1e5, 2e5], [1.0, 3.0]):

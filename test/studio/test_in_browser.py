@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import hand, served
+from studio_page import open_page, served
 
 from damper_estimator.cli.main import main
 from damper_estimator.studio.page_layout import TABS
@@ -32,7 +32,7 @@ def unseen(text: str) -> float:
 
 
 def test_the_whole_way(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         page = user.page
         assert "Choose a recording and a model" in user.text_of("guide")
         user.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",), SECONDS)
@@ -83,7 +83,7 @@ def test_the_whole_way(folder):
 
 
 def test_figures_are_linked_and_parameters_move_the_curves(folder):
-    with served(folder) as (_, url), hand(url, scheme="dark") as user:
+    with served(folder) as (_, url), open_page(url, scheme="dark") as user:
         page = user.page
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         assert page.evaluate("document.documentElement.className") == "dark"
@@ -122,7 +122,7 @@ def test_what_cannot_be_read_is_reported_and_leaves_the_page_usable(folder):
     (folder / "cut.mcap").write_bytes((folder / "hidden_fit.mcap").read_bytes()[:4000])
     (folder / "wrong.yaml").write_text("dampers: {passenger_front: {force: {topic: /nowhere}}}\n")
     (folder / "odd.yaml").write_text("name: odd\neffects:\n- no_such_effect\n")
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         page = user.page
         page.click("#open")
         user.until(lambda: "choose a model" in user.text_of("open-message"))
@@ -143,7 +143,7 @@ def test_what_cannot_be_read_is_reported_and_leaves_the_page_usable(folder):
 
 
 def test_a_page_that_goes_takes_its_work_along_and_a_killed_server_loses_nothing_saved(folder):
-    with served(folder) as (process, url), hand(url) as user:
+    with served(folder) as (process, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         user.tab("Save")
         user.page.fill("#name", "kept.yaml")
@@ -163,13 +163,13 @@ def test_a_page_that_goes_takes_its_work_along_and_a_killed_server_loses_nothing
 
 
 def test_a_folder_without_recordings_says_what_to_do(tmp_path):
-    with served(tmp_path, "--token") as (_, url), hand(url) as user:
+    with served(tmp_path, "--token") as (_, url), open_page(url) as user:
         assert "drop it on this page" in user.text_of("guide")
         assert not user.faults
 
 
 def test_a_model_that_was_never_identified_offers_refit_and_a_moving_slider_greys_what_is_stale(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         page = user.page
         user.open(["hidden_fit.mcap"], ["linear_viscous"], stop=SECONDS)
         user.until(lambda: "was never identified" in user.text_of("verdict"))
@@ -198,7 +198,7 @@ def test_a_model_that_was_never_identified_offers_refit_and_a_moving_slider_grey
 
 @pytest.mark.parametrize("width", [820, 1024])
 def test_every_panel_fits_a_narrow_screen(folder, width):
-    with served(folder) as (_, url), hand(url, width, 900) as user:
+    with served(folder) as (_, url), open_page(url, width, 900) as user:
         widest = "document.documentElement.scrollWidth"
         assert user.page.evaluate(widest) <= width
         user.open(["hidden_fit.mcap"], ["linear_viscous"])

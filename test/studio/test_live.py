@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import hand, served
+from studio_page import open_page, served
 
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
@@ -128,7 +128,7 @@ def running():
 @needs_browser
 @needs_playwright
 def test_a_running_node_is_watched_saved_and_diagnosed(running, tmp_path):
-    with served(tmp_path, "--live", "0.2") as (_, url), hand(url, 1400, 900) as user:
+    with served(tmp_path, "--live", "0.2") as (_, url), open_page(url, 1400, 900) as user:
         page = user.page
         user.until(lambda: page.locator("#live-dampers .card").count() == 2)
         user.until(lambda: page.locator("#live .figure .scatterlayer .trace").count() >= 4)

@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import hand, served
+from studio_page import open_page, served
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.drawn_rows import Mark
@@ -86,7 +86,7 @@ def test_the_table_holds_every_marked_sample(session):
 @needs_browser
 @needs_playwright
 def test_in_the_browser(folder):
-    with served(folder) as (_, url), hand(url, 1400, 900) as user:
+    with served(folder) as (_, url), open_page(url, 1400, 900) as user:
         page = user.page
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=10.0)
         assert page.locator("#marked-bar").is_hidden()
@@ -121,7 +121,7 @@ def test_in_the_browser(folder):
 @needs_browser
 @needs_playwright
 def test_a_marked_region_is_diagnosed_alone(folder):
-    with served(folder) as (_, url), hand(url, 1400, 900) as user:
+    with served(folder) as (_, url), open_page(url, 1400, 900) as user:
         page = user.page
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=15.0)
         page.locator("#tool").get_by_text("mark").click()

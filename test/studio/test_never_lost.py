@@ -7,13 +7,13 @@ import threading
 
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import Hand, hand, served
+from studio_page import StudioPage, open_page, served
 
 pytestmark = [needs_browser, needs_playwright]
 SECONDS = 4.0
 
 
-def moved(user: Hand, value: float, field: int = 0) -> None:
+def moved(user: StudioPage, value: float, field: int = 0) -> None:
     """Gives a parameter a value by hand, and waits until it is a step that is kept."""
     user.tab("Model")
     before = user.rms()
@@ -23,7 +23,7 @@ def moved(user: Hand, value: float, field: int = 0) -> None:
     user.until(lambda: user.rms() != before and "session=" in user.page.url)
 
 
-def state(user: Hand) -> tuple:
+def state(user: StudioPage) -> tuple:
     """What a user sees of a session."""
     user.tab("Steps")
     user.until(lambda: user.page.locator("#steps li").count())
@@ -35,14 +35,14 @@ def session_in(url: str) -> str:
     return "".join(re.findall(r"session=([^&]*)", url))
 
 
-def zoomed(user: Hand) -> None:
+def zoomed(user: StudioPage) -> None:
     user.drag(".figure.time .nsewdrag", (0.5, 0.3), (0.8, 0.3))
     user.until(lambda: user.seen()[1] - user.seen()[0] < 0.5 * SECONDS)
     user.until(lambda: "from=" in user.page.url)
 
 
 def test_a_reload_a_restart_and_a_colleague_see_the_same(folder):
-    with served(folder) as (process, url), hand(url) as user:
+    with served(folder) as (process, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml", "linear_viscous"], ("hidden_unseen.mcap",), SECONDS)
         moved(user, -950)
         moved(user, -700, 1)
@@ -60,7 +60,7 @@ def test_a_reload_a_restart_and_a_colleague_see_the_same(folder):
         assert state(user) == before
         user.until(lambda: user.seen() == pytest.approx(stretch, abs=1e-3))
 
-        other = Hand(user.page.context.browser.new_context().new_page(), link)
+        other = StudioPage(user.page.context.browser.new_context().new_page(), link)
         other.done("opening")
         assert state(other) == before
         other.until(lambda: other.seen() == pytest.approx(stretch, abs=1e-3))
@@ -82,7 +82,7 @@ def test_a_reload_a_restart_and_a_colleague_see_the_same(folder):
 
 
 def test_other_recordings_leave_the_steps_a_click_away(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         moved(user, -950)
         before = state(user)
@@ -102,7 +102,7 @@ def test_other_recordings_leave_the_steps_a_click_away(folder):
 
 
 def test_undo_and_redo_work_wherever_the_focus_is(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         given = user.rms()
         moved(user, -950)
@@ -142,7 +142,7 @@ def test_undo_and_redo_work_wherever_the_focus_is(folder):
 
 
 def test_enter_saves_and_says_what_and_the_model_can_be_chosen_at_once(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         moved(user, -950)
         user.tab("Save")
@@ -176,7 +176,7 @@ setTimeout(() => { document.title = "done"; }, 2000);
 
 
 def test_another_site_in_the_same_browser_ends_nothing(folder):
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         page = EVIL.replace("TARGET", url).encode()
 
@@ -209,7 +209,7 @@ def test_another_site_in_the_same_browser_ends_nothing(folder):
 
 
 def test_a_link_on_another_site_leads_to_the_page(folder):
-    with served(folder, "--token") as (_, url), hand(url) as user:
+    with served(folder, "--token") as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
         moved(user, -950)
         before, link = state(user), user.page.url

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import BAGS, hand, served
+from studio_page import BAGS, open_page, served
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import load_model
@@ -90,7 +90,7 @@ def test_all_are_improved_in_one_go_kept_and_saved(session, car):
 @needs_browser
 @needs_playwright
 def test_from_the_overview_into_one_damper_and_back(car):
-    with served(car) as (_, url), hand(url, 1400, 900) as user:
+    with served(car) as (_, url), open_page(url, 1400, 900) as user:
         page = user.page
         user.open([BAG], ["linear_viscous"], stop=5.0)
         user.until(page.locator("#overview").is_visible)

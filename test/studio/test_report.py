@@ -5,7 +5,7 @@ import re
 
 import pytest
 from browser import BROWSER, needs_browser, needs_playwright
-from hand import FLAGS
+from studio_page import FLAGS
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.drawn_rows import Mark

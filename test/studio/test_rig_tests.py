@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import BAGS, hand, served
+from studio_page import BAGS, open_page, served
 
 from damper_estimator.cli.main import main
 from damper_estimator.errors import InputError
@@ -157,7 +157,7 @@ def test_the_page_of_a_test_is_served_in_a_sandbox(bench, tmp_path):
 @needs_playwright
 def test_diagrams_from_the_tab_to_their_page(tmp_path):
     shutil.copy(BAGS / "passenger_dyno.mcap", tmp_path)
-    with served(tmp_path) as (_, url), hand(url) as user:
+    with served(tmp_path) as (_, url), open_page(url) as user:
         page = user.page
         user.open(["passenger_dyno.mcap"], ["viscous_curve"])
         user.until(lambda: user.text_of("regions"))
@@ -185,7 +185,7 @@ def test_from_a_tie_to_the_drive_that_decides(tmp_path):
     hidden = ["--hide", "gas_spring", "--strength", "0.04", "--seconds", "20", "--excitation", "road"]
     assert main(["synth", "-o", str(tmp_path), *hidden]) == 0
     assert main(["fit", str(tmp_path / "base.mcap"), "-m", "viscous_curve", "-o", str(tmp_path / "mine.yaml")]) == 0
-    with served(tmp_path) as (_, url), hand(url) as user:
+    with served(tmp_path) as (_, url), open_page(url) as user:
         page = user.page
         user.open(["fit.mcap"], ["mine.yaml"])
         user.tab("What is missing")

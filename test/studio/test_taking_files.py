@@ -2,7 +2,7 @@
 
 import numpy as np
 from browser import needs_browser, needs_playwright
-from hand import hand, served
+from studio_page import open_page, served
 
 pytestmark = [needs_browser, needs_playwright]
 
@@ -22,7 +22,7 @@ def test_dropped_files_are_taken_and_a_bench_file_is_corrected_and_opened(folder
     rows = "\n".join(f"{a:.4f};{1e3 * b:.5f};{c:.3f}".replace(".", ",") for a, b, c in zip(t, x, f, strict=True))
     bench = f"Zeit [s];Weg;Kraft [N]\n{rows}\n"
     other = (folder / "hidden_fit.mcap").read_bytes()
-    with served(folder) as (_, url), hand(url) as user:
+    with served(folder) as (_, url), open_page(url) as user:
         user.page.evaluate(DROP, [["run.csv", "evil.exe"], [bench, "x"]])
         user.until(lambda: "added run.csv" in user.text_of("upload-message"))
         assert "evil.exe: is no recording" in user.text_of("upload-message") and not (folder / "evil.exe").exists()

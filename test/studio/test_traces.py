@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 from browser import needs_browser, needs_playwright
-from hand import BAGS, hand, served
+from studio_page import BAGS, open_page, served
 
 from damper_estimator.studio.cursors import cursor_table, further_choices
 from damper_estimator.studio.drawn_rows import cloud_rows, density_rows
@@ -63,7 +63,7 @@ def test_only_what_was_recorded_is_offered(session):
 @needs_playwright
 def test_in_the_browser(tmp_path):
     shutil.copy(BAGS / "semi_active_road.mcap", tmp_path)
-    with served(tmp_path) as (_, url), hand(url, 1400, 900) as user:
+    with served(tmp_path) as (_, url), open_page(url, 1400, 900) as user:
         page = user.page
         user.open(["semi_active_road.mcap"], ["linear_viscous"], stop=10.0)
         user.choose("traces", "current", "displacement")

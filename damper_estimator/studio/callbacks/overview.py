@@ -7,7 +7,7 @@ from damper_estimator.diagnosis import MODES
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
 from damper_estimator.studio.corner_cards import corner_cards
-from damper_estimator.studio.corners import DEEDS
+from damper_estimator.studio.corners import TASKS
 from damper_estimator.studio.sessions import Sessions
 
 _OPEN = {"type": "corner", "damper": ALL}
@@ -28,7 +28,7 @@ def connect(app: Dash, sessions: Sessions) -> None:
         *CHANGES,
         Output("corners-message", "children", allow_duplicate=True),
         Input("overview", "n_clicks"),
-        *(Input(f"{deed}-all", "n_clicks") for deed in DEEDS),
+        *(Input(f"{kind}-all", "n_clicks") for kind in TASKS),
         State("mode", "value"),
         State("page", "data"),
         prevent_initial_call=True,
@@ -37,8 +37,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
         session, cause = opened(sessions, page), ctx.triggered_id
         if session is None or (cause == "overview" and (session.corners or session.busy)):
             raise PreventUpdate
-        deed = "compare" if cause == "overview" else cause.removesuffix("-all")
-        return answered(sessions, page, lambda session: session.work_on_all(deed, mode if mode in MODES else MODES[0]))
+        kind = "compare" if cause == "overview" else cause.removesuffix("-all")
+        return answered(sessions, page, lambda session: session.work_on_all(kind, mode if mode in MODES else MODES[0]))
 
     @app.callback(
         *CHANGES,

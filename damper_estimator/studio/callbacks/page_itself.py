@@ -5,7 +5,7 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
-from damper_estimator.studio.corners import DEEDS
+from damper_estimator.studio.corners import TASKS
 from damper_estimator.studio.job import Job
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.sessions import Sessions
@@ -20,7 +20,7 @@ _PLACES = {
     "planning": 5,
     "riding": 5,
 }
-_PLACES |= dict.fromkeys(DEEDS.values(), 3)
+_PLACES |= dict.fromkeys(TASKS.values(), 3)
 """Where a work's failure is said, by its name."""
 _STEPPING = ("improving", "identifying")  # works that end in a step more
 

@@ -1,4 +1,4 @@
-"""A hand in the browser: starts the studio on a folder, opens its page in the system's Chromium, and works with it."""
+"""Starts the studio on a folder, opens its page in the system's Chromium and operates it as a user does."""
 
 import re
 import subprocess
@@ -30,7 +30,7 @@ def served(folder: Path, *options: str) -> Iterator[tuple[subprocess.Popen, str]
             process.terminate()
 
 
-class Hand:
+class StudioPage:
     """Works with one page; final."""
 
     def __init__(self, page, url: str) -> None:
@@ -122,14 +122,14 @@ class Hand:
 
 
 @contextmanager
-def hand(url: str, width: int = 1280, height: int = 720, scheme: str = "light") -> Iterator[Hand]:
-    """A hand on a page of a fresh browser."""
+def open_page(url: str, width: int = 1280, height: int = 720, scheme: str = "light") -> Iterator[StudioPage]:
+    """A page of a fresh browser."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
         try:
             context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
-            yield Hand(context.new_page(), url)
+            yield StudioPage(context.new_page(), url)
         finally:
             browser.close()
