@@ -1,6 +1,7 @@
 """Mistakes of the force channel, found against the motion: wrong sign, wandering zero, drifting clock, a spring."""
 
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -19,6 +20,8 @@ _OVER_REST = 1.5  # times the rms that the motion does not explain
 _CERTAIN = 5.0  # standard errors
 LEAST_CLOCK = 1e-3  # s, change of lateness over the recording
 LEAST_SPRING = 0.3  # rms of a straight line over displacement, over the force's
+_SAME_POSITION = 0.02  # of the stroke
+_CONFIRMED = 0.5  # of a drift must show at rest
 _BLOCKS = 8
 _UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, over its rms
 
@@ -110,7 +113,7 @@ def _drift(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
     found = drift(m, explained)
     if found is None or abs(found.change) <= max(LEAST_DRIFT * explained.rms_n, explained.rest_n):
         return
-    if not _rests_at_both_ends(m):  # while the damper works, its gas and its fluid may change the mean as well
+    if not _confirmed_at_rest(m, explained.zeros[0]):  # a working damper's gas and fluid may change the mean as well
         return
     begin, end, change = found.begin, found.end, found.change
     start, stop = _calmest_half(explained.zeros[0])
@@ -128,11 +131,23 @@ def _drift(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
     )
 
 
-def _rests_at_both_ends(m: Measurement) -> bool:
-    """Whether the damper stands still early and late in the recording."""
-    rests = find_rests(m.kinematics.stamp, m.raw_displacement)
-    seconds = float(m.kinematics.time[-1] - m.kinematics.time[0])
-    return any(rest.end < 0.5 * seconds for rest in rests) and any(rest.start > 0.5 * seconds for rest in rests)
+def _confirmed_at_rest(m: Measurement, zero: Zero) -> bool:
+    """Whether the force at rest changed as the zero did, between the two rests at one position where it changed most.
+
+    At another position gas and springs have another force.
+    """
+    k = m.kinematics
+    rests = find_rests(k.stamp, m.raw_displacement, k.stamp, m.force)
+    alike = _SAME_POSITION * float(np.ptp(m.raw_displacement))
+    changes = [
+        (float(np.diff(np.interp([0.5 * (one.start + one.end) for one in pair], zero.knots, zero.value))[0]),
+         pair[1].force - pair[0].force)
+        for pair in combinations(rests, 2) if abs(pair[1].displacement - pair[0].displacement) <= alike
+    ]  # fmt: skip
+    if not changes:
+        return False
+    expected, seen = max(changes, key=lambda pair: abs(pair[0]))
+    return seen * np.sign(expected) >= _CONFIRMED * abs(expected)
 
 
 def _warming(m: Measurement, begin: float, end: float) -> float:

@@ -144,6 +144,15 @@ def test_a_drift_of_the_zero_is_reported_in_newtons_and_time(recorded):
     assert corrected(finding).windows[0][1] - corrected(finding).windows[0][0] == pytest.approx(9.0, abs=1.0)
 
 
+def test_a_force_that_differs_with_the_position_at_rest_is_no_drift(recorded):
+    def gas(channels):
+        moved = values("displacement", lambda t, x: x + 0.02 * np.clip(t - 9.0, 0.0, 1.0))(channels)
+        x = np.interp(moved["force"].stamp, moved["displacement"].stamp, moved["displacement"].value)
+        return values("force", lambda t, force: force - 2e5 * np.maximum(x, 0.0) ** 2)(moved)
+
+    assert "zero_drift" not in kinds(recorded(change=gas))
+
+
 def test_zeros_that_differ_between_recordings_are_reported(recorded):
     one, other = recorded(), recorded(seed=2, change=values("force", lambda t, v: v + 60.0))
     finding = data_findings(None, [one, other])[0]
