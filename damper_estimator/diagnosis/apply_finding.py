@@ -5,9 +5,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
 
 from damper_estimator.diagnosis.correction import corrected, corrected_signals
 from damper_estimator.diagnosis.local_fit import locally_fitted
+from damper_estimator.diagnosis.misfit import has_grown
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
 from damper_estimator.identification import fit as identify
@@ -36,6 +41,19 @@ class ModelState:
     rmse_unseen_n: float
     added: tuple[str, ...] = ()
     note: str = ""
+
+    @cached_property
+    def is_identified_here(self) -> bool:
+        """Whether the model was identified on one of these recordings, and errs there as it did then: then the question
+        is what it lacks, not what changed.
+        """
+        bags = self.model.fit.get("bags")
+        names = {Path(str(bag)).name for bag in bags} if isinstance(bags, (list, tuple)) else set()
+        same = [m for m in (*self.fit, *self.unseen) if Path(m.recording).name in names]
+        if not same:
+            return False
+        force = np.concatenate([m.in_band(m.force)[m.judged] for m in same])
+        return not has_grown(self.model, pooled_error(self.model, same)[0] / float(np.std(force)), if_unknown=False)
 
     def with_model(self, model: DamperModel, note: str = "") -> "ModelState":
         """Another model on the same recordings."""

@@ -8,7 +8,6 @@ parameters from a missing effect.
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
@@ -36,7 +35,7 @@ from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
-from damper_estimator.identification import pooled_error, usable
+from damper_estimator.identification import usable
 from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
@@ -82,7 +81,7 @@ def diagnose(
     again = reidentified(found.rounds[0], data) if mode != "kept" and not is_usual else None
     before = compare(state.model, *state.unseen)
     force, floor = before.measures.force_rms_n, before.noise_floor_n
-    judged = partial(verdict_on, again=again, force_n=force, floor_n=floor, is_identified_here=_is_identified_on(state))
+    judged = partial(verdict_on, again=again, force_n=force, floor_n=floor, is_identified_here=state.is_identified_here)
     verdict, picture = ("nothing_missing", None) if is_usual else judged(found)
     if verdict == "parameters_changed" and not found.accepted:
         found = replace(found, accepted=as_if_by(found.rounds[0]))
@@ -92,7 +91,7 @@ def diagnose(
         verdict, picture = judged(replace(found, accepted=()))
     # Without a candidate only a large growth is news: errors on good recordings of one damper differ by up to two.
     share = max(state.rmse_fit_n, state.rmse_unseen_n) / force / np.sqrt(limits().growth)
-    if verdict == "unexplained" and not _is_identified_on(state) and not has_grown(state.model, float(share)):
+    if verdict == "unexplained" and not state.is_identified_here and not has_grown(state.model, float(share)):
         verdict, picture, found = "nothing_missing", None, replace(found, is_survey=True)
     report("done", 1.0)
     return _diagnosis(state, found, again, verdict, picture, steps, before, given)
@@ -129,7 +128,7 @@ def _searched(
     )
     leaves_news = known is None or known.leaves_news(left / force)
     error = max(whole, state.rmse_fit_n, state.rmse_unseen_n)  # the last two with the gauge's zero
-    is_acceptable = error < limits().acceptable * force and not _is_identified_on(state)
+    is_acceptable = error < limits().acceptable * force and not state.is_identified_here
     if mode == "both" and is_acceptable and not (leaves_news and has_grown(state.model, error / force)):
         return surveyed(state.model, data, skip, workers, progress), data
     if known is not None:
@@ -140,20 +139,8 @@ def _searched(
             )
             if found.accepted:
                 return found, news
-    here = _is_identified_on(state)
+    here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data
-
-
-def _is_identified_on(state: ModelState) -> bool:
-    """Whether the model was identified on one of these recordings, and errs there as it did then: then the question is
-    what it lacks, not what changed."""
-    bags = state.model.fit.get("bags")
-    names = {Path(str(bag)).name for bag in bags} if isinstance(bags, (list, tuple)) else set()
-    same = [m for m in (*state.fit, *state.unseen) if Path(m.recording).name in names]
-    if not same:
-        return False
-    force = np.concatenate([m.in_band(m.force)[m.judged] for m in same])
-    return not has_grown(state.model, pooled_error(state.model, same)[0] / float(np.std(force)), if_unknown=False)
 
 
 def _steps(

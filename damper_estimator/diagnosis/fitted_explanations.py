@@ -67,13 +67,15 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
     """The model with each phenomenon's effects, fitted to all recordings with the model's parameters kept.
 
     Each phenomenon is represented by its best effect and by others that leave about as little, because the rival may
-    take any form. Without phenomena, the model alone.
+    take any form. As in a diagnosis, a refit moves the effect's parameters, and the model's only if it was identified
+    on these recordings. Without phenomena, the model alone.
 
     Raises:
         InputError: where a recording cannot be used, or cannot show a phenomenon.
     """
     whole = [m.part(p.start, p.stop) for m in measurements for p in usable(model, m)]
-    model = identified_first(state_of(model, whole, whole[:1]), "both").model
+    state = identified_first(state_of(model, whole, whole[:1]), "both")
+    model = state.model
     news = [without_misfit(model, m) for m in whole] if phenomena else whole
     both = data_of(model, news, news)
     data = replace(both, unseen=both.unseen[:1])
@@ -95,7 +97,8 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
             one, hypothesis = ends[i]
             if left[i] <= _NEAR * left.min():
                 with_it = replace(hypothesis, fit=one).fitted_into(model)
-                found.append(_explanation(phenomenon, hypothesis.name, with_it, data.fit))
+                free = None if state.is_identified_here else hypothesis.added_to(model)[1]
+                found.append(_explanation(phenomenon, hypothesis.name, with_it, data.fit, free))
     return Explanations(model, tuple(found), data.fit, data.ranges, untestable)
 
 
@@ -105,8 +108,11 @@ def sensitivities(explanation: FittedExplanation, rows: Sequence[Rows]) -> tuple
     return force, near_derivatives(explanation.model, rows, explanation.free, force)
 
 
-def _explanation(phenomenon: str, effect: str, model: DamperModel, rows: Sequence[Rows]) -> FittedExplanation:
-    free = tuple(i for i, slot in enumerate(model.slots) if not slot.fixed)
+def _explanation(
+    phenomenon: str, effect: str, model: DamperModel, rows: Sequence[Rows], free: tuple[int, ...] | None = None
+) -> FittedExplanation:
+    """With ``free`` the positions of parameters that a refit moves; all but fixed ones without."""
+    free = tuple(i for i, slot in enumerate(model.slots) if not slot.fixed) if free is None else free
     force = force_rows(model, rows)
     sizes = np.array([slot_size(model.slots[i]) for i in free])
     return FittedExplanation(

@@ -16,10 +16,11 @@ diagnosis for effects (its form-free tests are taken to speak for both alike).
 With S_A, S_B left on the old recordings and E the squared error expected on the new one, of noise and of model form,
 
     P(right) = Phi((S_B + E + D - r (S_A + E)) / s),     P(wrong) = Phi(((S_A + E) / r - (S_B + E + D)) / s)
-    s^2 = 4 sum_i (n_i^2 D_i s_m^2 + n_i D_i s_n^2) + (u (S_A + E) (r - 1))^2
+    s^2 = 4 sum_i (n_i^2 D_i s_m^2 + n_i D_i s_n^2)
 
-n_i how often step i is driven, s_n^2 and s_m^2 the long-run variances of noise and of the model's form. A repeated step
-averages noise, but repeats what the model's form gets wrong. u is the uncertainty of the expected error itself.
+averaged over log E, which is uncertain by a factor of two. n_i is how often step i is driven, s_n^2 and s_m^2 are the
+long-run variances of noise and of the model's form. A repeated step averages noise, but repeats what the model's form
+gets wrong, and so does each cycle of a sine; at rest all rows err alike.
 """
 
 from collections.abc import Sequence
@@ -27,52 +28,20 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr
+from scipy.special import ndtr
 
 from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
-from damper_estimator.numerics import long_run_variance
+from damper_estimator.planning.expected_error import Errors
 from damper_estimator.planning.simulated import Simulated
+from damper_estimator.planning.steps import Step
 
 DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
 _REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
-_LEAST_FORM = 0.01  # of the force: what no model's form gets right
-_UNSURE = 0.3  # of the expected error: errors of good recordings vary by that
-_AT_REST = 0.1  # of the force's mean square on the recordings
+_FACTORS, _WEIGHTS = 2.0 ** (np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])), np.array([1.0, 4.0, 1.0]) / 6.0
+"""Nodes and weights of Gauss and Hermite for the expected squared error: it varies by a factor of two between good
+recordings of one damper.
+"""
 _FREE = 1e-9  # the gauge's zero is held by nothing
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors to expect, estimated from the recordings.
-
-    Attributes:
-        noise: N^2 of a row, of the sensors.
-        form: squared error of the model's form over the force's mean square.
-        memory: rows after which the error is new.
-        power: N^2, mean square of the force on the recordings.
-    """
-
-    noise: float
-    form: float
-    memory: float
-    power: float
-
-    def powers(self, forces: np.ndarray, slices: Sequence[slice]) -> np.ndarray:
-        """(h, s) N^2 over which the form errs: the variance of the force (h, r) on each step, and a share of that on
-        the recordings at least, since a model is not perfect at rest either.
-        """
-        found = [[force[part].var() if part.stop > part.start else 0.0 for part in slices] for force in forces]
-        return np.maximum(np.array(found), _AT_REST * self.power)
-
-
-def errors_of(found: Explanations, floor_n: float) -> Errors:
-    """From what the best hypothesis leaves on the recordings, and their noise floor in N."""
-    best = min(found.fitted, key=lambda hypothesis: float(np.sum(hypothesis.residual**2)))
-    target = np.concatenate([part.target for part in found.rows])
-    left, power = float(np.mean(best.residual**2)), max(float(np.mean(target**2)), 1e-300)
-    noise = min(floor_n**2, left) if np.isfinite(floor_n) else 0.5 * left
-    memory = long_run_variance(best.residual, found.rows[0].rate) / max(left, 1e-300)
-    return Errors(noise, max((left - noise) / power, _LEAST_FORM**2), max(memory, 1.0), power)
 
 
 @dataclass(frozen=True)
@@ -110,6 +79,22 @@ class Pair:
         each = np.maximum(each, 0.0)
         held = np.einsum("kd,kl,ld->d", moved, self.prior, moved, optimize=True)
         return np.maximum(n @ each[used] + held, 0.0), each
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Of one pair, (d, 3) for each draw of the truth and each size of the expected error.
+
+    Attributes:
+        right, wrong: standard deviations by which the truth is named alone, and by which the rival is.
+        progress: logarithm of the rival's squared error over the truth's, relative to that of r; from 0 to 1.
+        evidence: see ``Chances``.
+    """
+
+    right: np.ndarray
+    wrong: np.ndarray
+    progress: np.ndarray
+    evidence: float
 
 
 @dataclass(frozen=True)
@@ -157,8 +142,13 @@ class Criterion:
     noise: np.ndarray
 
     def score(self, counts: np.ndarray) -> float:
-        """Mean of the logarithm of P(right) over pairs and draws; what the search makes large."""
-        return float(np.mean([np.mean(log_ndtr(self._margins(pair, counts)[0])) for pair in self.pairs]))
+        """Mean over pairs and draws of P(right) and of the progress towards a decision; what the search makes large.
+
+        Progress leads the search where P is still flat. Both are bounded: a pair that nothing separates must not keep
+        the search from separating the others.
+        """
+        margins = [self._margins(pair, counts) for pair in self.pairs]
+        return 0.5 * float(np.mean([np.mean((ndtr(one.right) + one.progress) @ _WEIGHTS) for one in margins]))
 
     def chances(self, counts: np.ndarray) -> Chances:
         """Of a test that drives step i ``counts[i]`` times; with several rivals each must be beaten (Bonferroni)."""
@@ -166,12 +156,13 @@ class Criterion:
         wrong: dict[int, dict[str, float]] = {}
         weakest = np.inf
         for pair in self.pairs:
-            right, mistaken, evidence = self._margins(pair, counts)
+            margins = self._margins(pair, counts)
+            named, renamed = (float(np.mean(ndtr(margin) @ _WEIGHTS)) for margin in (margins.right, margins.wrong))
             # Of a rival's forms the one that is hardest to beat counts.
-            for into, chance in ((lost, 1.0 - float(np.mean(ndtr(right)))), (wrong, float(np.mean(ndtr(mistaken))))):
+            for into, chance in ((lost, 1.0 - named), (wrong, renamed)):
                 of_truth = into.setdefault(pair.truth, {})
                 of_truth[self.names[pair.rival]] = max(of_truth.get(self.names[pair.rival], 0.0), chance)
-            weakest = min(weakest, evidence)
+            weakest = min(weakest, margins.evidence)
         chances = []
         for name in dict.fromkeys(self.names[k] for k in lost):
             forms = [k for k in lost if self.names[k] == name]
@@ -180,18 +171,21 @@ class Criterion:
         right, mistaken = (float(np.mean([entry[k] for entry in chances])) for k in (1, 2))
         return Chances(right, mistaken, float(weakest), tuple(chances))
 
-    def _margins(self, pair: Pair, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-        """Standard deviations (d,) by which the truth is named alone, by which the rival is, and the evidence."""
+    def _margins(self, pair: Pair, counts: np.ndarray) -> Margins:
         difference, each = pair.differences(counts)
         truth = pair.truth
-        ours = pair.left[0] + float(counts @ self.expected[truth])
-        theirs = pair.left[1] + float(counts @ self.expected[truth]) + difference
+        expected = float(counts @ self.expected[truth]) * _FACTORS
+        ours, theirs = pair.left[0] + expected, pair.left[1] + expected + difference[:, None]
         r = ratio()
         chance = 4.0 * ((counts**2 * self.form[truth] + counts * self.noise[truth]) @ each)
-        spread = np.sqrt(chance + (_UNSURE * ours * (r - 1.0)) ** 2 + 1e-300)
+        spread = np.sqrt(chance + 1e-300)[:, None]
         rows = np.where(counts > 0, self.form[truth] + self.noise[truth], 1.0)
-        evidence = float(np.mean((counts / rows) @ each) / 2.0)
-        return (theirs - r * ours) / spread, (ours / r - theirs) / spread, evidence
+        return Margins(
+            right=(theirs - r * ours) / spread,
+            wrong=(ours / r - theirs) / spread,
+            progress=np.clip(np.log(theirs / ours) / np.log(r), 0.0, 1.0),
+            evidence=float(np.mean((counts / rows) @ each) / 2.0),
+        )
 
 
 def ratio() -> float:
@@ -200,11 +194,11 @@ def ratio() -> float:
     return float(((1.0 - tied) / tied) ** (1.0 / (limits().sharpness * (1.0 - limits().form_free))))
 
 
-def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Criterion:
-    """The criterion of hypotheses that were simulated on some number of steps."""
+def criterion(found: Explanations, on: Simulated, steps: Sequence[Step], errors: Errors) -> Criterion:
+    """The criterion of hypotheses that were simulated on steps."""
     hypotheses = found.fitted
-    slices = _slices(on.step, steps)
-    variance = max(errors.noise + errors.form, 1e-300) * errors.memory
+    slices = on.slices
+    variance = max(errors.noise + errors.form * errors.power, 1e-300) * errors.memory
     draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
     pairs = [
         _pair(hypotheses, on, slices, draws, truth, rival)
@@ -212,12 +206,12 @@ def criterion(found: Explanations, on: Simulated, steps: int, errors: Errors) ->
         if hypotheses[truth].phenomenon != hypotheses[rival].phenomenon
     ]
     counts = np.array([part.stop - part.start for part in slices])
-    power = errors.powers(on.force, slices)
+    power = errors.powers(on, found.ranges)
     return Criterion(
         tuple(pairs),
         tuple(hypothesis.phenomenon for hypothesis in hypotheses),
         counts * (errors.noise + errors.form * power),
-        errors.form * power * errors.memory,
+        errors.form * power * errors.alike(counts, steps),
         np.full(power.shape, errors.noise),
     )
 
@@ -229,11 +223,6 @@ def information(hypothesis: FittedExplanation, variance: float) -> np.ndarray:
     found[:-1, :-1] = columns.T @ columns + np.eye(columns.shape[1]) * (variance / _REACH**2)
     found[-1, -1] = _FREE
     return found
-
-
-def _slices(step: np.ndarray, steps: int) -> list[slice]:
-    edges = np.searchsorted(step, np.arange(steps + 1))
-    return [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False)]
 
 
 def _draws(hypothesis: FittedExplanation, variance: float, seed: int) -> np.ndarray:

@@ -9,11 +9,12 @@ from damper_estimator.diagnosis import Explanations, explanations
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.planning.criterion import Criterion, Errors, criterion, errors_of
+from damper_estimator.planning.criterion import Criterion, criterion
+from damper_estimator.planning.expected_error import Errors, errors_of
 from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
 from damper_estimator.planning.rig import Rig
-from damper_estimator.planning.search import Choice, Report, chosen
+from damper_estimator.planning.search import HALVES, Choice, Report, chosen
 from damper_estimator.planning.sharpening import sharpening
 from damper_estimator.planning.simulated import Simulated, simulated
 from damper_estimator.planning.steps import Step, steps_of
@@ -24,7 +25,7 @@ from damper_estimator.validation import compare
 
 LONGEST = 10.0  # minutes, where none are asked for
 _PATIENCE = 10  # steps that may add next to nothing
-_PROGRESS = 0.005, 0.05  # least gain over them, of the probability and of the search's score
+_PROGRESS = 0.005  # least gain over them, of the probability and of the search's score
 _NEARLY = 0.99  # of the probability that is reached: a test that gets so far is long enough
 
 
@@ -113,7 +114,7 @@ def _separating(
     hypotheses = stage.found.fitted
     best = min(hypotheses, key=lambda one: float(np.sum(one.residual**2)))
     errors = errors_of(stage.found, compare(best.model, *measurements).noise_floor_n)
-    judge = criterion(stage.found, stage.on, len(stage.steps), errors)
+    judge = criterion(stage.found, stage.on, stage.steps, errors)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or longest) - sum(REST)
     past: list[tuple[float, float]] = []
@@ -124,15 +125,15 @@ def _separating(
             return False
         past.append((judge.chances(counts).right, judge.score(counts)))
         stalled = len(past) > _PATIENCE and all(
-            now - then < least for now, then, least in zip(past[-1], past[-1 - _PATIENCE], _PROGRESS, strict=True)
+            now - then < _PROGRESS for now, then in zip(past[-1], past[-1 - _PATIENCE], strict=True)
         )
         return past[-1][0] >= SURE or stalled
 
     choice = chosen(judge.score, seconds, most, enough, _scaled(report, 0.5, 0.85))
     if not choice.order:
-        choice = Choice((int(np.argmin(seconds)),)) if seconds.min() <= most else Choice(())
+        choice = Choice((int(np.argmin(seconds)),)) if HALVES * seconds.min() <= most else Choice(())
     if not choice.order:
-        raise InputError(f"{minutes:g} minutes: are too short for any step; the shortest takes {seconds.min():.0f} s")
+        raise _too_short(minutes, seconds)
     curve = _curve(judge, choice, seconds)
     if minutes is None:
         last = int(np.flatnonzero(curve.right >= _NEARLY * curve.right[-1])[0]) + 1
@@ -158,7 +159,7 @@ def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str,
             other = _stage(stage.found, wide.rig, wide.limits, stage.like)
         except InputError:
             return 0.0
-        judge = criterion(other.found, other.on, len(other.steps), errors)
+        judge = criterion(other.found, other.on, other.steps, errors)
         seconds = np.array([step.seconds for step in other.steps])
         short = min(most, 180.0)
         choice = chosen(judge.score, seconds, short, lambda counts: judge.chances(counts).right >= SURE, _silent)
@@ -170,12 +171,12 @@ def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str,
 def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, report: Report) -> Plan:
     (hypothesis,) = stage.found.fitted
     errors = errors_of(stage.found, compare(hypothesis.model, *measurements).noise_floor_n)
-    judge = sharpening(stage.found, stage.on, len(stage.steps), errors)
+    judge = sharpening(stage.found, stage.on, stage.steps, errors)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or 2.0) - sum(REST)
     choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(report, 0.5, 0.95))
     if not choice.order:
-        raise InputError(f"{minutes:g} minutes: are too short for any step; the shortest takes {seconds.min():.0f} s")
+        raise _too_short(minutes, seconds)
     before, after = (judge.standard_errors(c) for c in (np.zeros(seconds.size), choice.counts(seconds.size)))
     parameters = tuple(
         Sharpened(*values) for values in zip(judge.addresses, judge.values.tolist(), before.tolist(), after.tolist(),
@@ -193,17 +194,16 @@ def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: flo
 
 def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Errors) -> Plan:
     """The plan with its drive and its clearest step, without predictions."""
-    order = _in_halves(choice.order)
-    steps = tuple(stage.steps[i] for i in order)
+    steps = tuple(stage.steps[i] for i in sorted(choice.order)) * int(HALVES)
     rate = stage.limits.rate
     rest = [np.full(round(seconds * rate), stage.limits.home) for seconds in REST]
     drive = np.concatenate([rest[0], *(step.displacement for step in steps), rest[1]])
     clearest = _clearest(choice, judge, stage)
-    part = slice(*np.searchsorted(stage.on.step, [clearest, clearest + 1]))
+    part = stage.on.slices[clearest]
     picks = stage.on.rows.picks[part]
     kinematics = stage.on.rows.measurement.kinematics
     force = stage.on.force[:, part]
-    variance = errors.noise + errors.form * float(force[0].var())
+    variance = errors.noise + errors.form * float(errors.powers(stage.on, stage.found.ranges)[0, clearest])
     hypotheses = stage.found.fitted
     return Plan(
         phenomena=tuple(one.phenomenon for one in hypotheses if one.phenomenon),
@@ -227,11 +227,11 @@ def _clearest(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
     return int(np.argmax(share))
 
 
-def _in_halves(order: Sequence[int]) -> list[int]:
-    """Every second step first: a diagnosis judges on the last part of a recording, which must be as informative.
-    Within each half equal steps follow each other.
-    """
-    return [*sorted(order[1::2]), *sorted(order[::2])]
+def _too_short(minutes: float | None, seconds: np.ndarray) -> InputError:
+    shortest = HALVES * float(seconds.min())
+    return InputError(
+        f"{minutes:g} minutes: are too short for any step; the shortest, in both halves, takes {shortest:.0f} s"
+    )
 
 
 def _curve(judge: Criterion, choice: Choice, seconds: np.ndarray) -> Curve:

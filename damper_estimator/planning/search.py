@@ -1,4 +1,8 @@
-"""Chooses steps: the one that raises the criterion most per second, again and again, then exchanges."""
+"""Chooses steps: the one that raises the criterion most per second, again and again, then exchanges.
+
+A test drives all of its steps in each half: a diagnosis judges on the last part of a recording what it fitted to the
+first one.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,6 +12,7 @@ import numpy as np
 Score = Callable[[np.ndarray], float]
 Report = Callable[[str, float], None]
 
+HALVES = 2.0  # of a test, in each of which a chosen step is driven
 _EXCHANGES = 2  # passes over the chosen steps
 _MOST_EXCHANGED = 24  # chosen steps up to which exchanges pay
 _STALLED = 1e-6
@@ -17,13 +22,13 @@ _KEPT = 40  # of the steps are gone on with, those that help most at one time or
 
 @dataclass(frozen=True)
 class Choice:
-    """Steps by position, in the order in which they were chosen."""
+    """The steps of one half by position, in the order in which they were chosen."""
 
     order: tuple[int, ...]
 
     def counts(self, steps: int, first: int | None = None) -> np.ndarray:
-        """(steps,) how often each is driven in the ``first`` of the order; all without."""
-        return np.bincount(np.array(self.order[:first], int), minlength=steps).astype(float)
+        """(steps,) how often each is driven in both halves, of the ``first`` of the order; all without."""
+        return HALVES * np.bincount(np.array(self.order[:first], int), minlength=steps)
 
 
 def chosen(
@@ -36,6 +41,7 @@ def chosen(
         seconds: (s,) of each step.
         enough: whether counts need nothing more; the search then ends early.
     """
+    seconds = HALVES * seconds
     counts, order, spent, now = np.zeros(seconds.size), [], 0.0, score(np.zeros(seconds.size))
     alive = np.arange(seconds.size)
     while True:
@@ -60,14 +66,14 @@ def chosen(
 def _exchanged(order: Sequence[int], score: Score, seconds: np.ndarray, most: float, alive: np.ndarray) -> list[int]:
     """Each chosen step against every other one that fits into the time (Fedorov's exchange)."""
     order = list(order)
-    counts = np.bincount(order, minlength=seconds.size).astype(float) if order else np.zeros(seconds.size)
+    counts = Choice(tuple(order)).counts(seconds.size)
     now = score(counts)
     for _ in range(_EXCHANGES):
         before = now
         for place, step in enumerate(order):
             less = counts.copy()
-            less[step] -= 1.0
-            spent = float(less @ seconds)
+            less[step] -= HALVES
+            spent = float(less @ seconds) / HALVES
             # An exchange may not make the test longer: the shortest one counts as well.
             fits = [i for i in alive if seconds[i] <= seconds[step] + 1e-9 and spent + seconds[i] <= most + 1e-9]
             scores = [score(_more(less, i)) for i in fits]
@@ -81,5 +87,5 @@ def _exchanged(order: Sequence[int], score: Score, seconds: np.ndarray, most: fl
 
 def _more(counts: np.ndarray, step: int) -> np.ndarray:
     more = counts.copy()
-    more[step] += 1.0
+    more[step] += HALVES
     return more

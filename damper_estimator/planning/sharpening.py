@@ -6,13 +6,16 @@ with M of the old recordings: the volume of the parameters' common confidence re
 1943; Fedorov 1972, Theory of Optimal Experiments. As in the criterion between hypotheses, s_i^2 are long-run variances.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from damper_estimator.diagnosis import Explanations
-from damper_estimator.planning.criterion import Errors, information
+from damper_estimator.planning.criterion import information
+from damper_estimator.planning.expected_error import Errors
 from damper_estimator.planning.simulated import Simulated
+from damper_estimator.planning.steps import Step
 
 
 @dataclass(frozen=True)
@@ -43,17 +46,15 @@ class Sharpening:
         return self.prior + np.tensordot(counts, self.each, 1)
 
 
-def sharpening(found: Explanations, on: Simulated, steps: int, errors: Errors) -> Sharpening:
-    """The criterion of one model that was simulated on some number of steps."""
+def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors: Errors) -> Sharpening:
+    """The criterion of one model that was simulated on steps."""
     (hypothesis,) = found.fitted
     variance = float(np.mean(hypothesis.residual**2)) * errors.memory
-    columns, force = on.sensitivity[0], on.force[0]
-    each = np.zeros((steps, columns.shape[1], columns.shape[1]))
-    for k in range(steps):
-        part = slice(*np.searchsorted(on.step, [k, k + 1]))
-        if part.stop > part.start:
-            row = (errors.noise + errors.form * float(errors.powers(force[None], [part])[0, 0])) * errors.memory
-            each[k] = columns[part].T @ columns[part] / row
+    columns = on.sensitivity[0]
+    counts = np.array([part.stop - part.start for part in on.slices])
+    form = errors.form * errors.powers(on, found.ranges)[0]
+    rows = errors.noise * errors.memory + form * errors.alike(counts, steps)
+    each = np.array([columns[part].T @ columns[part] / row for part, row in zip(on.slices, rows, strict=True)])
     slots = [hypothesis.model.slots[i] for i in hypothesis.free]
     return Sharpening(
         information(hypothesis, variance) / variance,

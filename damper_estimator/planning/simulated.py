@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,6 +36,12 @@ class Simulated:
     force: np.ndarray
     sensitivity: tuple[np.ndarray, ...]
     largest: np.ndarray
+
+    @property
+    def slices(self) -> list[slice]:
+        """The rows of each step."""
+        edges = np.searchsorted(self.step, np.arange(self.largest.size + 1))
+        return [slice(int(a), int(b)) for a, b in pairwise(edges)]
 
 
 def simulated(hypotheses: Sequence[FittedExplanation], steps: Sequence[Step], like: Measurement) -> Simulated:

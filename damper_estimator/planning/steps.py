@@ -60,6 +60,15 @@ class Step:
                      0.5 * np.ptp(self.displacement))  # fmt: skip
 
     @property
+    def cycles(self) -> float:
+        """How often the same motion is driven; infinite where nothing moves."""
+        if self.kind == "hold":
+            return np.inf
+        if self.kind == "triangle":
+            return self.seconds * self.values["speed"] / (4.0 * self.amplitude)
+        return self.seconds * self.values["frequency"] if self.kind in ("sine", "crank") else 1.0
+
+    @property
     def words(self) -> str:
         """What is driven, in one line."""
         if self.say:
