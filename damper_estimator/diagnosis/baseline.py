@@ -17,7 +17,7 @@ from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
-from damper_estimator.model.element import labels, walk
+from damper_estimator.model.element import Element, labels, walk
 from damper_estimator.numerics import ROUGH, damped_step, stepped
 
 _DAMPED_FROM = 0.3  # of its size: a parameter that moves further in a first-order refit is damped
@@ -45,7 +45,15 @@ class Baseline:
     @cached_property
     def recorded(self) -> tuple[DamperModel, DiagnosisData]:
         """The model as one recorded force, with the data that carries it."""
-        rows = {name: rows_with_force(self.model, getattr(self.data, name)) for name in ("fit", "unseen")}
+        return self._recorded(None)
+
+    @cached_property
+    def recorded_inside(self) -> tuple[DamperModel, DiagnosisData]:
+        """The same with the motion behind the model's series spring, where sources act; as ``recorded`` without one."""
+        return self.recorded if self.model.spring is None else self._recorded(self.model.spring)
+
+    def _recorded(self, inside: Element | None) -> tuple[DamperModel, DiagnosisData]:
+        rows = {name: rows_with_force(self.model, getattr(self.data, name), inside) for name in ("fit", "unseen")}
         return recorded_force_model(self.model), replace(self.data, **rows)
 
     @cached_property
@@ -81,8 +89,9 @@ class Baseline:
         """The model and data on which an effect of a kind is tried: what acts behind the model need not run it."""
         # Input and channel effects rewrite the motion or the force of all sources, the new one included.
         untouched = self.has_compliance or all(e.effect.kind not in ("input", "channel") for e in self.model.effects)
-        behind = kind in ("modifier", "channel") or (kind == "source" and untouched)
-        return self.recorded if behind else (self.model, self.data)
+        if kind == "source" and untouched:
+            return self.recorded_inside
+        return self.recorded if kind in ("modifier", "channel") else (self.model, self.data)
 
 
 def baseline_of(

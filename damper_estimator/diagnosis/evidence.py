@@ -37,7 +37,7 @@ def _where(baseline: Baseline, without: Errors, with_it: Errors) -> str:
     if total <= 0.0:
         return ""
     speed = np.abs(velocity)
-    edges = np.quantile(speed, [0.0, 1 / 3, 2 / 3, 1.0])
+    edges = [0.0, *np.quantile(speed, [1 / 3, 2 / 3, 1.0])]
     parts = []
     for name, side in (("rebound", velocity > 0.0), ("compression", velocity <= 0.0)):
         for low, high in zip(edges, edges[1:], strict=False):
@@ -45,10 +45,8 @@ def _where(baseline: Baseline, without: Errors, with_it: Errors) -> str:
             if inside.any():
                 parts.append((float(taken[inside].sum()) / total, float(inside.mean()), name, low, high))
     share, time, name, low, high = max(parts, key=lambda part: part[0])
-    return (
-        f"{100.0 * share:.0f} % of what it takes away lies in {name} between {low:.2g} and {high:.2g} m/s "
-        f"({100.0 * time:.0f} % of the time)."
-    )
+    speeds = f"between {low:.2g} and {high:.2g} m/s" if low else f"below {high:.2g} m/s"
+    return f"{100.0 * share:.0f} % of what it takes away lies in {name} {speeds} ({100.0 * time:.0f} % of the time)."
 
 
 def _depends(tests: Sequence[TestEvaluation], effect: Effect) -> str:

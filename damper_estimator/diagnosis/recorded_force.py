@@ -1,6 +1,8 @@
 """The model as one recorded force, so that it need not run again for what a hypothesis adds to it.
 
-The force is in an additional row of the block, below those of ``signals.layout``.
+The force is in an additional row of the block, below those of ``signals.layout``. What acts behind a compliance, in
+parallel to the damper, moves by less than was measured: by the compliance's deflection under the measured force, its
+losses left out.
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,10 @@ from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel, Element
-from damper_estimator.signals.layout import ROWS
+from damper_estimator.signals.layout import ROWS, A, T, V, X
+
+_LEAST_REACH, _MOST_REACH = 1e-6, 0.1  # m, of a spring's deflection
+_GRID = 2001  # points of its curve
 
 
 @compiled
@@ -30,14 +35,39 @@ def recorded_force_model(model: DamperModel) -> DamperModel:
     return replace(model, effects=(Element(RECORDED),), fixed=(), fit={})
 
 
-def rows_with_force(model: DamperModel, rows: Sequence[Rows]) -> tuple[Rows, ...]:
-    """The rows with the model's force below the block."""
+def rows_with_force(model: DamperModel, rows: Sequence[Rows], inside: Element | None = None) -> tuple[Rows, ...]:
+    """The rows with the model's force below the block; with ``inside`` the motion behind this series spring."""
     recorded = []
     for part in rows:
-        kinematics = part.measurement.kinematics
-        force = np.nan_to_num(model.force(kinematics.block))
-        block = np.ascontiguousarray(np.vstack([kinematics.block, force]))
+        measurement = part.measurement
+        force = np.nan_to_num(model.force(measurement.kinematics.block))
+        block = measurement.kinematics.block
+        if inside is not None:
+            known = np.isfinite(measurement.force)
+            block = _behind(inside, block, measurement.in_band(np.where(known, measurement.force, force)))
+        block = np.ascontiguousarray(np.vstack([block, force]))
         recorded.append(
-            replace(part, measurement=replace(part.measurement, kinematics=replace(kinematics, block=block)))
+            replace(part, measurement=replace(measurement, kinematics=replace(measurement.kinematics, block=block)))
         )
     return tuple(recorded)
+
+
+def _behind(spring: Element, block: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """The block (8, n) with the motion behind a series spring that carries a force (n,) in N."""
+    alone = DamperModel("spring", "", (replace(spring, effect=replace(spring.effect, kind="source"), path=()),))
+    reach = _LEAST_REACH
+    while True:
+        grid = np.linspace(-reach, reach, _GRID)
+        over = np.zeros((ROWS, _GRID))
+        over[X] = grid
+        carried = alone.force(over)
+        if reach >= _MOST_REACH or (carried[0] <= force.min() and carried[-1] >= force.max()):
+            break
+        reach *= 2.0
+    deflection = np.interp(force, carried, grid)
+    rate = np.gradient(deflection, block[T])
+    moved = block.copy()
+    moved[X] -= deflection
+    moved[V] -= rate
+    moved[A] -= np.gradient(rate, block[T])
+    return moved

@@ -172,13 +172,16 @@ class DamperModel:
     def with_missing(self, element: Element) -> "DamperModel":
         """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
 
-        As ``with_effect``, but a source goes behind the modifiers, and a series spring takes the place of the present
-        one, because two springs in a row are one.
+        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, and a series
+        spring takes the place of the present one, because two springs in a row are one.
         """
         kind, present = element.effect.kind, self.spring
         if element.effect.is_series_spring and present is not None:
             instead = replace(element, path=element.path or present.path)
             return self._with(tuple(instead if e is present else e for e in self.effects))
+        if kind in ("source", "path") and present is not None:
+            longer = replace(present, path=(*present.path, element))
+            return self._with(tuple(longer if e is present else e for e in self.effects))
         if kind in ("source", "path"):
             channels = [e for e in self.effects if e.effect.kind == "channel"]
             return self._with((*(e for e in self.effects if e not in channels), element, *channels))

@@ -15,7 +15,7 @@ from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.diagnosis.trial_fit import sketch, trial_fit
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import fit, rows_of
-from damper_estimator.model import make_element
+from damper_estimator.model import make_element, parse_model
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +46,28 @@ def test_a_planted_effect_takes_the_error_away_on_both_parts(stiffened, spring):
         assert np.sum((residual + change) ** 2) < 0.2 * np.sum(residual**2)
     assert not tried.hidden and tried.at_bound == ()
     assert spring.fitted_element.parameters == tried.values
+
+
+@pytest.mark.parametrize(
+    "spring", [{"rubber_mount": {"stiffness": 1.5e6, "loss": 0.0}}, {"joint_play": {"stiffness": 2e6}}]
+)
+def test_a_source_behind_a_compliance_is_found_there(base, spring):
+    (name, values), *_ = spring.items()
+    inside = [{"viscous": {"rate": 1500.0}}, {"coulomb": {"force": 90.0, "transition": 0.01}}]
+
+    def model(sources):
+        return parse_model({"name": "m", "source": "", "effects": [{name: {**values, "path": sources}}]}, "test")
+
+    measured = replace(base, force=model(inside).force(base.kinematics.block))
+    without = model(inside[:1])
+    assert without.with_missing(make_element(find_effect("coulomb"))).effects[0].path[-1].effect.name == "coulomb"
+    parts = halves(measured)
+    data = data_of(without, parts[:1], parts[1:])
+    baseline = baseline_of(without, data, base=())
+    friction = next(one for one in hypotheses_for(without, data.ranges)[0] if one.name == "coulomb")
+    found = trial_fit(baseline, friction)
+    assert found.values["force"] == pytest.approx(90.0, rel=0.15)
+    assert np.sum((baseline.residual_unseen + found.change_unseen) ** 2) < 0.05 * np.sum(baseline.residual_unseen**2)
 
 
 def test_what_explains_too_little_gets_no_derivatives(stiffened, spring):
