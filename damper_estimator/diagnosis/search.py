@@ -92,8 +92,8 @@ def search(
     offsets = _hidden_by_the_zero(found.rounds[0], last.model, names_of(accepted))
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((_explained(one) for one in accepted), default=0.0)
-    ahead = [one for one in offsets if _explained(one) > most]
-    ordered = (*ahead, *accepted, *(one for one in offsets if one not in ahead))
+    ahead, behind = ([one for one in offsets if (_explained(one) > most) == first] for first in (True, False))
+    ordered = (*ahead, *accepted, *behind)
     return Search(tuple(found.rounds), ordered, last.model, left, untestable, found.mode)
 
 
