@@ -218,13 +218,12 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
 
 
 def _clearest(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
-    """The chosen step whose refitted difference is largest over the error expected on it."""
+    """The chosen step whose difference is largest over the error expected on it."""
     if judge is None:
         return choice.order[0]
-    counts = choice.counts(len(stage.steps))
-    each = np.mean([pair.differences(counts)[1][:, 0] for pair in judge.pairs], axis=0)
-    share = np.where(counts > 0, each / np.maximum(judge.expected.mean(axis=0), 1e-300), -1.0)
-    return int(np.argmax(share))
+    each = np.mean([pair.square[:, 0] for pair in judge.pairs], axis=0)
+    share = each / np.maximum(judge.expected.mean(axis=0), 1e-300)
+    return max(choice.order, key=lambda step: float(share[step]))
 
 
 def _too_short(minutes: float | None, seconds: np.ndarray) -> InputError:

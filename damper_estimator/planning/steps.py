@@ -168,7 +168,7 @@ def _played(rig: Rig, limits: Limits) -> Iterator[Motion]:
         if speed <= limits.speed and speed / (4.0 * amplitude) >= 0.5 * low:
             yield "triangle", {"speed": speed, "amplitude": amplitude, "seconds": _LONGEST}, ""
     if limits.mean_positions:
-        for offset in _offsets(limits)[1:]:
+        for offset in _offsets(limits):
             yield "hold", {"offset": offset, "seconds": 3.0}, ""
 
 

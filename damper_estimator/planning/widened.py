@@ -36,11 +36,9 @@ def widenings(
         probability = chance(wide)
         if probability >= now + _BETTER:
             sentences.append(f"{wide.words}: right with {100.0 * probability:.0f} %")
-    for hypothesis in found.fitted:
-        effect = all_effects()[hypothesis.effect]
-        if effect.separate and effect.separate not in sentences:
-            sentences.append(effect.separate)
-    return tuple(sentences)
+    tests = {all_effects()[hypothesis.effect].separate: None for hypothesis in found.fitted}
+    sentences += [one for one in tests if not any(other.startswith(one) and other != one for other in tests)]
+    return tuple(one for one in sentences if one)
 
 
 def _each(rig: Rig, limits: Limits) -> Iterator[Widened]:

@@ -1,10 +1,11 @@
 """The page of a plan: what will differ, and the predicted probabilities over the length of the test."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from damper_estimator.planning import Plan
+from damper_estimator.numbers import number
+from damper_estimator.planning import Limits, Plan
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import GREY, INK, Figure, axis, line, shared_arrays, short
@@ -30,7 +31,6 @@ def plan_figure(plan: Plan) -> Figure:
 
 
 def _section(damper: str, plan: Plan) -> dict[str, object]:
-    limits = plan.limits.record()
     return {
         "damper": damper,
         "headline": plan.sentence,
@@ -42,7 +42,7 @@ def _section(damper: str, plan: Plan) -> dict[str, object]:
             [words, *(f"{step.record()[key]:.3g}" for key in ("speed_m_s", "acceleration_m_s2"))]
             for step, words in plan.listed
         ],
-        "limits": [[key, _value(value)] for key, value in limits.items() if value not in ([], False)],
+        "limits": _limits(plan.limits),
         "parameters": [
             [one.address, f"{one.value:.4g}", f"{one.before:.2g}", f"{one.after:.2g}"] for one in plan.parameters
         ],
@@ -50,8 +50,23 @@ def _section(damper: str, plan: Plan) -> dict[str, object]:
     }
 
 
-def _value(value: object) -> str:
-    return " to ".join(f"{one:g}" for one in value) if isinstance(value, list) else f"{value}"
+def _limits(limits: Limits) -> list[list[str]]:
+    """Each limit in words, its value and its unit."""
+    rows: list[tuple[str, Sequence[float], str]] = [
+        ("displacement", [1e3 * limits.low, 1e3 * limits.high], "mm"),
+        ("speed", [limits.speed], "m/s"),
+        ("acceleration", [limits.acceleration], "m/s²"),
+        ("force", [limits.force], "N"),
+        ("frequency", limits.frequency, "Hz"),
+        ("temperatures", limits.temperature, "°C"),
+        ("currents", limits.current, "A"),
+    ]
+    found = [
+        [name, (" to " if name in ("displacement", "frequency") else ", ").join(map(number, values)), unit]
+        for name, values, unit in rows if len(values)
+    ]  # fmt: skip
+    mean = "any within the displacement" if limits.mean_positions else number(1e3 * limits.home)
+    return [*found, ["mean position", mean, "" if limits.mean_positions else "mm"]]
 
 
 def _figures(plan: Plan) -> dict[str, Figure]:
