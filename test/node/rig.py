@@ -28,7 +28,8 @@ class Rig:
         self._quality = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
         self.forces, self.residuals, self.health = [], [], []
         self.node.create_subscription(DamperForces, f"{name}/force", self.forces.append, self._quality)
-        self.node.create_subscription(JointState, f"{name}/residual", self.residuals.append, self._quality)
+        residual = self.node.create_subscription(JointState, f"{name}/residual", self.residuals.append, self._quality)
+        self._residual_publishers = residual.get_publisher_count
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, self._quality)
         self._publishers = {}
         self.stamp = START
@@ -51,6 +52,12 @@ class Rig:
         """Waits until the node's forces and our displacement are connected."""
         self.publisher()
         self.wait(lambda: self.values("output").get("subscribers", "0") != "0", "the node's forces")
+
+    def ready_for_residuals(self) -> None:
+        """As ``ready``, and until the gauge's topic and the node's residuals are connected."""
+        self.ready()
+        self.publisher("/suspension/force")
+        self.wait(lambda: self._residual_publishers() > 0, "the node's residuals")
 
     def forget(self) -> None:
         """Destroys the publishers, as when a publisher ends."""

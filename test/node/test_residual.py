@@ -35,8 +35,7 @@ def test_the_live_residual_is_that_of_replay(start, rig, tmp_path):
     with open_bag(tmp_path / "out.mcap") as bag:
         expected = bag.columns("/damper_estimator/residual", [f"effort[{name}]" for name in NAMES])
     start(model=model, dampers="[left, right]", stale_after=60.0)
-    rig.ready()
-    rig.publisher("/suspension/force")
+    rig.ready_for_residuals()
     order = np.argsort(np.concatenate([stamps, gauge]), kind="stable")
     for n, place in enumerate(order.tolist()):
         if place < stamps.size:
@@ -107,8 +106,7 @@ def test_an_alarm_reaches_the_diagnostics(start, rig, tmp_path):
     model = tmp_path / "model.yaml"
     model.write_text("effects: [{linear_viscous: {rebound: 1500.0, compression: 1500.0}}]")
     start(model=model, dampers="[left]", drift_window=1.0, stale_after=60.0)
-    rig.ready()
-    rig.publisher("/suspension/force")
+    rig.ready_for_residuals()
     stamp = START
     for second in range(14):
         scale = 1.02 if second < 6 else 1.5
