@@ -57,10 +57,10 @@ def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str,
     chances = {name: (right, wrong) for name, right, wrong in found.chances.by_truth}
     right, wrong = chances[card.hidden[0]]
     facts |= {"right": right, "wrong": wrong, "best": found.chances.best, "would": list(found.would)}
-    facts["planned"] = outcome(case, model, signals, _played(found, case, rng), rng, "plan")
+    facts["planned"] = outcome(case, model, signals, played(found, case, rng), rng, "plan")
     count = 1 if found.separates else random_drives
     facts["random"] = [
-        outcome(case, model, signals, _road(found.minutes, limit, case, rng), rng, "random") for _ in range(count)
+        outcome(case, model, signals, road(found.minutes, limit, case, rng), rng, "random") for _ in range(count)
     ]
     return facts | {"all_seconds": perf_counter() - began}
 
@@ -83,7 +83,7 @@ def outcome(
     return {"said": said, "groups": groups, "verdict": found.verdict}
 
 
-def _played(found: Any, case: Case, rng: np.random.Generator) -> Drive:
+def played(found: Any, case: Case, rng: np.random.Generator) -> Drive:
     """The plan's drive at the plant's rate, with the current and warming of an ordinary test."""
     given = np.arange(found.displacement.size) / found.limits.rate
     time = np.arange(round(given[-1] * RATE)) / RATE
@@ -92,7 +92,7 @@ def _played(found: Any, case: Case, rng: np.random.Generator) -> Drive:
     return _driven("plan", x, v, case, rng)
 
 
-def _road(minutes: float, limit: float, case: Case, rng: np.random.Generator) -> Drive:
+def road(minutes: float, limit: float, case: Case, rng: np.random.Generator) -> Drive:
     """A random road of the same length, as fast as the old recording."""
     speed = float(np.quantile(np.abs(np.gradient(case.fit.x, case.fit.time)), 0.99))
     drawn = drives.drawn(rng, "road", 60.0 * minutes, speed, limit, rng.uniform(5.0, 15.0), 0.0)

@@ -198,7 +198,7 @@ def criterion(found: Explanations, on: Simulated, steps: Sequence[Step], errors:
     """The criterion of hypotheses that were simulated on steps."""
     hypotheses = found.fitted
     slices = on.slices
-    variance = max(errors.noise + errors.form * errors.power, 1e-300) * errors.memory
+    variance = max(errors.usual, 1e-300) * errors.memory
     draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
     pairs = [
         _pair(hypotheses, on, slices, draws, truth, rival)
@@ -206,13 +206,13 @@ def criterion(found: Explanations, on: Simulated, steps: Sequence[Step], errors:
         if hypotheses[truth].phenomenon != hypotheses[rival].phenomenon
     ]
     counts = np.array([part.stop - part.start for part in slices])
-    power = errors.powers(on, found.ranges)
+    form = errors.of_form(on, found.ranges)
     return Criterion(
         tuple(pairs),
         tuple(hypothesis.phenomenon for hypothesis in hypotheses),
-        counts * (errors.noise + errors.form * power),
-        errors.form * power * errors.alike(counts, steps),
-        np.full(power.shape, errors.noise),
+        counts * (errors.noise + form),
+        form * errors.alike(counts, steps),
+        np.full(form.shape, errors.noise),
     )
 
 

@@ -203,7 +203,7 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
     picks = stage.on.rows.picks[part]
     kinematics = stage.on.rows.measurement.kinematics
     force = stage.on.force[:, part]
-    variance = errors.noise + errors.form * float(errors.powers(stage.on, stage.found.ranges)[0, clearest])
+    variance = errors.noise + float(errors.of_form(stage.on, stage.found.ranges)[0, clearest])
     hypotheses = stage.found.fitted
     return Plan(
         phenomena=tuple(one.phenomenon for one in hypotheses if one.phenomenon),

@@ -1,9 +1,12 @@
-"""How well a test determines parameters: D-optimality.
+"""How well a test determines parameters: D-optimality of the fit to the old and the new recording together.
 
-    log det (M / s_M + sum_i n_i J_i'J_i / s_i^2)
+A fit weighs all rows alike, whatever their errors:
 
-with M of the old recordings: the volume of the parameters' common confidence region becomes smallest. Source: Wald
-1943; Fedorov 1972, Theory of Optimal Experiments. As in the criterion between hypotheses, s_i^2 are long-run variances.
+    C = M^-1 S M^-1,    M = M_old + sum_i n_i J_i'J_i,    S = s^2 M_old + sum_i (n_i s_n^2 + n_i^2 s_i^2) J_i'J_i
+
+with s^2, s_n^2 and s_i^2 the long-run variances of the old residual, of noise and of the model's form on step i, which
+repeats errs alike. The volume of the parameters' common confidence region, det C, becomes smallest. Source: Wald 1943;
+Fedorov 1972, Theory of Optimal Experiments; for C, Huber 1967.
 """
 
 from collections.abc import Sequence
@@ -20,46 +23,53 @@ from damper_estimator.planning.steps import Step
 
 @dataclass(frozen=True)
 class Sharpening:
-    """Information of each step about the parameters.
+    """Information of each step about the parameters, which are in sizes.
 
     Attributes:
-        prior: (k + 1, k + 1) information of the old recordings, parameters in sizes, the gauge's zero last.
-        each: (s, k + 1, k + 1) of each step.
+        old: (k, k) M_old, each parameter held to the order of its size.
+        variance: s^2.
+        each: (s, k, k) J_i'J_i of each step.
+        noise, form: s_n^2, and s_i^2 (s,).
         addresses, sizes, values: of the parameters (k,).
     """
 
-    prior: np.ndarray
+    old: np.ndarray
+    variance: float
     each: np.ndarray
+    noise: float
+    form: np.ndarray
     addresses: tuple[str, ...]
     sizes: np.ndarray
     values: np.ndarray
 
     def score(self, counts: np.ndarray) -> float:
-        """Half the logarithm of the determinant, less that of the old recordings alone."""
-        return 0.5 * float(np.linalg.slogdet(self._known(counts))[1] - np.linalg.slogdet(self.prior)[1])
+        """By how much a test lowers half the logarithm of det C."""
+        return 0.5 * float(np.subtract(*(np.linalg.slogdet(self._covariance(n))[1] for n in (0.0 * counts, counts))))
 
     def standard_errors(self, counts: np.ndarray) -> np.ndarray:
         """(k,) after a test that drives step i ``counts[i]`` times, old and new recordings together."""
-        return np.sqrt(np.diag(np.linalg.inv(self._known(counts)))[:-1]) * self.sizes
+        return np.sqrt(np.diag(self._covariance(counts))) * self.sizes
 
-    def _known(self, counts: np.ndarray) -> np.ndarray:
-        return self.prior + np.tensordot(counts, self.each, 1)
+    def _covariance(self, counts: np.ndarray) -> np.ndarray:
+        root = np.linalg.inv(self.old + np.tensordot(counts, self.each, 1))
+        errors = counts * self.noise + counts**2 * self.form
+        return root @ (self.variance * self.old + np.tensordot(errors, self.each, 1)) @ root
 
 
 def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors: Errors) -> Sharpening:
     """The criterion of one model that was simulated on steps."""
     (hypothesis,) = found.fitted
     variance = float(np.mean(hypothesis.residual**2)) * errors.memory
-    columns = on.sensitivity[0]
+    columns = on.sensitivity[0][:, :-1]  # a fit does not free the gauge's zero
     counts = np.array([part.stop - part.start for part in on.slices])
-    form = errors.form * errors.powers(on, found.ranges)[0]
-    rows = errors.noise * errors.memory + form * errors.alike(counts, steps)
-    each = np.array([columns[part].T @ columns[part] / row for part, row in zip(on.slices, rows, strict=True)])
     slots = [hypothesis.model.slots[i] for i in hypothesis.free]
     return Sharpening(
-        information(hypothesis, variance) / variance,
-        each,
-        tuple(slot.address for slot in slots),
-        hypothesis.sizes,
-        np.array([slot.value for slot in slots]),
+        old=information(hypothesis, variance)[:-1, :-1],
+        variance=variance,
+        each=np.array([columns[part].T @ columns[part] for part in on.slices]),
+        noise=errors.noise * errors.memory,
+        form=errors.of_form(on, found.ranges)[0] * errors.alike(counts, steps),
+        addresses=tuple(slot.address for slot in slots),
+        sizes=hypothesis.sizes,
+        values=np.array([slot.value for slot in slots]),
     )
