@@ -21,10 +21,11 @@ env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it
 test: env ## run all tests, including those of the ROS node (browser settings go to out)
 	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" $(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
 
-check: env ## style, faults and types, without running anything
+check: env ## style, faults, types and the imports of every test, without running any
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
+	@mkdir -p out && $(BIN)/python -m pytest --collect-only -qq > out/collected.txt || { tail -n 30 out/collected.txt; exit 1; }
 
 format: env ## correct what make check finds, if possible automatically
 	@$(BIN)/ruff check --fix-only --quiet .

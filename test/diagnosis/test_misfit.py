@@ -8,7 +8,6 @@ from faults import changed, halves
 
 from damper_estimator.diagnosis import diagnose, with_misfit
 from damper_estimator.diagnosis.apply_finding import state_of
-from damper_estimator.diagnosis.diagnose import _is_identified_on
 from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, without_misfit
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model, parse_model
@@ -73,7 +72,7 @@ def test_a_record_that_was_edited_by_hand_counts_as_unknown(rough, record):
     model, first, other = rough
     edited = replace(model, fit={**model.fit, **record})
     assert has_grown(edited, 0.01) or "bags" in record
-    assert _is_identified_on(state_of(edited, [first], [other])) == ("bags" not in record)
+    assert state_of(edited, [first], [other]).is_identified_here == ("bags" not in record)
 
 
 def test_what_came_since_is_found_beneath_a_larger_old_error(rough):
