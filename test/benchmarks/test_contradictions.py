@@ -58,7 +58,7 @@ def test_it_sees_a_contradiction_in_a_diagnosis(found, spoil, text):
 
 def test_it_sees_a_step_that_raises_the_error_and_a_promise_that_is_not_kept(found):
     diagnosis, improvement = found
-    worse = dict(improvement["steps"][-1], rmse_unseen_n=2.0 * improvement["steps"][-1]["rmse_unseen_n"])
+    worse = dict(improvement["steps"][-1], action="add", rmse_unseen_n=2.0 * improvement["steps"][-1]["rmse_unseen_n"])
     assert any("raises" in line for line in in_improvement({**improvement, "steps": [*improvement["steps"], worse]}))
     diagnosis["findings"][-1]["rmse_after_n"] *= 0.5
     assert any("promised" in line for line in between(diagnosis, improvement))
