@@ -59,9 +59,7 @@ def record(card: Card, seed: int, folder: Path, random_drives: int) -> dict[str,
     facts |= {"right": right, "wrong": wrong, "best": found.chances.best, "would": list(found.would)}
     facts["planned"] = outcome(case, model, signals, played(found, case, rng), rng, "plan")
     count = 1 if found.separates else random_drives
-    facts["random"] = [
-        outcome(case, model, signals, road(found.minutes, limit, case, rng), rng, "random") for _ in range(count)
-    ]
+    facts["random"] = [outcome(case, model, signals, road(found, case, rng), rng, "random") for _ in range(count)]
     return facts | {"all_seconds": perf_counter() - began}
 
 
@@ -92,11 +90,14 @@ def played(found: Any, case: Case, rng: np.random.Generator) -> Drive:
     return _driven("plan", x, v, case, rng)
 
 
-def road(minutes: float, limit: float, case: Case, rng: np.random.Generator) -> Drive:
-    """A random road of the same length, as fast as the old recording."""
+def road(found: Any, case: Case, rng: np.random.Generator) -> Drive:
+    """A random road as long as the plan, as fast as the old recording, and within the same limits."""
     speed = float(np.quantile(np.abs(np.gradient(case.fit.x, case.fit.time)), 0.99))
-    drawn = drives.drawn(rng, "road", 60.0 * minutes, speed, limit, rng.uniform(5.0, 15.0), 0.0)
-    return _driven("road", drawn.x, drawn.v, case, rng)
+    limits = found.limits
+    drawn = drives.drawn(rng, "road", 60.0 * found.minutes, speed, limits.high, rng.uniform(5.0, 15.0), 0.0)
+    allowed = ((drawn.x, limits.high), (drawn.v, limits.speed), (drawn.a, limits.acceleration))
+    factor = 1.0 / max(1.0, *(np.abs(driven).max() / limit for driven, limit in allowed))
+    return _driven("road", factor * drawn.x, factor * drawn.v, case, rng)
 
 
 def _driven(kind: str, x: np.ndarray, v: np.ndarray, case: Case, rng: np.random.Generator) -> Drive:

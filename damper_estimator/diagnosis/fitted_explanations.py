@@ -15,7 +15,7 @@ from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.errors import InputError
 from damper_estimator.identification import usable
-from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.rows import Rows, rows_of
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
@@ -51,7 +51,7 @@ class Explanations:
 
     Attributes:
         model: without any of them, identified where it had no record of a fit.
-        rows: of the recordings, the gauge's zero and drift left out.
+        rows: of the recordings, the gauge's zero and drift left out where there are explanations.
         ranges: what the recordings drive.
         untestable: by effect, why these recordings cannot show it.
     """
@@ -81,8 +81,8 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
     data = replace(both, unseen=both.unseen[:1])
     tried, untestable = hypotheses_for(model, data.ranges)
     if not phenomena:
-        fitted = (_explanation("", "", model, data.fit),)
-        return Explanations(model, fitted, data.fit, data.ranges, untestable)
+        rows = tuple(rows_of(m) for m in whole)  # a fit does not free the gauge's zero
+        return Explanations(model, (_explanation("", "", model, rows),), rows, data.ranges, untestable)
     bare = baseline_of(model, data, base=())
     found = []
     for phenomenon in phenomena:

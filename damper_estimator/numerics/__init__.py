@@ -5,7 +5,14 @@ from damper_estimator.numerics.bounded import bounded_least_squares
 from damper_estimator.numerics.covariance import Directions, directions, standard_errors
 from damper_estimator.numerics.differences import ROUGH, SMOOTH, stepped
 from damper_estimator.numerics.form_free import COARSE_SHARES, FINE_SHARES, hats, play, speed_knots
-from damper_estimator.numerics.long_run import MEMORY, block_variance, long_run_variance, score_covariance
+from damper_estimator.numerics.long_run import (
+    MEMORY,
+    Spectrum,
+    block_variance,
+    long_run_variance,
+    score_covariance,
+    spectrum_of,
+)
 from damper_estimator.numerics.normal import damped_step, least_squares, normal_equations
 from damper_estimator.numerics.quantiles import order_statistics
 from damper_estimator.numerics.ranks import rank_correlation
@@ -18,6 +25,7 @@ __all__ = [
     "ROUGH",
     "SMOOTH",
     "Directions",
+    "Spectrum",
     "block_draws",
     "block_variance",
     "bounded_least_squares",
@@ -31,6 +39,7 @@ __all__ = [
     "play",
     "rank_correlation",
     "score_covariance",
+    "spectrum_of",
     "speed_knots",
     "standard_errors",
     "stepped",

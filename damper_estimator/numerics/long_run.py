@@ -10,6 +10,7 @@ Source: Andrews 1991 (tapers); Kuensch 1989 (blocks).
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,13 +34,47 @@ def score_covariance(
         if residual.size < 2:
             continue
         spectrum, correlation = _spectrum(residual, rate)
-        transformed = np.fft.rfft(score, 2 * residual.size, axis=0)
-        # The half spectrum stands for both halves; its two ends count once.
-        weight = np.full(spectrum.size, 2.0)
-        weight[0] = weight[-1] = 1.0
-        total += ((transformed.conj() * (weight * spectrum)[:, None]).T @ transformed).real / (2 * residual.size)
+        total += _weighed(score, spectrum)
         effective += residual.size / correlation
     return total, effective
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """How a residual's power spreads over frequency, relative to white noise of the same variance.
+
+    Attributes:
+        frequency: (m,) Hz, ascending from 0.
+        density: (m,) >= 0; 1 everywhere if the residual is white.
+    """
+
+    frequency: np.ndarray
+    density: np.ndarray
+
+    def score_covariance(self, scores: np.ndarray, rate: float) -> np.ndarray:
+        """Covariance (d, d) of sum(scores' e) for a residual of unit variance, scores (n, d) at ``rate`` Hz."""
+        at = np.fft.rfftfreq(2 * len(scores), 1.0 / rate)
+        return _weighed(scores, np.interp(at, self.frequency, self.density))
+
+
+def spectrum_of(residuals: Sequence[np.ndarray], rates: Sequence[float]) -> Spectrum:
+    """Of the residuals (n,) of all recordings, n > 1, at their rates in Hz."""
+    frequency = np.arange(0.0, 0.5 * max(rates) + 0.5 * MEMORY, 0.25 / MEMORY)
+    power, density = 0.0, np.zeros(frequency.size)
+    for residual, rate in zip(residuals, rates, strict=True):
+        spectrum, _ = _spectrum(residual, rate)
+        density += residual.size * np.interp(frequency, np.linspace(0.0, 0.5 * rate, spectrum.size), spectrum)
+        power += float(np.sum(residual**2))
+    return Spectrum(frequency, density / power if power > 0.0 else np.ones(frequency.size))
+
+
+def _weighed(scores: np.ndarray, spectrum: np.ndarray) -> np.ndarray:
+    """(d, d) sum over frequency of scores (n, d) times their conjugates, by a power spectrum (n + 1,)."""
+    transformed = np.fft.rfft(scores, 2 * len(scores), axis=0)
+    # The half spectrum stands for both halves; its two ends count once.
+    weight = np.full(spectrum.size, 2.0)
+    weight[0] = weight[-1] = 1.0
+    return ((transformed.conj() * (weight * spectrum)[:, None]).T @ transformed).real / (2 * len(scores))
 
 
 def long_run_variance(residual: np.ndarray, rate: float) -> float:

@@ -16,11 +16,12 @@ diagnosis for effects (its form-free tests are taken to speak for both alike).
 With S_A, S_B left on the old recordings and E the squared error expected on the new one, of noise and of model form,
 
     P(right) = Phi((S_B + E + D - r (S_A + E)) / s),     P(wrong) = Phi(((S_A + E) / r - (S_B + E + D)) / s)
-    s^2 = 4 sum_i (n_i^2 D_i s_m^2 + n_i D_i s_n^2)
+    s^2 = 4 sum_i (m_i D_i s_m^2 + n_i D_i s_n^2)
 
 averaged over log E, which is uncertain by a factor of two. n_i is how often step i is driven, s_n^2 and s_m^2 are the
 long-run variances of noise and of the model's form. A repeated step averages noise, but repeats what the model's form
-gets wrong, and so does each cycle of a sine; at rest all rows err alike.
+gets wrong, m_i = n_i^2, and so does each cycle of a sine; at rest all rows err alike. Random motion is another one each
+time, m_i = n_i.
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
-from damper_estimator.planning.expected_error import Errors
+from damper_estimator.planning.expected_error import Errors, repeated
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
 
@@ -133,6 +134,7 @@ class Criterion:
         names: (h,) phenomena of the hypotheses.
         expected: (h, s) squared error expected of each step, by the truth.
         form, noise: (h, s) long-run variances of a row, s_m^2 and s_n^2.
+        is_random: (s,) bool, steps whose motion is another one each time.
     """
 
     pairs: tuple[Pair, ...]
@@ -140,6 +142,7 @@ class Criterion:
     expected: np.ndarray
     form: np.ndarray
     noise: np.ndarray
+    is_random: np.ndarray
 
     def score(self, counts: np.ndarray) -> float:
         """Mean over pairs and draws of P(right) and of the progress towards a decision; what the search makes large.
@@ -177,7 +180,8 @@ class Criterion:
         expected = float(counts @ self.expected[truth]) * _FACTORS
         ours, theirs = pair.left[0] + expected, pair.left[1] + expected + difference[:, None]
         r = ratio()
-        chance = 4.0 * ((counts**2 * self.form[truth] + counts * self.noise[truth]) @ each)
+        repeats = repeated(counts, self.is_random)
+        chance = 4.0 * ((repeats * self.form[truth] + counts * self.noise[truth]) @ each)
         spread = np.sqrt(chance + 1e-300)[:, None]
         rows = np.where(counts > 0, self.form[truth] + self.noise[truth], 1.0)
         return Margins(
@@ -211,8 +215,9 @@ def criterion(found: Explanations, on: Simulated, steps: Sequence[Step], errors:
         tuple(pairs),
         tuple(hypothesis.phenomenon for hypothesis in hypotheses),
         counts * (errors.noise + form),
-        form * errors.alike(counts, steps),
+        form * np.maximum(errors.memory * errors.alike(counts, steps), 1.0),
         np.full(form.shape, errors.noise),
+        np.array([step.is_random for step in steps]),
     )
 
 

@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 
 from damper_estimator.diagnosis import Explanations
 from damper_estimator.effects.trial import Ranges
-from damper_estimator.numerics import long_run_variance
+from damper_estimator.numerics import Spectrum, long_run_variance, spectrum_of
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
 
@@ -26,6 +26,7 @@ class Errors:
         share: of the squared force about its mean, in addition.
         memory: rows after which the error is new.
         power: N^2, variance of the force on the recordings.
+        spectrum: of the error on the recordings.
     """
 
     noise: float
@@ -33,6 +34,7 @@ class Errors:
     share: float
     memory: float
     power: float
+    spectrum: Spectrum
 
     @property
     def usual(self) -> float:
@@ -40,8 +42,10 @@ class Errors:
         return self.noise + self.constant + self.share * self.power
 
     def alike(self, rows: np.ndarray, steps: Sequence[Step]) -> np.ndarray:
-        """(s,) rows of each step, of the given number, in which the form errs alike."""
-        return np.clip(self.memory * np.array([step.cycles for step in steps]), 1.0, np.maximum(rows, 1))
+        """(s,) times that the form errs alike on a step of so many rows: once per cycle, but no more often than the
+        error would be new otherwise.
+        """
+        return np.clip([step.cycles for step in steps], 1.0, np.maximum(rows / self.memory, 1.0))
 
     def of_form(self, on: Simulated, ranges: Ranges) -> np.ndarray:
         """(h, s) N^2 of a row of each step. It grows with the square of the distance beyond the recorded strokes and
@@ -58,6 +62,11 @@ class Errors:
         return found
 
 
+def repeated(counts: np.ndarray, is_random: np.ndarray) -> np.ndarray:
+    """(s,) by how much the error of the form weighs on steps driven ``counts`` times: it repeats with the motion."""
+    return np.where(is_random, counts, counts**2)
+
+
 def errors_of(found: Explanations, floor_n: float) -> Errors:
     """From what the best hypothesis leaves on the recordings, and their noise floor in N."""
     best = min(found.fitted, key=lambda hypothesis: float(np.sum(hypothesis.residual**2)))
@@ -67,7 +76,9 @@ def errors_of(found: Explanations, floor_n: float) -> Errors:
     noise = min(floor_n**2, left) if np.isfinite(floor_n) else 0.5 * left
     memory = long_run_variance(best.residual, found.rows[0].rate) / max(left, 1e-300)
     constant, share = _over_force(force, np.maximum(best.residual**2 - noise, 0.0))
-    return Errors(noise, constant, max(share, _LEAST_FORM**2), max(memory, 1.0), power)
+    ends = np.cumsum([part.target.size for part in found.rows])[:-1]
+    spectrum = spectrum_of(np.split(best.residual, ends), [part.rate for part in found.rows])
+    return Errors(noise, constant, max(share, _LEAST_FORM**2), max(memory, 1.0), power, spectrum)
 
 
 def _over_force(force: np.ndarray, squared: np.ndarray) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Motions of a test: sines, sweeps, triangles, multisines, holds and crank runs, smooth at both ends.
+"""Motions of a test: sines, sweeps, triangles, multisines, roads, holds and crank runs, smooth at both ends.
 
 Every motion begins and ends at rest at the limits' home, so that motions can follow each other in any order. Ramps last
 long enough for the limits; what is driven between them is scaled down until displacement, speed and acceleration are
@@ -15,6 +15,7 @@ _MARGIN = 0.97  # of a limit
 _RAMP_SPEED, _RAMP_ACCELERATION = 1.875, 5.7736  # largest derivatives of the quintic ramp of unit height and length
 _SHORTEST = 0.3  # s, of a ramp
 _PAUSE = 0.25  # s of rest at either end
+_CLIPPINGS, _CLIPPED = 100, 0.85  # passes that lower a multisine's peaks, and the height that each leaves of them
 
 
 def motion(kind: str, values: Mapping[str, float], limits: Limits) -> np.ndarray:
@@ -70,6 +71,11 @@ def _ramp(height: float, limits: Limits) -> np.ndarray:
 
 def _scale(shape: np.ndarray, offset: float, limits: Limits) -> float:
     """Largest factor up to 1 with which a shape about ``home + offset`` obeys the limits."""
+    return 1.0 / max(1.0, _exceeded(shape, offset, limits))
+
+
+def _exceeded(shape: np.ndarray, offset: float, limits: Limits) -> float:
+    """The largest share of a limit that a shape about ``home + offset`` reaches; at most 1 obeys them all."""
     padded = np.pad(shape, 2)
     above, below = limits.high - limits.home - offset, limits.home + offset - limits.low
     pairs = (
@@ -78,7 +84,9 @@ def _scale(shape: np.ndarray, offset: float, limits: Limits) -> float:
         (np.abs(speed_of(padded, limits.rate)).max(), _MARGIN * limits.speed),
         (np.abs(acceleration_of(padded, limits.rate)).max(), _MARGIN * limits.acceleration),
     )
-    return float(min([1.0, *(limit / reached for reached, limit in pairs if reached > 0.0)]))
+    return float(
+        max((reached / limit if limit > 0.0 else np.inf for reached, limit in pairs if reached > 0.0), default=0.0)
+    )
 
 
 def _time(seconds: float, limits: Limits) -> np.ndarray:
@@ -121,18 +129,48 @@ def _triangle(values: Mapping[str, float], limits: Limits) -> np.ndarray:
 
 
 def _multisine(values: Mapping[str, float], limits: Limits) -> np.ndarray:
-    """Sines between two frequencies with a flat spectrum of velocity and random phases; ``speed`` is its rms."""
+    """Sines between two frequencies with a flat spectrum of velocity and low peaks, a ``share`` of what limits allow.
+
+    Limits bound the peaks, so phases are sought that lower the peak that is closest to its limit: it is clipped, and
+    what is left gives the phases of the old amplitudes (van der Ouderaa, Schoukens and Renneboog 1988, IEEE Trans.
+    Instrum. Meas. 37).
+    """
     time = _time(values["seconds"], limits)
     frequency = np.fft.rfftfreq(time.size, 1.0 / limits.rate)
+    spectrum = _flat_velocity(values, frequency)
+    amplitude = np.abs(spectrum)
+    derivative = 2j * np.pi * frequency
+    inside = amplitude > 0.0
+    allowed = min(limits.high - limits.home, limits.home - limits.low), limits.speed, limits.acceleration
+    for _ in range(_CLIPPINGS):
+        quantities = [np.fft.irfft(spectrum * derivative**order, time.size) for order in range(3)]
+        reached = [np.abs(one).max() / limit for one, limit in zip(quantities, allowed, strict=True)]
+        order = int(np.argmax(reached))
+        peak = _CLIPPED * np.abs(quantities[order]).max()
+        clipped = np.fft.rfft(np.clip(quantities[order], -peak, peak))[inside] / derivative[inside] ** order
+        spectrum[inside] = amplitude[inside] * np.exp(1j * np.angle(clipped))
+    shape = np.fft.irfft(spectrum, time.size)
+    shape *= _envelope(time, max(1.0, _SHORTEST))
+    return shape * values["share"] / _exceeded(shape, 0.0, limits)
+
+
+def _road(values: Mapping[str, float], limits: Limits) -> np.ndarray:
+    """What a vehicle's suspension does: a flat spectrum of velocity with random phases; ``speed`` is its rms."""
+    time = _time(values["seconds"], limits)
+    shape = np.fft.irfft(_flat_velocity(values, np.fft.rfftfreq(time.size, 1.0 / limits.rate)), time.size)
+    rms = float(np.sqrt(np.mean(speed_of(shape, limits.rate) ** 2)))
+    return shape * (values["speed"] / rms) * _envelope(time, max(1.0, _SHORTEST))
+
+
+def _flat_velocity(values: Mapping[str, float], frequency: np.ndarray) -> np.ndarray:
+    """(m,) complex amplitudes of displacement at frequencies (m,), with random phases."""
     inside = (frequency >= values["frequency"]) & (frequency <= values["to"]) & (frequency > 0.0)
     if not inside.any():
         inside[np.argmin(np.abs(frequency[1:] - values["frequency"])) + 1] = True
     phase = np.random.default_rng(int(values.get("seed", 0))).uniform(0.0, 2.0 * np.pi, inside.sum())
     spectrum = np.zeros(frequency.size, complex)
     spectrum[inside] = np.exp(1j * phase) / frequency[inside]
-    shape = np.fft.irfft(spectrum, time.size)
-    rms = float(np.sqrt(np.mean(speed_of(shape, limits.rate) ** 2)))
-    return shape * (values["speed"] / rms) * _envelope(time, max(1.0, _SHORTEST))
+    return spectrum
 
 
 def _hold(values: Mapping[str, float], limits: Limits) -> np.ndarray:
@@ -155,6 +193,7 @@ KINDS: dict[str, Callable[[Mapping[str, float], Limits], np.ndarray]] = {
     "sweep": _sweep,
     "triangle": _triangle,
     "multisine": _multisine,
+    "road": _road,
     "hold": _hold,
     "crank": _crank,
 }

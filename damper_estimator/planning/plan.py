@@ -1,5 +1,6 @@
 """Designs the test that separates tied explanations, or that sharpens a model's parameters."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -14,7 +15,7 @@ from damper_estimator.planning.expected_error import Errors, errors_of
 from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
 from damper_estimator.planning.rig import Rig
-from damper_estimator.planning.search import HALVES, Choice, Report, chosen
+from damper_estimator.planning.search import Choice, Report, chosen
 from damper_estimator.planning.sharpening import sharpening
 from damper_estimator.planning.simulated import Simulated, simulated
 from damper_estimator.planning.steps import Step, steps_of
@@ -131,13 +132,13 @@ def _separating(
 
     choice = chosen(judge.score, seconds, most, enough, _scaled(report, 0.5, 0.85))
     if not choice.order:
-        choice = Choice((int(np.argmin(seconds)),)) if HALVES * seconds.min() <= most else Choice(())
+        choice = Choice((int(np.argmin(seconds)),) if choice.parts * seconds.min() <= most else (), choice.parts)
     if not choice.order:
-        raise _too_short(minutes, seconds)
+        raise _too_short(minutes, f"the shortest, in both halves, takes {2.0 * seconds.min():.0f} s")
     curve = _curve(judge, choice, seconds)
     if minutes is None:
         last = int(np.flatnonzero(curve.right >= _NEARLY * curve.right[-1])[0]) + 1
-        choice, curve = Choice(choice.order[:last]), curve.until(last)
+        choice, curve = Choice(choice.order[:last], choice.parts), curve.until(last)
     chances = judge.chances(choice.counts(seconds.size))
     sure = np.flatnonzero(curve.right >= SURE)
     shortest = float(curve.minutes[sure[0]]) if sure.size else None
@@ -174,9 +175,9 @@ def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: flo
     judge = sharpening(stage.found, stage.on, stage.steps, errors)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or 2.0) - sum(REST)
-    choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(report, 0.5, 0.95))
+    choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(report, 0.5, 0.95), parts=1)
     if not choice.order:
-        raise _too_short(minutes, seconds)
+        raise _too_short(minutes, f"the shortest takes {seconds.min():.0f} s")
     before, after = (judge.standard_errors(c) for c in (np.zeros(seconds.size), choice.counts(seconds.size)))
     parameters = tuple(
         Sharpened(*values) for values in zip(judge.addresses, judge.values.tolist(), before.tolist(), after.tolist(),
@@ -194,7 +195,7 @@ def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: flo
 
 def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Errors) -> Plan:
     """The plan with its drive and its clearest step, without predictions."""
-    steps = tuple(stage.steps[i] for i in sorted(choice.order)) * int(HALVES)
+    steps = _driven(stage, choice)
     rate = stage.limits.rate
     rest = [np.full(round(seconds * rate), stage.limits.home) for seconds in REST]
     drive = np.concatenate([rest[0], *(step.displacement for step in steps), rest[1]])
@@ -217,6 +218,18 @@ def _drafted(stage: _Stage, choice: Choice, judge: Criterion | None, errors: Err
     )  # fmt: skip
 
 
+def _driven(stage: _Stage, choice: Choice) -> tuple[Step, ...]:
+    """The chosen steps of all parts; random motion is another one each time, unless its force would be too large."""
+    order = sorted(choice.order) * choice.parts
+    steps, times = [], Counter[int]()
+    for i in order:
+        steps.append(stage.steps[i].repeated(times[i]))
+        times[i] += 1
+    largest = simulated(stage.found.fitted, steps, stage.like).largest
+    inside = largest <= stage.limits.force
+    return tuple(step if good else stage.steps[i] for step, good, i in zip(steps, inside, order, strict=True))
+
+
 def _clearest(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
     """The chosen step whose difference is largest over the error expected on it."""
     if judge is None:
@@ -226,11 +239,8 @@ def _clearest(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
     return max(choice.order, key=lambda step: float(share[step]))
 
 
-def _too_short(minutes: float | None, seconds: np.ndarray) -> InputError:
-    shortest = HALVES * float(seconds.min())
-    return InputError(
-        f"{minutes:g} minutes: are too short for any step; the shortest, in both halves, takes {shortest:.0f} s"
-    )
+def _too_short(minutes: float | None, shortest: str) -> InputError:
+    return InputError(f"{minutes:g} minutes: are too short for any step; {shortest}")
 
 
 def _curve(judge: Criterion, choice: Choice, seconds: np.ndarray) -> Curve:

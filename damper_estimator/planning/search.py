@@ -1,7 +1,7 @@
 """Chooses steps: the one that raises the criterion most per second, again and again, then exchanges.
 
-A test drives all of its steps in each half: a diagnosis judges on the last part of a recording what it fitted to the
-first one.
+A test that is to be diagnosed drives all of its steps in each half: a diagnosis judges on the last part of a recording
+what it fitted to the first one.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,7 +12,6 @@ import numpy as np
 Score = Callable[[np.ndarray], float]
 Report = Callable[[str, float], None]
 
-HALVES = 2.0  # of a test, in each of which a chosen step is driven
 _EXCHANGES = 2  # passes over the chosen steps
 _MOST_EXCHANGED = 24  # chosen steps up to which exchanges pay
 _STALLED = 1e-6
@@ -22,17 +21,24 @@ _KEPT = 40  # of the steps are gone on with, those that help most at one time or
 
 @dataclass(frozen=True)
 class Choice:
-    """The steps of one half by position, in the order in which they were chosen."""
+    """The steps of one part by position, in the order in which they were chosen, and the number of such parts."""
 
     order: tuple[int, ...]
+    parts: int
 
     def counts(self, steps: int, first: int | None = None) -> np.ndarray:
-        """(steps,) how often each is driven in both halves, of the ``first`` of the order; all without."""
-        return HALVES * np.bincount(np.array(self.order[:first], int), minlength=steps)
+        """(steps,) how often each is driven in all parts, of the ``first`` of the order; all without."""
+        return float(self.parts) * np.bincount(np.array(self.order[:first], int), minlength=steps)
 
 
 def chosen(
-    score: Score, seconds: np.ndarray, most: float, enough: Callable[[np.ndarray], bool], report: Report
+    score: Score,
+    seconds: np.ndarray,
+    most: float,
+    enough: Callable[[np.ndarray], bool],
+    report: Report,
+    *,
+    parts: int = 2,
 ) -> Choice:
     """Steps for a test of at most ``most`` seconds.
 
@@ -40,52 +46,55 @@ def chosen(
         score: of counts (s,); larger is better.
         seconds: (s,) of each step.
         enough: whether counts need nothing more; the search then ends early.
+        parts: of the test, in each of which every chosen step is driven.
     """
-    seconds = HALVES * seconds
+    seconds = parts * seconds
     counts, order, spent, now = np.zeros(seconds.size), [], 0.0, score(np.zeros(seconds.size))
     alive = np.arange(seconds.size)
     while True:
         fits = alive[(spent + seconds[alive] <= most + 1e-9) & (counts[alive] < _MOST)]
         if not fits.size or (order and enough(counts)):
             break
-        gains = np.array([score(_more(counts, i)) - now for i in fits]) / seconds[fits]
+        gains = np.array([score(_more(counts, i, parts)) - now for i in fits]) / seconds[fits]
         best = int(fits[int(np.argmax(gains))])
         if gains.max() <= _STALLED / most:
             break
         if len(order) in (2, 6) and fits.size > _KEPT:  # what helps nothing early seldom helps late
             alive = np.union1d(fits[np.argsort(-gains, kind="stable")[:_KEPT]], np.unique(order))
-        counts, spent = _more(counts, best), spent + seconds[best]
+        counts, spent = _more(counts, best, parts), spent + seconds[best]
         order.append(best)
         now = score(counts)
         report("choosing steps", min(spent / most, 1.0))
     if len(order) <= _MOST_EXCHANGED:
-        order = _exchanged(order, score, seconds, most, alive)
-    return Choice(tuple(order))
+        order = _exchanged(order, score, seconds, most, alive, parts)
+    return Choice(tuple(order), parts)
 
 
-def _exchanged(order: Sequence[int], score: Score, seconds: np.ndarray, most: float, alive: np.ndarray) -> list[int]:
+def _exchanged(
+    order: Sequence[int], score: Score, seconds: np.ndarray, most: float, alive: np.ndarray, parts: int
+) -> list[int]:
     """Each chosen step against every other one that fits into the time (Fedorov's exchange)."""
     order = list(order)
-    counts = Choice(tuple(order)).counts(seconds.size)
+    counts = Choice(tuple(order), parts).counts(seconds.size)
     now = score(counts)
     for _ in range(_EXCHANGES):
         before = now
         for place, step in enumerate(order):
             less = counts.copy()
-            less[step] -= HALVES
-            spent = float(less @ seconds) / HALVES
+            less[step] -= parts
+            spent = float(less @ seconds) / parts
             # An exchange may not make the test longer: the shortest one counts as well.
             fits = [i for i in alive if seconds[i] <= seconds[step] + 1e-9 and spent + seconds[i] <= most + 1e-9]
-            scores = [score(_more(less, i)) for i in fits]
+            scores = [score(_more(less, i, parts)) for i in fits]
             if scores and max(scores) > now + _STALLED:
                 order[place] = int(fits[int(np.argmax(scores))])
-                counts, now = _more(less, order[place]), max(scores)
+                counts, now = _more(less, order[place], parts), max(scores)
         if now <= before + _STALLED:
             break
     return order
 
 
-def _more(counts: np.ndarray, step: int) -> np.ndarray:
+def _more(counts: np.ndarray, step: int, parts: int) -> np.ndarray:
     more = counts.copy()
-    more[step] += HALVES
+    more[step] += parts
     return more

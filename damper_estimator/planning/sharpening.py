@@ -1,12 +1,14 @@
 """How well a test determines parameters: D-optimality of the fit to the old and the new recording together.
 
-A fit weighs all rows alike, whatever their errors:
+A fit weighs all rows alike, whatever their errors e:
 
-    C = M^-1 S M^-1,    M = M_old + sum_i n_i J_i'J_i,    S = s^2 M_old + sum_i (n_i s_n^2 + n_i^2 s_i^2) J_i'J_i
+    C = M^-1 S M^-1,    M = M_old + sum_i n_i J_i'J_i,    S = cov(J_old'e) + sum_i (n_i s_n^2 + m_i s_i^2) cov(J_i'u)
 
-with s^2, s_n^2 and s_i^2 the long-run variances of the old residual, of noise and of the model's form on step i, which
-repeats errs alike. The volume of the parameters' common confidence region, det C, becomes smallest. Source: Wald 1943;
-Fedorov 1972, Theory of Optimal Experiments; for C, Huber 1967.
+where u has unit variance and the spectrum of the old residual: a sine is disturbed by the errors at its frequency.
+s_n^2 and s_i^2 are the variances of noise and of the model's form on step i. The form errs alike where a motion is
+driven again: m_i is n_i^2 times the cycles of a step, but n_i for random motion. The volume of the parameters' common
+confidence region, det C, becomes smallest. Source: Wald 1943; Fedorov 1972, Theory of Optimal Experiments; for C,
+Huber 1967.
 """
 
 from collections.abc import Sequence
@@ -15,8 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.diagnosis import Explanations
-from damper_estimator.planning.criterion import information
-from damper_estimator.planning.expected_error import Errors
+from damper_estimator.planning.expected_error import Errors, repeated
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
 
@@ -26,18 +27,21 @@ class Sharpening:
     """Information of each step about the parameters, which are in sizes.
 
     Attributes:
-        old: (k, k) M_old, each parameter held to the order of its size.
-        variance: s^2.
-        each: (s, k, k) J_i'J_i of each step.
-        noise, form: s_n^2, and s_i^2 (s,).
+        old: (k, k) M_old.
+        disturbed: (k, k) cov(J_old'e).
+        each, each_disturbed: (s, k, k) J_i'J_i and cov(J_i'u) of each step.
+        noise, form: s_n^2, and s_i^2 times the cycles (s,).
+        is_random: (s,) bool, steps whose motion is another one each time.
         addresses, sizes, values: of the parameters (k,).
     """
 
     old: np.ndarray
-    variance: float
+    disturbed: np.ndarray
     each: np.ndarray
+    each_disturbed: np.ndarray
     noise: float
     form: np.ndarray
+    is_random: np.ndarray
     addresses: tuple[str, ...]
     sizes: np.ndarray
     values: np.ndarray
@@ -52,23 +56,30 @@ class Sharpening:
 
     def _covariance(self, counts: np.ndarray) -> np.ndarray:
         root = np.linalg.inv(self.old + np.tensordot(counts, self.each, 1))
-        errors = counts * self.noise + counts**2 * self.form
-        return root @ (self.variance * self.old + np.tensordot(errors, self.each, 1)) @ root
+        errors = counts * self.noise + repeated(counts, self.is_random) * self.form
+        return root @ (self.disturbed + np.tensordot(errors, self.each_disturbed, 1)) @ root
 
 
 def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors: Errors) -> Sharpening:
     """The criterion of one model that was simulated on steps."""
     (hypothesis,) = found.fitted
-    variance = float(np.mean(hypothesis.residual**2)) * errors.memory
+    left = float(np.mean(hypothesis.residual**2))
     columns = on.sensitivity[0][:, :-1]  # a fit does not free the gauge's zero
     counts = np.array([part.stop - part.start for part in on.slices])
     slots = [hypothesis.model.slots[i] for i in hypothesis.free]
+    # What keeps a parameter from adding more than the force itself is no measurement, but as uncertain as one.
+    most = np.sqrt(errors.power / np.maximum(np.mean(hypothesis.sensitivity**2, axis=0), 1e-12 * errors.power))
+    held = np.diag(left * errors.memory / most**2)
+    ends = np.cumsum([part.target.size for part in found.rows])[:-1]
+    old = zip(np.split(hypothesis.sensitivity, ends), found.rows, strict=True)
     return Sharpening(
-        old=information(hypothesis, variance)[:-1, :-1],
-        variance=variance,
+        old=held + hypothesis.sensitivity.T @ hypothesis.sensitivity,
+        disturbed=left * (errors.memory * held + sum(errors.spectrum.score_covariance(j, r.rate) for j, r in old)),
         each=np.array([columns[part].T @ columns[part] for part in on.slices]),
-        noise=errors.noise * errors.memory,
+        each_disturbed=np.array([errors.spectrum.score_covariance(columns[part], on.rows.rate) for part in on.slices]),
+        noise=errors.noise,
         form=errors.of_form(on, found.ranges)[0] * errors.alike(counts, steps),
+        is_random=np.array([step.is_random for step in steps]),
         addresses=tuple(slot.address for slot in slots),
         sizes=hypothesis.sizes,
         values=np.array([slot.value for slot in slots]),

@@ -1,7 +1,7 @@
 """The steps that a plan chooses from: what a rig can drive within its limits, in words and as motions."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 
@@ -69,6 +69,17 @@ class Step:
         return self.seconds * self.values["frequency"] if self.kind in ("sine", "crank") else 1.0
 
     @property
+    def is_random(self) -> bool:
+        """Whether another motion of the same kind shows the same on average."""
+        return self.kind in ("multisine", "road")
+
+    def repeated(self, number: int) -> "Step":
+        """The step when it is driven again for the ``number``-th time: a random motion has other phases then."""
+        if not (number and self.is_random):
+            return self
+        return replace(self, values={**self.values, "seed": self.values.get("seed", 0.0) + 100.0 * number})
+
+    @property
     def words(self) -> str:
         """What is driven, in one line."""
         if self.say:
@@ -108,7 +119,7 @@ def _words(step: Step) -> str:
         return f"sweep from {values['frequency']:g} to {values['to']:g} Hz, at most {size}{about}, {seconds}"
     if step.kind == "triangle":
         return f"triangle at {1e3 * values['speed']:g} mm/s, {size}{about}, {seconds}"
-    if step.kind == "multisine":
+    if step.is_random:
         return f"random motion from {values['frequency']:g} to {values['to']:g} Hz, at most {size}{about}, {seconds}"
     return f"hold at {1e3 * (step.limits.home + mean):+.1f} mm, {seconds}"
 
@@ -149,7 +160,7 @@ def _driven(rig: Rig, limits: Limits) -> Iterator[Motion]:
                 "seconds": manoeuvre.seconds,
                 "seed": float(number),
             }
-            yield "multisine", values, manoeuvre.say
+            yield "road", values, manoeuvre.say
 
 
 def _played(rig: Rig, limits: Limits) -> Iterator[Motion]:
@@ -162,7 +173,7 @@ def _played(rig: Rig, limits: Limits) -> Iterator[Motion]:
         for seed, ends in enumerate(((low_of(low), high), (low_of(low), min(3.0, high)), (min(5.0, 0.5 * high), high))):
             if ends[0] < ends[1]:
                 values = {"frequency": ends[0], "to": ends[1], "seconds": 10.0, "seed": float(seed)}
-                yield "multisine", values | {"speed": 0.35 * share * limits.speed}, ""
+                yield "multisine", values | {"share": share}, ""
     for speed, share in product(_TRIANGLES, (0.9, 0.3)):
         amplitude = min(share * stroke, 0.25 * _LONGEST * speed)
         if speed <= limits.speed and speed / (4.0 * amplitude) >= 0.5 * low:

@@ -10,6 +10,7 @@ from damper_estimator.numerics import (
     directions,
     long_run_variance,
     score_covariance,
+    spectrum_of,
     standard_errors,
 )
 
@@ -99,3 +100,16 @@ def test_the_bootstraps_interval_covers_the_mean():
 def test_the_same_draws_come_back():
     assert np.array_equal(block_draws(9), block_draws(9))
     assert not np.array_equal(block_draws(9), block_draws(9, seed=1))
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_a_spectrum_carries_the_covariance_to_another_recording(memory):
+    """The spectrum of two recordings, at another rate and for other scores."""
+    random = np.random.default_rng(6)
+    slow = [autoregressive(random, size, memory) for size in (30000, 12000)]
+    spectrum = spectrum_of(slow, [RATE, RATE])
+    scores = np.stack([np.sin(2.0 * np.pi * f * np.arange(8000) / RATE) for f in (0.0, 3.0, 30.0)], axis=1)[:, 1:]
+    expected, _ = score_covariance([autoregressive(random, 8000, memory)], [scores], [RATE])
+    unit = expected / np.mean(np.square(np.concatenate(slow)))
+    assert np.diag(spectrum.score_covariance(scores, RATE)) == pytest.approx(np.diag(unit), rel=0.35)
+    assert np.mean(spectrum.density) == pytest.approx(1.0, rel=0.1)

@@ -53,9 +53,9 @@ def test_knowledge_from_old_recordings_holds_the_rival_back(rng):
     assert free < held <= np.sum(difference**2) * (1.0 + 1e-9)
 
 
-def judge(compared, expected, form, noise):
+def judge(compared, expected, form, noise, is_random=False):
     one = np.ones((1, compared.square.shape[0]))
-    return Criterion((compared,), ("a", "b"), expected * one, form * one, noise * one)
+    return Criterion((compared,), ("a", "b"), expected * one, form * one, noise * one, np.full(one.size, is_random))
 
 
 def test_a_large_difference_is_decided_rightly_and_none_stays_a_tie(rng):
@@ -70,11 +70,12 @@ def test_a_large_difference_is_decided_rightly_and_none_stays_a_tie(rng):
 def test_repeats_average_noise_but_not_what_the_form_gets_wrong(rng):
     columns, difference = rng.standard_normal((1, 200, 2)), 1.2 * rng.standard_normal((1, 200))
     counts = np.array([6.0])
-    noisy, formed = (
+    noisy, formed, random = (
         judge(pair(rng, difference, columns, left=1e-3), 200.0, *errors).chances(counts).right
-        for errors in ((0.0, 8.0), (8.0, 0.0))
+        for errors in ((0.0, 8.0), (8.0, 0.0), (8.0, 0.0, True))
     )
-    assert noisy >= formed
+    assert noisy > formed
+    assert random == pytest.approx(noisy)  # another motion each time
 
 
 def test_the_factor_of_a_decision_follows_from_the_diagnosis():
@@ -96,3 +97,11 @@ def test_the_search_finds_what_helps_and_keeps_to_the_time():
 def test_the_search_ends_where_nothing_more_is_needed():
     found = chosen(np.sum, np.ones(3), 100.0, lambda counts: counts.sum() >= 4, lambda text, share: None)
     assert len(found.order) == 2
+
+
+def test_a_test_that_nobody_splits_needs_no_halves():
+    found = chosen(
+        lambda counts: float(np.sum(np.sqrt(counts))), np.ones(3), 5.0, lambda counts: False, lambda text, share: None,
+        parts=1,
+    )  # fmt: skip
+    assert found.counts(3).sum() == 5.0

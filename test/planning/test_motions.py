@@ -39,6 +39,7 @@ def wanted(draw):
         "offset": draw(st.floats(-0.2, 0.2)),
         "seconds": draw(st.floats(1.0, 6.0)),
         "seed": float(draw(st.integers(0, 99))),
+        "share": draw(st.floats(0.05, 1.0)),
     }
 
 
@@ -94,3 +95,34 @@ def test_levels_of_current_and_temperature_multiply_the_steps():
     plain, all_ = (steps_of(rig, bounds, currents=both, temperatures=both) for both in (False, True))
     assert len(all_) == 6 * len(plain)
     assert any("at 2 A" in step.words and "at 60 deg C" in step.words for step in all_)
+
+
+@settings(max_examples=20, deadline=None)
+@given(bounds=limits(), values=wanted())
+def test_a_multisine_reaches_what_it_may(bounds, values):
+    x = motion("multisine", values | {"offset": 0.0}, bounds) - bounds.home
+    reached = max(
+        np.abs(x / np.where(x < 0.0, bounds.low - bounds.home, bounds.high - bounds.home)).max(),
+        np.abs(speed_of(x, bounds.rate)).max() / bounds.speed,
+        np.abs(acceleration_of(x, bounds.rate)).max() / bounds.acceleration,
+    )
+    assert 0.95 * values["share"] <= reached <= 1.001 * values["share"]
+
+
+def test_the_peaks_of_a_multisine_are_low():
+    """Random phases have a crest factor of about four."""
+    bounds = Limits(-0.05, 0.05, 0.0, 0.6, 200.0, 1e4, (0.1, 24.0), 1000.0)
+    for seed in range(5):
+        values = {"frequency": 0.3, "to": 24.0, "seconds": 10.0, "share": 1.0, "seed": float(seed)}
+        speed = speed_of(motion("multisine", values, bounds), bounds.rate)
+        assert np.abs(speed).max() < 2.8 * speed.std()
+
+
+def test_random_motion_is_another_one_each_time():
+    steps = steps_of(load_rig("servo_hydraulic"), Limits(-0.05, 0.05, 0.0, 0.6, 200.0, 1e4, (0.1, 24.0), 1000.0), False,
+                     False)  # fmt: skip
+    for step in steps:
+        again = step.repeated(1)
+        assert again.displacement.shape == step.displacement.shape
+        assert np.array_equal(again.displacement, step.displacement) != step.is_random
+        assert step.repeated(0) is step
