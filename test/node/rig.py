@@ -8,6 +8,7 @@ import numpy as np
 PATIENCE = 300.0  # s, far more than anything here takes on a busy machine, compiling included
 START = 1_700_000_000_000_000_000
 MS = 1_000_000
+DISCOVERED_WITHIN = 0.3  # s
 
 
 class Rig:
@@ -31,7 +32,7 @@ class Rig:
         residual = self.node.create_subscription(JointState, f"{name}/residual", self.residuals.append, self._quality)
         self._residual_publishers = residual.get_publisher_count
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self.health.append, self._quality)
-        self._publishers = {}
+        self._publishers, self._clients = {}, {}
         self.stamp = START
 
     def publisher(self, topic: str = "/suspension/displacement", kind: str = "sensor_msgs/msg/JointState"):
@@ -133,12 +134,21 @@ class Rig:
 
     def call(self, kind: type, service: str, request: object) -> object:
         """Calls a service of the node."""
-        client = self.node.create_client(kind, f"{self.name}/{service}")
+        client = self._client(kind, service)
         self.wait(client.service_is_ready, f"the service {service}")
         future = client.call_async(request)
         self.wait(future.done, f"an answer of {service}")
-        self.node.destroy_client(client)
         return future.result()
+
+    def _client(self, kind: type, service: str) -> object:
+        """One client per service. A new one waits until the node has discovered it as well, which being ready does not
+        include: an answer to a client that the node does not yet know is lost.
+        """
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, f"{self.name}/{service}")
+            self.wait(self._clients[service].service_is_ready, f"the service {service}")
+            self.listen(DISCOVERED_WITHIN)
+        return self._clients[service]
 
     def transition(self, number: int) -> bool:
         """Requests a transition of the managed node; returns whether it took place."""

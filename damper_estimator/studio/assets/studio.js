@@ -2,7 +2,7 @@
 // What the page does without its server: theme, tabs, what the mouse or the focus is on, keys, messages that the server is gone.
 (() => {
   const set = (id, props) => window.dash_clientside.set_props(id, props);
-  let page = "", looked = "", drawn = 0;
+  let page = "", looked = "", drawn = 0, marked = "";
   const trail = []; // what was on view before, newest last
 
   // A tab's own name: it goes on in the session's file that it wrote, another tab writes a file of its own.
@@ -62,7 +62,9 @@
     news: (after, before) => (JSON.stringify(after) === JSON.stringify(before) ? window.dash_clientside.no_update : after),
     // What is on view after something happened on the page.
     look(...given) {
-      const [tool, view, drawn] = given.slice(-3), cause = window.dash_clientside.callback_context.triggered[0];
+      const [tool, view, drawn] = given.slice(-3), causes = window.dash_clientside.callback_context.triggered;
+      // Where a redrawn figure reports together with a click, the click is what the user did.
+      const cause = causes.find((one) => one.prop_id.endsWith(".n_clicks")) || causes[0];
       if (!drawn || !cause) return window.dash_clientside.no_update;
       const now = view.opened === drawn.opened ? view : { opened: drawn.opened };
       const [id, property] = cause.prop_id.split(/\.(?=[^.]*$)/);
@@ -93,7 +95,11 @@
 
   // After zooming or marking in a figure.
   function relaid(view, figure, change) {
-    if ("selections" in change) return { ...view, mark: markOf(figure, change.selections || []) };
+    if ("selections" in change) {
+      const mark = markOf(figure, change.selections || []), same = mark && JSON.stringify(mark) === marked;
+      marked = JSON.stringify(mark);
+      return same ? null : { ...view, mark }; // a redrawn figure reports its old mark again
+    }
     if (figure !== "time") return null;
     if (change["xaxis.autorange"]) return { ...view, start: null, stop: null };
     return "xaxis.range[0]" in change ? { ...view, start: change["xaxis.range[0]"], stop: change["xaxis.range[1]"] } : null;
