@@ -8,7 +8,13 @@ from damper_estimator.cli.data_finding_text import print_findings
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
-from damper_estimator.report.diagnosis_wording import correction_rows, moved_rows, parameter_rows, step_name
+from damper_estimator.report.diagnosis_wording import (
+    correction_rows,
+    moved_rows,
+    parameter_rows,
+    step_name,
+    stretches_sentence,
+)
 
 _WIDTH = 110
 
@@ -26,6 +32,8 @@ def _findings(found: Diagnosis) -> list[str]:
         f"  unseen error {number(found.rmse_n)} N{share}; noise floor {number(found.noise_floor_n)} N; "
         f"form-free reference {number(found.reference_n)} N"
     ]
+    if found.stretches:
+        lines.append(_wrapped(stretches_sentence(found), "  "))
     if found.findings:
         lines += _table(found.findings)
     for finding in found.findings:
@@ -122,6 +130,8 @@ def print_improvement(damper: str, found: Improvement, written: Sequence[Path], 
     lines.append(f"  {'form-free reference':<{width}}  {number(found.reference_n):>7} N")
     lines.append(f"  {'noise floor':<{width}}  {number(found.noise_floor_n):>7} N")
     corrections = correction_rows(found)
+    if found.final.stretches:
+        lines.append(_wrapped(stretches_sentence(found.final), "  "))
     if corrections:
         lines.append("  corrections of the measurement chain, for the signal map, not for the model:")
         lines += [f"    {m['name']}: {m['before']} -> {m['after']} {m['unit']}".rstrip() for m in corrections]

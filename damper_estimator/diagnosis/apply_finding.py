@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from damper_estimator.diagnosis.correction import corrected, corrected_signals
+from damper_estimator.diagnosis.informative import informative
 from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.misfit import has_grown
 from damper_estimator.diagnosis.thresholds import limits
@@ -29,7 +30,8 @@ class ModelState:
     """A model with its recordings, between two steps.
 
     Attributes:
-        fit, unseen: recordings, read with the signal map as it is now.
+        fit, unseen: recordings, read with the signal map as it is now; errors are those of the whole.
+        fit_part, unseen_part: what effects are fitted to and judged on: their informative stretches.
         added: effects that were added, in order.
         note: how the model was identified, where that is not the ordinary way.
     """
@@ -37,6 +39,8 @@ class ModelState:
     model: DamperModel
     fit: tuple[Measurement, ...]
     unseen: tuple[Measurement, ...]
+    fit_part: tuple[Measurement, ...]
+    unseen_part: tuple[Measurement, ...]
     rmse_fit_n: float
     rmse_unseen_n: float
     added: tuple[str, ...] = ()
@@ -81,7 +85,8 @@ class ModelState:
 
 def state_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
     """The model as given."""
-    return ModelState(model, tuple(fit), tuple(unseen), 0.0, 0.0).with_model(model)
+    parts = informative(fit), informative(unseen)
+    return ModelState(model, tuple(fit), tuple(unseen), *parts, 0.0, 0.0).with_model(model)
 
 
 def identified_first(state: ModelState, mode: str) -> ModelState:
@@ -91,7 +96,7 @@ def identified_first(state: ModelState, mode: str) -> ModelState:
     if state.model.fit or mode == "kept":
         return state
     try:
-        model = identify(state.model, state.fit).model
+        model = identify(state.model, state.fit_part).model
     except InputError:
         return state
     return state.with_model(model, "the model had no record of a fit")
@@ -108,8 +113,9 @@ def applied(before: ModelState, element: Element, mode: str, promised: float) ->
     """
     if element.effect.correct is not None:
         signals = corrected_signals(before.fit[0].signals, element)
-        fit, unseen = (tuple(corrected(m, signals) for m in group) for group in (before.fit, before.unseen))
-        return replace(before, fit=fit, unseen=unseen).with_model(before.model, "goes to the signal map")
+        groups = ("fit", "unseen", "fit_part", "unseen_part")
+        again = {name: tuple(corrected(m, signals) for m in getattr(before, name)) for name in groups}
+        return replace(before, **again).with_model(before.model, "goes to the signal map")
     name = element.effect.name
     after = replace(before, added=(*before.added, name))
     changed = before.model.with_missing(element)
@@ -127,6 +133,6 @@ def identified(state: ModelState, model: DamperModel, keep: bool = False) -> Dam
         return model
     choice: dict[str, Sequence[str]] = {"fix": ["*"], "free": list(state.added)} if keep else {}
     try:
-        return locally_fitted(model, state.fit, **choice)
+        return locally_fitted(model, state.fit_part, **choice)
     except InputError:
         return model

@@ -16,6 +16,7 @@ from damper_estimator.diagnosis.apply_finding import ModelState, applied, identi
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
+    dynamic_force,
     early,
     force_rows,
     late,
@@ -28,6 +29,7 @@ from damper_estimator.diagnosis.explanation import (
     phenomena_of,
     ranking_of,
 )
+from damper_estimator.diagnosis.informative import stretches_used
 from damper_estimator.diagnosis.misfit import has_grown, misfit_of, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import Diagnosis, Structure
@@ -80,7 +82,7 @@ def diagnose(
     report("identifying the parameters of the model", 0.8)
     again = reidentified(found.rounds[0], data) if mode != "kept" and not is_usual else None
     before = compare(state.model, *state.unseen)
-    force, floor = before.measures.force_rms_n, before.noise_floor_n
+    force, floor = dynamic_force(data), before.noise_floor_n
     judged = partial(verdict_on, again=again, force_n=force, floor_n=floor, is_identified_here=state.is_identified_here)
     verdict, picture = ("nothing_missing", None) if is_usual else judged(found)
     if verdict == "parameters_changed" and not found.accepted:
@@ -117,11 +119,11 @@ def _searched(
     accounts for part of the error and leaves more than it did then; otherwise as measured. An acceptable error that the
     model has always had is surveyed only.
     """
-    data = data_of(state.model, state.fit, state.unseen)
+    data = data_of(state.model, state.fit_part, state.unseen_part)
     known = misfit_of(state.model.fit)
-    parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit, state.unseen))
+    parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
     news = data if known is None else data_of(state.model, *parts)
-    force = unweighted(data.unseen, targets(data.unseen))
+    force = dynamic_force(data)
     whole, left = (
         unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
         for source in (data, news)
@@ -232,7 +234,7 @@ def _diagnosis(
     last = steps[-1][1] if steps else state
     then = recorded(state.model, "residual_stddev") if found.is_survey else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
-    reference = reference_error(state.fit, state.unseen)
+    reference = reference_error(state.fit_part, state.unseen)
     return Diagnosis(
         model=before.model,
         verdict=verdict,
@@ -248,7 +250,7 @@ def _diagnosis(
         noise_floor_n=floor,
         findings=findings,
         elements=tuple(element for _, _, element, _ in ordered),
-        ranking=ranking_of(found, before.measures.force_rms_n, {finding.effect for finding in findings}),
+        ranking=ranking_of(found, {finding.effect for finding in findings}),
         untestable=found.untestable,
         moved=again.moved if again is not None and verdict == "parameters_changed" else (),
         rmse_refit_alone_n=again.rmse_n if again is not None else float("nan"),
@@ -263,4 +265,6 @@ def _diagnosis(
         phenomena=phenomena_of(found.rounds[0]),
         identified=state if state is not given else None,
         reference_n=reference,
+        stretches=stretches_used("fit", state.fit, state.fit_part)
+        + stretches_used("unseen", state.unseen, state.unseen_part),
     )

@@ -104,6 +104,13 @@ def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     return float(np.sqrt(np.mean(errors**2 / weight)))
 
 
+def dynamic_force(data: DiagnosisData) -> float:
+    """RMS in N of the unseen force without each recording's zero and drift: what errors are shares of. A static gas
+    force says nothing of how large an error is.
+    """
+    return unweighted(data.unseen, targets(data.unseen))
+
+
 def _rows(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[Rows, ...]:
     rows = []
     for measurement in measurements:
@@ -143,7 +150,7 @@ def _blocks(rows: Sequence[Rows]) -> np.ndarray:
     numbers, first = [], 0
     for part in rows:
         time = part.measurement.kinematics.time[part.picks]
-        number = ((time - time[0]) / BLOCK).astype(int)
+        number = np.unique(((time - time[0]) / BLOCK).astype(int), return_inverse=True)[1]
         numbers.append(first + number)
         first += int(number[-1]) + 1
     return np.concatenate(numbers)

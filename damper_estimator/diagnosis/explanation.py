@@ -151,7 +151,7 @@ def phenomena_of(current: Round) -> tuple[PhenomenonShare, ...]:
 _UNDELIVERED = "identified in the model, it does not lower the unseen error by what it explains alone"
 
 
-def ranking_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[RankedEffect, ...]:
+def ranking_of(found: Search, accepted: set[str]) -> tuple[RankedEffect, ...]:
     """The first round's hypotheses, best first; ``accepted`` names those that lower the error."""
     first = found.rounds[0]
     best = first.best
@@ -159,17 +159,15 @@ def ranking_of(found: Search, force_rms: float, accepted: set[str]) -> tuple[Ran
     otherwise = "has always been missing: the error is not new" if found.is_survey else "another explains more"
     by_name = {one.element.effect.name: one for one in reversed(found.accepted)}
     rows = [
-        _ranked(first, hypothesis, force_rms, accepted, _UNDELIVERED if hypothesis.name in by_name else otherwise)
+        _ranked(first, hypothesis, accepted, _UNDELIVERED if hypothesis.name in by_name else otherwise)
         for hypothesis in order
     ]
     hidden = [_hidden(hypothesis, by_name.get(hypothesis.name)) for hypothesis in first.hidden]
     return tuple(rows + hidden)
 
 
-def _ranked(
-    current: Round, hypothesis: Hypothesis, force_rms: float, accepted: set[str], otherwise: str
-) -> RankedEffect:
-    name, evaluation = hypothesis.name, hypothesis.evaluation
+def _ranked(current: Round, hypothesis: Hypothesis, accepted: set[str], otherwise: str) -> RankedEffect:
+    name, evaluation, force_rms = hypothesis.name, hypothesis.evaluation, current.baseline.data.force_rms
     reason = "" if name in accepted else current.reason_against(hypothesis, force_rms) or otherwise
     kept = summary_of(current, evaluation.kept, evaluation.kept_gains, current.kept)
     refitted = summary_of(current, evaluation.refitted, evaluation.refitted_gains, current.refitted)

@@ -9,6 +9,7 @@ from damper_estimator.diagnosis.apply_finding import identified_first, state_of
 from damper_estimator.diagnosis.baseline import baseline_of, near_derivatives, slot_size
 from damper_estimator.diagnosis.diagnosis_data import data_of, force_rows, targets
 from damper_estimator.diagnosis.hypotheses import hypotheses_for
+from damper_estimator.diagnosis.informative import informative
 from damper_estimator.diagnosis.misfit import without_misfit
 from damper_estimator.diagnosis.trial_fit import trial_fit
 from damper_estimator.effects.discovery import all_effects
@@ -74,6 +75,7 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
         InputError: where a recording cannot be used, or cannot show a phenomenon.
     """
     whole = [m.part(p.start, p.stop) for m in measurements for p in usable(model, m)]
+    whole = list(informative(whole)) if phenomena else whole
     state = identified_first(state_of(model, whole, whole[:1]), "both")
     model = state.model
     news = [without_misfit(model, m) for m in whole] if phenomena else whole

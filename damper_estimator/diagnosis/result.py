@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.informative import Stretch
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
@@ -189,6 +190,7 @@ class Diagnosis:
         identified: the model after it was identified first, where it had no record of a fit; else None.
         reference_n: unseen error of the form-free regression (``validation.form_free``): as much is explainable at
             least; a model of the right form may be better.
+        stretches: of long recordings, what effects were fitted to and judged on; empty if they were used whole.
     """
 
     model: DamperModel
@@ -215,6 +217,7 @@ class Diagnosis:
     phenomena: tuple[PhenomenonShare, ...] = ()
     identified: ModelState | None = None
     reference_n: float = float("nan")
+    stretches: tuple[Stretch, ...] = ()
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -237,5 +240,6 @@ class Diagnosis:
             "data_findings": [asdict(finding) for finding in self.data],
             "atlas": [asdict(row) for row in self.atlas],
             "phenomena": [asdict(one) for one in self.phenomena],
+            "stretches": [asdict(one) for one in self.stretches],
             "structure": None if self.structure is None else self.structure.words,
         }

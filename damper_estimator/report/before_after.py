@@ -25,7 +25,7 @@ class Recording:
 
     Attributes:
         path: of the bag.
-        time: s since its first sample.
+        time: s since the start of the recording, also in a part of it.
         displacement, velocity: m, m/s.
         measured: N in band, with the corrections of the measurement chain.
         raw: N in band, as it was read before those corrections.
@@ -130,7 +130,7 @@ def first_diagnosis(found: Diagnosis | Improvement) -> Diagnosis:
 
 def _recording(before: Trace, after: Trace) -> Recording:
     kinematics = before.measurement.kinematics
-    time = before.time - before.time[0]
+    time = before.time
     judged = before.judged & after.judged
     zero = np.polyval(np.polyfit(time[judged], after.residual[judged], 1), time) if judged.sum() > 2 else 0.0 * time
     return Recording(

@@ -24,10 +24,17 @@ from damper_estimator.report.diagnosis_wording import (
     moved_rows,
     plain_name,
     rejected_rows,
+    stretches_sentence,
 )
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import shared_arrays
-from damper_estimator.report.verdict_figures import atlas_figure, error_bars, moved_figure, ranking_figure
+from damper_estimator.report.used_stretches import stretches_figure
+from damper_estimator.report.verdict_figures import (
+    atlas_figure,
+    error_bars,
+    moved_figure,
+    ranking_figure,
+)
 from damper_estimator.report.wording import quality_rows, recording_name
 
 STYLES = ("page.css", "diagnosis.css")
@@ -55,6 +62,8 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
         "ranking": ranking_figure(found.ranking, found.findings, tied_notes(found)),
         "atlas": atlas_figure(found.atlas, found.findings),
     }
+    if found.stretches:
+        figures["stretches"] = stretches_figure(found)
     if found.moved:
         figures["moved"] = moved_figure(found.moved)
     if found.structure is not None:
@@ -66,6 +75,7 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
         "structure": "" if found.structure is None else found.structure.words,
         "rejected": rejected_rows(found.ranking, found.untestable),
         "data": data_rows(found),
+        "stretches": stretches_sentence(found),
         "corrections": correction_rows(found),
     }
     return DiagnosisSection(text, figures)

@@ -133,6 +133,22 @@ def data_rows(diagnosis: Diagnosis) -> list[dict[str, str]]:
     ]
 
 
+def stretches_sentence(diagnosis: Diagnosis) -> str:
+    """Which part of long recordings was used; "" if they were used whole."""
+    if not diagnosis.stretches:
+        return ""
+    uses = (("fit", "fitted to", diagnosis.fit), ("unseen", "judged on", diagnosis.unseen))
+    shares = []
+    for use, name, recordings in uses:
+        used = sum(one.stop - one.start for one in diagnosis.stretches if one.use == use)
+        whole = sum(float(m.kinematics.dt.sum()) for m in recordings)
+        shares.append(f"{name} {number((used or whole) / 60.0, 2)} of {number(whole / 60.0, 2)} minutes")
+    return (
+        f"Effects were {' and '.join(shares)}, the stretches with the most varied motion; "
+        "the errors of models are those of the whole."
+    )
+
+
 def correction_rows(found: Diagnosis | Improvement) -> list[dict[str, str]]:
     """What the signal map's entry of the force gets."""
     old = first_diagnosis(found).fit[0].signals

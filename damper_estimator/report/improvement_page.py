@@ -20,9 +20,11 @@ from damper_estimator.report.diagnosis_wording import (
     model_rows,
     rejected_rows,
     step_name,
+    stretches_sentence,
 )
 from damper_estimator.report.page import render
 from damper_estimator.report.plots import shared_arrays
+from damper_estimator.report.used_stretches import stretches_figure
 from damper_estimator.report.verdict_figures import ranking_figure, waterfall_figure
 
 
@@ -31,6 +33,8 @@ def improvement_section(damper: str, found: Improvement) -> DiagnosisSection:
     shown = before_after(found)
     kept = _kept(found)
     figures = force_figures(shown, kept) | {"waterfall": waterfall_figure(found)}
+    if found.final.stretches:
+        figures["stretches"] = stretches_figure(found.final)
     for index, diagnosis in enumerate([*_searches(found), found.final]):
         if diagnosis is not None:
             figures[f"tried{index}"] = ranking_figure(diagnosis.ranking, diagnosis.findings, tied_notes(diagnosis))
@@ -39,6 +43,7 @@ def improvement_section(damper: str, found: Improvement) -> DiagnosisSection:
         "headline": found.sentence,
         "steps": _steps(found),
         "data": data_rows(first_diagnosis(found)),
+        "stretches": stretches_sentence(found.final),
         "corrections": correction_rows(found),
         "parameters": model_rows(found.model),
     }

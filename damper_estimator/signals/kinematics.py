@@ -1,5 +1,6 @@
 """A model's input from a recording or a live signal: blocks of samples, filtered and differentiated."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,6 +92,16 @@ class Kinematics:
         if block.shape[1]:
             block[DT, 0] = 0.0
         return Kinematics(self.stamp[part], block)
+
+    @staticmethod
+    def joined(parts: Sequence["Kinematics"]) -> "Kinematics":
+        """Parts in order of time as one recording with gaps."""
+        if len(parts) == 1:
+            return parts[0]
+        return Kinematics(
+            np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
+            np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((ROWS, 0)),
+        )
 
     def thinned(self, stride: int) -> np.ndarray:
         """Positions of every ``stride``-th sample of each stretch."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -69,16 +69,24 @@ class Measurement:
 
     def part(self, first: int, last: int) -> Measurement:
         """Samples ``first`` to ``last``; the forces stay filtered, the warm-up starts again."""
-        window = slice(first, last)
-        kinematics = self.kinematics.select(window)
+        return self.parts([slice(first, last)])
+
+    def parts(self, windows: Sequence[slice]) -> Measurement:
+        """Several parts in order of time as one recording with gaps; the warm-up starts again in each."""
+        kinematics = Kinematics.joined([self.kinematics.select(window) for window in windows])
+
+        def cut(values: np.ndarray) -> np.ndarray:
+            whole = [values[window] for window in windows]
+            return whole[0] if len(whole) == 1 else np.concatenate(whole)
+
         return replace(
             self,
             kinematics=kinematics,
-            force=None if self.force is None else self.force[window],
-            judged=self.judged[window] & kinematics.warm(),
+            force=None if self.force is None else cut(self.force),
+            judged=cut(self.judged) & kinematics.warm(),
             gauge_stamp=self.kinematics.stamp if self.gauge_stamp is None else self.gauge_stamp,
-            raw_displacement=self.raw_displacement[window],
-            acceleration=None if self.acceleration is None else self.acceleration[window],
+            raw_displacement=cut(self.raw_displacement),
+            acceleration=None if self.acceleration is None else cut(self.acceleration),
         )
 
     def thinned(self, stride: int) -> Measurement:
@@ -241,14 +249,7 @@ def _kinematics(
         kinematics, verdict = Differentiator(cutoff, max_gap).block(stamp[inside], displacement[inside], **held)
         parts.append(kinematics)
         raws.append(displacement[inside][verdict < DUPLICATE])
-    joined = (
-        parts[0]
-        if len(parts) == 1
-        else Kinematics(
-            np.concatenate([p.stamp for p in parts] or [np.zeros(0, np.int64)]),
-            np.concatenate([p.block for p in parts], axis=1) if parts else np.zeros((8, 0)),
-        )
-    )
+    joined = Kinematics.joined(parts)
     joined.block[T] = (joined.stamp - origin) / 1e9
     return joined, raws[0] if len(raws) == 1 else np.concatenate(raws or [np.zeros(0)])
 

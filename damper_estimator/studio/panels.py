@@ -7,7 +7,13 @@ from dash import html
 
 from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.effects.discovery import all_effects
-from damper_estimator.report.diagnosis_wording import finding_text, moved_rows, plain_name, rejected_rows
+from damper_estimator.report.diagnosis_wording import (
+    finding_text,
+    moved_rows,
+    plain_name,
+    rejected_rows,
+    stretches_sentence,
+)
 from damper_estimator.report.verdict_figures import ranked
 from damper_estimator.report.wording import MEASURES, finding_rows, headline, in_signs, measure_text, quality_rows
 from damper_estimator.studio.model_run import ModelRun
@@ -108,6 +114,8 @@ def quality_line(comparison: Comparison, warnings: Sequence[str]) -> list:
 def findings(found: Diagnosis, stale: bool, region: str = "") -> Piece:
     """The verdict and the effects that are missing, each with a button that adds it; ``region`` was diagnosed alone."""
     parts: list[Piece] = [html.P(found.sentence, className="statement")]
+    if found.stretches:
+        parts.append(html.P(stretches_sentence(found)))
     if region:
         parts.append(html.P(f"Of the marked {region} alone: found on 60 % of its samples, judged on the others."))
     if stale:

@@ -87,14 +87,32 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
     Args:
         finest: m, smallest half width of pre-sliding that the displacement's noise leaves visible.
     """
-    blocks = [m.kinematics.block for m in measurements]
-    judged = [m.judged for m in measurements]
+    empty = unfitted(measurements, with_acceleration, finest)
+    every = max(sum(int(m.judged.sum()) for m in measurements) // _MOST_SAMPLES, 1)
+    least = [lower for _, lower in empty.columns(measurements[0].kinematics.block[:, :1])]
+    rows, forces = [], []
+    for m in measurements:
+        picks = np.flatnonzero(m.judged)[::every]
+        columns = (column for column, _ in empty.columns(m.kinematics.block))
+        rows.append(columns_zero_phase(m.band, m.kinematics.dt, columns, picks))
+        forces.append(m.in_band(np.asarray(m.force))[picks])
+    shown, force = np.concatenate(rows), np.concatenate(forces)
+    known = np.isfinite(force) & np.isfinite(shown).all(axis=1)
+    if not known.any():
+        return replace(empty, weights=np.full(shown.shape[1], np.nan))
+    return replace(empty, weights=_solved(shown[known], force[known], np.array(least)))
+
+
+def unfitted(measurements: Sequence[Measurement], with_acceleration: bool = True, finest: float = 0.0) -> FormFree:
+    """The regression without weights: its columns, laid out over the motion of the recordings. Arguments as in
+    ``form_free``.
+    """
 
     def pooled(row: int) -> np.ndarray:
-        return np.concatenate([block[row][good] for block, good in zip(blocks, judged, strict=True)])
+        return np.concatenate([m.kinematics.block[row][m.judged] for m in measurements])
 
     x = pooled(X)
-    empty = FormFree(
+    return FormFree(
         speed=max(float(np.quantile(np.abs(pooled(V)), _HIGHEST)), 1e-6),
         middle=0.5 * float(x.min() + x.max()),
         command=_range(pooled(COMMAND), _LEAST_COMMAND),
@@ -103,19 +121,6 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
         plays=tuple(width for width in _PLAYS if width >= finest),
         weights=np.zeros(0),
     )
-    every = max(sum(int(good.sum()) for good in judged) // _MOST_SAMPLES, 1)
-    least = [lower for _, lower in empty.columns(blocks[0][:, :1])]
-    rows, forces = [], []
-    for m, block, good in zip(measurements, blocks, judged, strict=True):
-        picks = np.flatnonzero(good)[::every]
-        columns = (column for column, _ in empty.columns(block))
-        rows.append(columns_zero_phase(m.band, m.kinematics.dt, columns, picks))
-        forces.append(m.in_band(np.asarray(m.force))[picks])
-    shown, force = np.concatenate(rows), np.concatenate(forces)
-    known = np.isfinite(force) & np.isfinite(shown).all(axis=1)
-    if not known.any():
-        return replace(empty, weights=np.full(shown.shape[1], np.nan))
-    return replace(empty, weights=_solved(shown[known], force[known], np.array(least)))
 
 
 def reference_error(fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> float:

@@ -25,6 +25,7 @@ from damper_estimator.validation.form_free import form_free
 
 _LEAST_SAMPLES = 100
 _MOST_SAMPLES = 100_000  # more take longer without a better result
+_LONGEST = 400_000  # samples of a signal whose noise is estimated
 _SEGMENT = 512
 _CUBIC = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0  # evenly sampled
 _LOWEST, _HIGHEST, _PARTS = 0.2, 0.49, 6  # of the rate
@@ -117,9 +118,10 @@ def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
 
 
 def white_density(value: np.ndarray, rate: float) -> float:
-    """Density of an evenly sampled signal, see ``noise_density``; ``rate`` in Hz."""
+    """Density of an evenly sampled signal, see ``noise_density``, from the first part of a long one; ``rate`` in Hz."""
     if not np.isfinite(rate) or rate <= 0.0:
         return float("nan")
+    value = value[:_LONGEST]
     return noise_density(np.round(np.arange(value.size) * 1e9 / rate).astype(np.int64), value)
 
 
