@@ -47,7 +47,7 @@ def accepted_in(current: Round, best: Hypothesis) -> Accepted:
         hypothesis=best,
         element=best.fitted_element,
         tied=tied,
-        confidence=current.confidence((best.phenomenon, *tied)),
+        confidence=current.confidence(best),
         gain=current.gain(best),
         before_n=rmse(current.baseline, current.without),
         after_n=rmse(current.baseline, current.left(best)),

@@ -130,8 +130,10 @@ def _searched(
     )
     leaves_news = known is None or known.leaves_news(left / force)
     error = max(whole, state.rmse_fit_n, state.rmse_unseen_n)  # the last two with the gauge's zero
-    is_acceptable = error < limits().acceptable * force and not state.is_identified_here
-    if mode == "both" and is_acceptable and not (leaves_news and has_grown(state.model, error / force)):
+    # The more speaks for something new, the smaller the error that is still usual.
+    signs = int(leaves_news) + int(has_grown(state.model, error / force))
+    bound = (limits().usual, limits().acceptable, 0.0)[signs]
+    if mode == "both" and error < bound * force and not state.is_identified_here:
         return surveyed(state.model, data, skip, workers, progress), data
     if known is not None:
         is_accounted_for = left**2 < limits().accounted * whole**2

@@ -25,6 +25,7 @@ UNSEEN_SHARE = 0.4  # of each recording, where no other is given to judge on
 BLOCK = 1.0  # s, what the bootstrap draws; residuals forget within it
 _FORM = 0.01  # of the force's rms: what no model's form gets right
 _SLOPE_STEP = 0.01  # m/s
+_RUNAWAY = 1e12  # N s/m
 _STEEPEST = 6.0  # weights fall no lower than 1 / (1 + 6^2)
 
 
@@ -139,11 +140,13 @@ def weights(model: DamperModel, measurement: Measurement) -> np.ndarray:
 
 
 def slope_of(model: DamperModel, block: np.ndarray) -> np.ndarray:
-    """(n,) dF/dv of a model on a motion, N s/m; 0 where it has no force."""
+    """(n,) dF/dv of a model on a motion, N s/m; 0 where it has no finite force."""
     high, low = block.copy(), block.copy()
     high[V] += _SLOPE_STEP
     low[V] -= _SLOPE_STEP
-    return np.nan_to_num((model.force(high) - model.force(low)) / (2.0 * _SLOPE_STEP))
+    with np.errstate(invalid="ignore", over="ignore"):  # trial models may run away
+        slope = (model.force(high) - model.force(low)) / (2.0 * _SLOPE_STEP)
+    return np.where(np.abs(slope) < _RUNAWAY, slope, 0.0)
 
 
 def _blocks(rows: Sequence[Rows]) -> np.ndarray:

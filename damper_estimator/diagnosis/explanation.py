@@ -16,7 +16,6 @@ from damper_estimator.diagnosis.result import (
     RankedEffect,
 )
 from damper_estimator.diagnosis.search import Search
-from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import TrialFit
 from damper_estimator.identification import FittedParameter
 from damper_estimator.identification.rows import split
@@ -42,7 +41,7 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
         rmse_before_n=before_n,
         rmse_after_n=after_n,
         share_of_explainable_error=float(np.clip((before_n**2 - after_n**2) / explainable, 0.0, 1.0)),
-        confidence=one.confidence * _right_by_form(gain),
+        confidence=one.confidence,
         gain=gain,
         low=low,
         high=high,
@@ -53,13 +52,6 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
         is_channel=effect.kind == "channel",
         partner=one.partner,
     )
-
-
-def _right_by_form(gain: float) -> float:
-    """Probability that the true phenomenon is among those that were tried, with forms that resemble the damper's: on
-    dampers of other physics it falls with what the best effect leaves unexplained.
-    """
-    return float(np.clip(limits().form_share * gain, 0.0, limits().form_right))
 
 
 def _remark(one: Accepted, again: Reidentified | None) -> str:

@@ -112,6 +112,11 @@ class Round:
         worth = np.sqrt(max(before**2 - after**2, 0.0))
         if worth < limits().least_force * force_rms:
             return f"worth {worth:.3g} N only, less than {100.0 * limits().least_force:.3g} % of the force"
+        confidence = self.confidence(hypothesis)
+        if confidence < limits().named:
+            return (
+                f"right with a probability of {100.0 * confidence:.0f} % only; {100.0 * limits().named:.0f} % required"
+            )
         return ""
 
     def tied(self, best: Hypothesis) -> tuple[str, ...]:
@@ -120,9 +125,18 @@ class Round:
         others = [name for name in order if name != best.phenomenon and self.probabilities[name] >= limits().tied]
         return tuple(others[:MOST_TIED])
 
-    def confidence(self, group: Sequence[str]) -> float:
-        """Probability that one of these phenomena is what is missing."""
+    def probability(self, group: Sequence[str]) -> float:
+        """That one of these phenomena is what is missing, if it is one of those that were tried."""
         return float(sum(self.probabilities.get(name, 0.0) for name in group))
+
+    def confidence(self, hypothesis: Hypothesis) -> float:
+        """Probability that its phenomenon, or one that is tied with it, is what is missing.
+
+        It includes that the true phenomenon is among those that were tried, with forms that resemble the damper's: on
+        dampers of other physics that falls with what the best effect leaves unexplained.
+        """
+        form = np.clip(limits().form_share * self.gain(hypothesis)[0], 0.0, limits().form_right)
+        return float(form) * self.probability((hypothesis.phenomenon, *self.tied(hypothesis)))
 
 
 def _below(gain: float, required: float) -> str:

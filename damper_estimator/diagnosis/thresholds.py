@@ -14,7 +14,7 @@ def _threshold(value: float, unit: str, decides: str, reason: str) -> float:
 
 
 _SQUARE = "share of the squared error"
-_FORCE = "share of the force's rms"
+_FORCE = "share of the force's rms about its mean"
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,12 @@ class Thresholds:
         "that it is right, where the effect leaves much",
         "a third of the findings that explain less than half of the error are wrong there",
     )
+    named: float = _threshold(
+        0.2,
+        "probability",
+        "a finding must be right with it",
+        "of nine less probable ones on unknown dampers one was right",
+    )
     tied: float = _threshold(0.1, "probability", "another phenomenon is a tie", "one wrong name in ten is too many")
     hint: float = _threshold(
         0.1, _SQUARE, "effects of a phenomenon whose tests explain less are not tried", "less than half of gain"
@@ -93,6 +99,12 @@ class Thresholds:
         _FORCE,
         "an error that has not grown since the identification is reported only above it",
         "published models leave 4 to 10 % of the force",
+    )
+    usual: float = _threshold(
+        0.12,
+        _FORCE,
+        "an error that has not grown, and that the model's known error accounts for, is reported only above it",
+        "models of dampers that nobody has modelled before leave as much",
     )
     growth: float = _threshold(
         2.0,

@@ -46,7 +46,12 @@ def force_stddev(worst: np.ndarray) -> float:
 
     Args:
         worst: (b,) N, `worst_errors`; b >= 1.
+
+    Returns:
+        NaN where an error is not finite: then nothing bounds the next one.
     """
+    if not np.isfinite(worst).all():
+        return float("nan")
     seen = float(np.quantile(worst, COVERED, method="higher"))
     return max(_return_level(np.sort(worst), DRIVING / BLOCK), seen) / SIGMAS
 

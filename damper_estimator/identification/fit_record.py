@@ -51,7 +51,7 @@ def record_of(
         "cutoff": float(filters[0]),
         "band": float(filters[1]),
         "residual_stddev": float(f"{deviations[0]:.6g}"),
-        "force_stddev": float(f"{max(deviations):.6g}"),
+        "force_stddev": float(f"{np.max(deviations):.6g}"),
         "force_rms": float(f"{force_rms:.6g}"),
         "region": {name: list(ends) for name, ends in region.items()},
         "standard_errors": {

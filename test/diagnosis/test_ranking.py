@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted import FORCE, known, rounded, tried
 
-from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.diagnosis.thresholds import limits, using
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,20 @@ def test_what_is_worth_next_to_nothing_of_the_force_is_said_so(noisy):
     taken = 100.0 * np.sqrt(1.0 - 0.2**2)
     assert "worth" in current.reason_against(current.best, 1.05 * taken / limits().least_force)
     assert not current.reason_against(current.best, 0.9 * taken / limits().least_force)
+
+
+def test_what_is_hardly_more_probable_than_ten_others_is_not_named(noisy):
+    names = ("coulomb", "inertia", "oil_spring", "gas_spring", "relief", "cavitation_limit", "valve_inertia")
+    alike = rounded(noisy, *(tried(noisy, name, 0.2) for name in names))
+    assert alike.gain(alike.best)[0] > limits().gain
+    group = (alike.best.phenomenon, *alike.tied(alike.best))
+    assert alike.confidence(alike.best) == pytest.approx(
+        alike.probability(group) * limits().form_share * alike.gain(alike.best)[0]
+    )
+    with using(named=1.01 * alike.confidence(alike.best)):
+        assert "probability" in alike.reason_against(alike.best, FORCE)
+    with using(named=0.99 * alike.confidence(alike.best)):
+        assert not alike.reason_against(alike.best, FORCE)
 
 
 def test_what_helps_in_a_single_block_is_not_sure(noisy):
@@ -58,10 +72,10 @@ def test_explanations_that_do_as_well_are_tied_and_share_the_confidence(noisy):
         noisy, tried(noisy, "coulomb", 0.70), tried(noisy, "inertia", 0.70), tried(noisy, "oil_spring", 0.1)
     )
     assert current.tied(current.best) in (("inertia",), ("friction",))
-    assert current.confidence(("friction",)) == pytest.approx(current.confidence(("inertia",)), abs=0.05)
-    assert current.confidence(("friction", "inertia")) > 0.95
+    assert current.probability(("friction",)) == pytest.approx(current.probability(("inertia",)), abs=0.05)
+    assert current.probability(("friction", "inertia")) > 0.95
     clear = rounded(noisy, tried(noisy, "coulomb", 0.8), tried(noisy, "inertia", 0.3))
-    assert clear.tied(clear.best) == () and clear.confidence(("friction",)) > 0.95
+    assert clear.tied(clear.best) == () and clear.probability(("friction",)) > 0.95
 
 
 def test_probabilities_add_up_and_follow_what_is_left(noisy):

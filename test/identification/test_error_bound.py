@@ -36,6 +36,12 @@ def test_equal_or_few_errors_give_a_finite_bound_that_is_not_below_them(count):
     assert force_stddev(np.zeros(count)) == 0.0
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("wild", [np.inf, np.nan])
+def test_a_model_that_runs_away_is_bounded_by_nothing(wild):
+    assert np.isnan(force_stddev(np.array([3.0, wild, 5.0] * 10)))
+
+
 def test_the_bound_has_the_unit_of_the_force_and_no_order():
     errors = np.random.default_rng(2).gumbel(50.0, 20.0, 300).clip(0.0)
     bound = force_stddev(errors)
