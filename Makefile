@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test check format demo pictures bench bench-diagnosis bench-recordings bench-plan bench-hidden real-data bench-node soak fuzz man package clean
+.PHONY: help env test check format demo pictures bench bench-diagnosis bench-recordings bench-plan bench-parameters bench-hidden real-data bench-node soak fuzz man package clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -48,7 +48,7 @@ real-data: env ## the tables of docs/real_data.md, if the recordings are availab
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
 bench: env ## measure speed and print it, 20 minutes (bench-node: the full bars of the node)
-	@for file in $(filter-out %/bench_diagnosis.py %/bench_hidden.py %/bench_plan.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
+	@for file in $(filter-out %/bench_diagnosis.py %/bench_hidden.py %/bench_plan.py %/bench_parameters.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
 
 bench-node: env ## the node against a relay at full length: 60 s, five rounds, 25 minutes on a quiet machine
 	@$(BIN)/python benchmarks/bench_node.py --full
@@ -61,6 +61,9 @@ bench-recordings: env ## every verb on real recordings, whole and in windows: no
 
 bench-plan: env ## plan tests for 60 randomly drawn ties, drive them on the plant, and check whether the ties break; resumable
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_plan.py -o docs/planning.md $(PLAN)
+
+bench-parameters: env ## plan tests for the parameters of 20 randomly drawn models, drive them, and compare the standard errors, 20 minutes
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_parameters.py $(PARAMETERS)
 
 bench-hidden: env ## the same for the listed cases of the project's plant (FULL=1: all)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_hidden.py -o out/bench_hidden.md
