@@ -15,18 +15,24 @@ from damper_estimator.signals.layout import V
 
 
 @compiled
+def over_speed(knots, forces, speed):
+    """Force in N at a speed in m/s >= 0: zero at rest, straight between the knots and beyond the last."""
+    low, below = 0.0, 0.0
+    k = 0
+    while k < forces.size - 1 and speed > knots[k]:
+        low, below = knots[k], forces[k]
+        k += 1
+    return below + (forces[k] - below) * (speed - low) / (knots[k] - low)
+
+
+@compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += f(|v|) (1 + s sgn v)."""
     count = parameters.size - 1
     for i in range(force.size):
-        speed = abs(kinematics[V, i])
-        weight = 1.0 + parameters[count] if kinematics[V, i] > 0.0 else 1.0 - parameters[count]
-        low, below = 0.0, 0.0
-        k = 0
-        while k < count - 1 and speed > settings[k]:
-            low, below = settings[k], parameters[k]
-            k += 1
-        force[i] += weight * (below + (parameters[k] - below) * (speed - low) / (settings[k] - low))
+        v = kinematics[V, i]
+        weight = 1.0 + parameters[count] if v > 0.0 else 1.0 - parameters[count]
+        force[i] += weight * over_speed(settings, parameters[:count], abs(v))
 
 
 def trial(ranges: Ranges) -> Trial:
