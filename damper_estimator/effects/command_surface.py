@@ -4,8 +4,8 @@
 
 f in N is the change at I_0 + d, with its curves for rebound and compression: zero at rest, straight between their knots
 and beyond the last. I the command in A, I_0 and d in A (settings). Without a command the force is zero. No state.
-Source: form-free counterpart of ``command_yield`` and ``command_gain``, as a characteristic field of force over velocity
-and current that makers of semi-active dampers publish (Savaresi et al. 2010).
+Source: form-free counterpart of ``command_yield`` and ``command_gain``: the field of force over velocity and current
+that makers of semi-active dampers publish (Savaresi et al. 2010).
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.direction_curve import over_speed
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, reference_commands
+from damper_estimator.effects.trial import Number, Ranges, Trial, changing_command, reference_commands
 from damper_estimator.signals.layout import COMMAND, V
 
 
@@ -35,7 +35,7 @@ def trial(ranges: Ranges) -> Trial:
     most = max(abs(value) for value in changing_command(ranges))
     first, *others = reference_commands(ranges)
     knots = tuple(share * ranges.speed for share in (0.03, 0.12, 0.4, 1.0))
-    values = {"speed": knots, "reference": first, "span": most}
+    values: dict[str, Number] = {"speed": knots, "reference": first, "span": most}
     return Trial(values, conditions=tuple({"reference": at} for at in (*others, 0.0)))
 
 

@@ -4,8 +4,9 @@
 
 f in N is the change at theta_0 + d, with its curves for rebound and compression: zero at rest, straight between their
 knots and beyond the last; f_0 in N is that of the gas. theta in deg C (measured), theta_0 and d in deg C and K
-(settings). Without a temperature the force is unchanged. No state. Source: form-free counterpart of ``temperature_gain``
-and ``viscosity_gain``: thin oil lowers the laminar part of the force, and hardly that of orifices (Dixon 2008).
+(settings). Without a temperature the force is unchanged. No state. Source: form-free counterpart of
+``temperature_gain`` and ``viscosity_gain``: thin oil lowers the laminar part of the force, and hardly that of orifices
+(Dixon 2008).
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.direction_curve import over_speed
-from damper_estimator.effects.trial import Ranges, Trial, changing_temperature, reference_temperatures
+from damper_estimator.effects.trial import Number, Ranges, Trial, changing_temperature, reference_temperatures
 from damper_estimator.signals.layout import TEMPERATURE, V
 
 
@@ -35,7 +36,7 @@ def trial(ranges: Ranges) -> Trial:
     low, high = changing_temperature(ranges)
     first, *others = reference_temperatures(ranges)
     knots = tuple(share * ranges.speed for share in (0.12, 0.4, 1.0))
-    values = {"speed": knots, "reference": first, "span": high - low}
+    values: dict[str, Number] = {"speed": knots, "reference": first, "span": high - low}
     return Trial(values, conditions=tuple({"reference": at} for at in others))
 
 
