@@ -1,6 +1,7 @@
 """Saved cases: recordings and user's model, so that a new diagnosis is judged without another simulation."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,9 @@ def save(folder: Path, name: str, kept: Kept) -> None:
                     kind = float if field.name == "time" else np.float32
                     arrays[f"{role}.{number}.{field.name}"] = values.astype(kind)
     de.save_model(kept.model, folder / f"{name}.yaml")
-    (folder / f"{name}.json").write_text(json.dumps({"facts": kept.facts, "chain": kept.chain.__dict__}))
+    names = {role: [samples.name for samples in several] for role, several in kept.recordings.items()}
+    content = {"facts": kept.facts, "chain": kept.chain.__dict__, "names": names}
+    (folder / f"{name}.json").write_text(json.dumps(content))
     partial = folder / f"{name}.part.npz"
     np.savez(partial, **arrays)
     partial.rename(folder / f"{name}.npz")
@@ -51,18 +54,18 @@ def saved(folder: Path, name: str) -> Kept | None:
         return None
     content = json.loads((folder / f"{name}.json").read_text())
     with np.load(place) as arrays:
-        recordings = {role: _samples(arrays, role) for role in RECORDINGS}
+        recordings = {role: _samples(arrays, role, content["names"][role]) for role in RECORDINGS}
     return Kept(content["facts"], Chain(**content["chain"]), recordings, load(folder / f"{name}.yaml"))
 
 
-def _samples(arrays: Any, role: str) -> tuple[Samples, ...]:
-    """The recordings of a role, in order."""
+def _samples(arrays: Any, role: str, names: Sequence[str]) -> tuple[Samples, ...]:
+    """The recordings of a role, in order. Their names matter: a model remembers which ones it was identified on."""
     by_number: dict[int, dict[str, np.ndarray]] = {}
     for key in arrays.files:
         saved_role, number, field = key.split(".")
         if saved_role == role:
             by_number.setdefault(int(number), {})[field] = arrays[key].astype(float)
     return tuple(
-        Samples(**{"name": f"{role} {number}", "temperature": None, "current": None, **by_number[number]})
+        Samples(**{"name": names[number], "temperature": None, "current": None, **by_number[number]})
         for number in sorted(by_number)
     )

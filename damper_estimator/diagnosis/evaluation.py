@@ -154,6 +154,14 @@ def evaluated(baseline: Baseline, hypotheses: Sequence[Hypothesis], mode: str) -
     return sorted(found, key=lambda hypothesis: hypothesis.score)
 
 
+def with_refitted(hypothesis: Hypothesis, left: Errors, without: Errors) -> Hypothesis:
+    """A hypothesis whose refit with the model leaves ``left``, where refitted errors rank."""
+    before = hypothesis.evaluation
+    drawn = gains(block_draws(without.blocks.size), left, without)
+    evaluation = Evaluation(before.kept, left, before.kept_gains, drawn, *_left(left, without))
+    return replace(hypothesis, evaluation=evaluation)
+
+
 def _left(errors: Errors, without: Errors) -> tuple[float, float]:
     """Shares of the squared error that are left, unseen and fit."""
     before = float(np.sum(without.fit**2))

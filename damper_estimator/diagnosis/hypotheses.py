@@ -17,6 +17,7 @@ from damper_estimator.effects.contract import Effect, number
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges, Trial, Untestable
 from damper_estimator.identification import LocalRows, Problem
+from damper_estimator.identification.row_sources import RowSource
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.selection import narrowed
 from damper_estimator.model import DamperModel, Element, Slot
@@ -39,6 +40,8 @@ class Hypothesis:
         excludes: says why the effect with fitted values is not what it represents; None if it always is.
         fit: its fitted parameters and what they change; None before the trial fit.
         evaluation: what is left with it on unseen data; None before.
+        joint: the model with it, all free parameters fitted together; None where the model's are kept, or refitted to
+            first order.
     """
 
     element: Element
@@ -48,6 +51,7 @@ class Hypothesis:
     conditions: Sequence[Mapping[str, float]] = ()
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
+    joint: DamperModel | None = None
 
     @property
     def effect(self) -> Effect:
@@ -98,8 +102,8 @@ class Hypothesis:
         return changed, tuple(i for i, slot in enumerate(changed.slots) if slot.entry == entry)
 
     def fitted_into(self, model: DamperModel) -> DamperModel:
-        """The model with the effect as the trial fit left it."""
-        return replace(self, element=self.fitted_element).added_to(model)[0]
+        """The model with the effect as its fit left it; ``joint`` where there is one, which is of the same model."""
+        return self.joint or replace(self, element=self.fitted_element).added_to(model)[0]
 
     def resumed(self, earlier: Hypothesis) -> Hypothesis:
         """To be fitted again: where it ended ``earlier``, if it had a part there, is a further start."""
@@ -120,6 +124,12 @@ class Hypothesis:
         """The least-squares problem of the effect's parameters, all others kept."""
         changed, free = self.added_to(model)
         return Problem(changed, LocalRows(rows), free, slots=self._slots(changed, free))
+
+    def joint_problem(self, model: DamperModel, source: RowSource) -> Problem:
+        """The least-squares problem of the effect's parameters and all free ones of the model."""
+        changed, own = self.added_to(model)
+        free = [i for i, slot in enumerate(changed.slots) if i in own or not slot.fixed]
+        return Problem(changed, source, free, slots=self._slots(changed, own))
 
     def _slots(self, model: DamperModel, free: Sequence[int]) -> tuple[Slot, ...]:
         label = model.slots[free[0]].address.rpartition(".")[0]

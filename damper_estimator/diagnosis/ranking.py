@@ -15,9 +15,11 @@ from damper_estimator.diagnosis.evaluation import (
     evaluated,
     evaluated_tests,
     rmse,
+    with_refitted,
     without_effects,
 )
 from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.joint_refit import jointly_refitted, needs_joint_refit
 from damper_estimator.diagnosis.phenomenon_scores import PhenomenonScore, probabilities, scores_of
 from damper_estimator.diagnosis.thresholds import limits
 
@@ -148,9 +150,14 @@ def _below(gain: float, required: float) -> str:
 def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str) -> Round:
     """Evaluates the fitted hypotheses of one round."""
     kept, refitted = without_effects(baseline)
+    hypotheses = evaluated(baseline, [hypothesis for hypothesis in fitted if not hypothesis.fit.hidden], mode)
+    if mode == "refit" and needs_joint_refit(baseline):
+        joint = {one.name: with_refitted(one, left, refitted) for one, left in jointly_refitted(baseline, hypotheses)}
+        together = (min(joint.get(one.name, one), one, key=lambda either: either.score) for one in hypotheses)
+        hypotheses = sorted(together, key=lambda one: one.score)
     return Round(
         baseline,
-        tuple(evaluated(baseline, [hypothesis for hypothesis in fitted if not hypothesis.fit.hidden], mode)),
+        tuple(hypotheses),
         tuple(hypothesis for hypothesis in fitted if hypothesis.fit.hidden),
         tuple(evaluated_tests(baseline, mode)),
         kept,

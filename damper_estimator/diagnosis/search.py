@@ -89,7 +89,9 @@ def search(
             found = _rounds("refit", start, tried, workers, progress)
     last = found.last
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
-    offsets = _hidden_by_the_zero(found.rounds[0], last.model, names_of(accepted))
+    # A refit with the zero freed leaves a mean of the model undetermined.
+    settled_model, names = (model, []) if found.mode == "refit" else (last.model, names_of(accepted))
+    offsets = _hidden_by_the_zero(found.rounds[0], settled_model, names)
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((_explained(one) for one in accepted), default=0.0)
     ahead, behind = ([one for one in offsets if (_explained(one) > most) == first] for first in (True, False))

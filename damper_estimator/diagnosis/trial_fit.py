@@ -83,7 +83,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0) ->
     return TrialFit(
         values=dict(list(walk(model.effects))[model.slots[free[0]].entry].parameters),
         settings=dict(hypothesis.element.settings),
-        at_bound=_at_bound(problem, vector),
+        at_bound=at_bound(problem, vector, problem.free),
         derivatives_fit=derivatives_fit,
         derivatives_unseen=derivatives_unseen,
         sizes=sizes,
@@ -145,7 +145,7 @@ def _fitted(problem: Problem, hypothesis: Hypothesis, data: DiagnosisData) -> np
     if not problem.searched.size:
         point = problem.point(start)
     else:
-        point, _ = refine(problem, start, _sizes(problem), iterations, _GAIN)
+        point, _ = refine(problem, start, sizes_of(problem), iterations, _GAIN)
     return problem.vector(point.searched, point.solved)
 
 
@@ -156,12 +156,12 @@ def sketched(problem: Problem, hypothesis: Hypothesis) -> Point | None:
     starts = hypothesis.start_points(problem)
     costs = np.array([problem.point(start).cost for start in starts])
     best = np.argsort(costs, kind="stable")[:_TRIED]
-    size = _sizes(problem)
+    size = sizes_of(problem)
     ends = [refine(problem, starts[i], size, _ITERATIONS, _GAIN)[0] for i in best if np.isfinite(costs[i])]
     return min(ends, key=lambda end: end.cost, default=None)
 
 
-def _sizes(problem: Problem) -> np.ndarray:
+def sizes_of(problem: Problem) -> np.ndarray:
     """(q,) magnitudes of the searched parameters; one that starts at zero has a share of its range."""
     _, size = start_sizes(problem, 0, 0)
     span = problem.upper[problem.searched] - problem.lower[problem.searched]
@@ -176,9 +176,10 @@ def sketch(rows: Sequence[Rows]) -> list[Rows]:
     return [part for part in LocalRows(rows).excerpts(_SKETCH, total).rows if part.picks.size > 2]
 
 
-def _at_bound(problem: Problem, vector: np.ndarray) -> tuple[str, ...]:
+def at_bound(problem: Problem, vector: np.ndarray, slots: Sequence[int]) -> tuple[str, ...]:
+    """Addresses of the parameters among ``slots`` that are at a limit of the problem."""
     names = []
-    for i in problem.free:
+    for i in slots:
         low, high = problem.lower[i], problem.upper[i]
         if min(vector[i] - low, high - vector[i]) <= 1e-6 * (high - low):
             names.append(problem.slots[i].address)

@@ -1,0 +1,94 @@
+"""Refits a model together with a missing effect, where derivatives at the old parameters do not show where that leads.
+
+A yield force that turns round smoothly, in place of a compliance that is missing, has to become steep again once the
+compliance is there: to first order about the smooth turn the compliance explains nothing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.diagnosis.baseline import Baseline
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
+from damper_estimator.diagnosis.evaluation import Errors, errors
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.trial_fit import at_bound, sizes_of, sketch
+from damper_estimator.identification import LocalRows, Point, Problem
+from damper_estimator.identification.methods.least_squares import refine
+from damper_estimator.model.element import walk
+
+_FIRST, _MORE, _FINISHING = 3, 12, 3  # iterations on excerpts, on them where it is worth it, and on all rows
+_WORTH = 1.5  # times the squared error of the best after the first iterations
+_GAIN = 1e-3
+
+
+@dataclass(frozen=True)
+class _Descent:
+    """A joint fit on excerpts.
+
+    Attributes:
+        few: the problem on excerpts.
+        end: where it stands.
+    """
+
+    hypothesis: Hypothesis
+    few: Problem
+    end: Point
+
+
+def needs_joint_refit(baseline: Baseline) -> bool:
+    """Whether a refit moves parameters in which the model's force is not linear."""
+    model = baseline.model
+    free = [i for i, slot in enumerate(model.slots) if not slot.fixed]
+    return bool(free) and bool(Problem(model, LocalRows(sketch(baseline.data.fit)), free).searched.size)
+
+
+def jointly_refitted(baseline: Baseline, hypotheses: Sequence[Hypothesis]) -> list[tuple[Hypothesis, Errors]]:
+    """The best effect of each phenomenon, fitted with all free parameters of the model, and what is left then.
+
+    Args:
+        hypotheses: evaluated, best first. Those that explain far less than others are not among the results.
+    """
+    best: dict[str, Hypothesis] = {}
+    for hypothesis in hypotheses:
+        best.setdefault(hypothesis.phenomenon, hypothesis)
+    rows = LocalRows(sketch(baseline.data.fit))
+    begun = [_begun(baseline, hypothesis, rows) for hypothesis in best.values()]
+    least = min((descent.end.cost for descent in begun), default=np.inf)
+    promising = [descent for descent in begun if descent.end.cost <= _WORTH * least and np.isfinite(descent.end.cost)]
+    found = (_finished(baseline, descent) for descent in promising)
+    return [one for one in found if one is not None]
+
+
+def _begun(baseline: Baseline, hypothesis: Hypothesis, rows: LocalRows) -> _Descent:
+    """From the values of the trial fit, or those that it started from, whichever leads further."""
+    starts = replace(hypothesis, element=hypothesis.fitted_element), hypothesis
+    problems = [one.joint_problem(baseline.model, rows) for one in starts]
+    ends = [_descended(problem, problem.start, _FIRST) for problem in problems]
+    return min((_Descent(hypothesis, *pair) for pair in zip(problems, ends, strict=True)), key=lambda one: one.end.cost)
+
+
+def _finished(baseline: Baseline, descent: _Descent) -> tuple[Hypothesis, Errors] | None:
+    """On excerpts to the end, and from there on all rows; None where the model's force does not stay finite."""
+    data, hypothesis = baseline.data, descent.hypothesis
+    near = _descended(descent.few, descent.end.searched, _MORE)
+    problem = descent.few.on(LocalRows(data.fit))
+    end = _descended(problem, near.searched, _FINISHING)
+    if not np.isfinite(end.cost):
+        return None
+    vector = problem.vector(end.searched, end.solved)
+    joint = problem.model_at(vector)
+    left = [force_rows(joint, rows) - targets(rows) for rows in (data.fit, data.unseen)]
+    if not np.isfinite(np.concatenate(left)).all():
+        return None
+    _, own = hypothesis.added_to(baseline.model)
+    values = dict(list(walk(joint.effects))[joint.slots[own[0]].entry].parameters)
+    fit = replace(hypothesis.fit, values=values, at_bound=at_bound(problem, vector, own))
+    return replace(hypothesis, fit=fit, joint=joint), errors(data.blocks, *left)
+
+
+def _descended(problem: Problem, start: np.ndarray, iterations: int) -> Point:
+    if not problem.searched.size:
+        return problem.point(start)
+    return refine(problem, start, sizes_of(problem), iterations, _GAIN)[0]
