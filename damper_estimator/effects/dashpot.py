@@ -2,8 +2,8 @@
 
     F = c d',      F = F_path(x - d, v - d')
 
-c in N s/m, d in m. Solved implicitly, backward Euler: first order in the step. On the first sample after a reset it is
-a stiff spring, so that d starts near zero. Source: Spencer et al. 1997, eq. (12), the dashpot c1.
+c in N s/m, d in m. Solved implicitly, second order in the step (``model.chain``). On the first sample after a reset
+it is a stiff spring, so that d starts near zero. Source: Spencer et al. 1997, eq. (12), the dashpot c1.
 """
 
 from damper_estimator.compiled import compiled
@@ -35,7 +35,7 @@ EFFECT = Effect(
     kind="series",
     phenomenon="hysteresis",
     parameters=(Parameter("damping", "N s/m", 3e4, 100.0, 1e8, "rate of the dashpot"),),
-    order=1,
+    order=2,
     shows="the force rounds off at low velocity, after each reversal and before it",
     separate="the same amplitude at two low frequencies",
     trial=trial,

@@ -2,9 +2,9 @@
 
     F = k (|d| - g / 2) sgn(d)  beyond the play,      F = k_0 d  within it,      F = F_path(v - d')
 
-k in N/m, g in m the total play, d in m. k_0 = k / 1000 keeps the joint's position defined within the play.
-Solved implicitly, backward Euler: first order in the step. Source: dead zone in series; the lost motion at the
-reversals of bench recordings.
+k in N/m, g in m the total play, d in m. k_0 = k / 1000 keeps the joint's position defined within the play. Solved
+implicitly (``model.chain``); first order in the step where the force has a kink. Source: dead zone in series; the lost
+motion at the reversals of bench recordings.
 """
 
 from damper_estimator.compiled import compiled

@@ -3,7 +3,7 @@
     F = k_r d  for d > 0,      k_c d  for d <= 0,      F = F_path(v - d')
 
 k in N/m, d in m the deflection. A monotube's two chambers differ in volume and so in stiffness. Solved
-implicitly, backward Euler: first order in the step, stable for any stiffness. Source: Maxwell element; Lang
+implicitly, second order in the step (``model.chain``), stable for any stiffness. Source: Maxwell element; Lang
 1977.
 """
 
@@ -38,7 +38,7 @@ EFFECT = Effect(
         Parameter("stiffness_rebound", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in rebound"),
         Parameter("stiffness_compression", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in compression"),
     ),
-    order=1,
+    order=2,
     shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",
     separate="impedance of the mount alone; two temperatures (rubber softens, oil hardly)",
     trial=trial,

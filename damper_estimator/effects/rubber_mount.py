@@ -2,7 +2,7 @@
 
     F = k d + c d',      F = F_path(v - d')
 
-k in N/m, c in N s/m, d in m. Solved implicitly, backward Euler: first order in the step. Source: Kelvin-Voigt
+k in N/m, c in N s/m, d in m. Solved implicitly, second order in the step (``model.chain``). Source: Kelvin-Voigt
 element.
 """
 
@@ -36,7 +36,7 @@ EFFECT = Effect(
         Parameter("stiffness", "N/m", 1e6, 5e4, 1e9, "stiffness of the mount"),
         Parameter("loss", "N s/m", 500.0, 0.0, 1e5, "damping of the mount"),
     ),
-    order=1,
+    order=2,
     shows="the F-v loop opens with frequency, equally in rebound and compression",
     separate="repeat the test with a solid joint, or measure the mount alone",
     trial=trial,

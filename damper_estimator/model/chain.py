@@ -4,12 +4,14 @@ Every entry of a model becomes one operation on registers: forces (one per path)
 private copy for each path that changes it). A chain with a series effect runs sample by sample: the deflection d of the
 compliance in front of a path solves
 
-    F_compliance(d, r) = F_path(v - r),      r = (d - d_before) / dt      (backward Euler; r = 0 on the first sample)
+    F_compliance(d, r) = F_path(v - r),      r = D + w (D - D_before),      D = (d - d_before) / dt
 
-The left side rises with d and the right side falls, so the root is unique. The search starts from the last rate and the
-last slope, continues with secants and bisects if a secant leaves the bracket or closes it slowly. Kernels are called
-by their addresses, and so are the loops: compiled once for all models and callers. Modifiers that scale the compliance
-act on its force, with the input motion of the series: command, temperature and position of the damper.
+with w = dt / (dt + dt_before), at most 0.7: the backward differentiation formula of second order for uneven steps (Gear
+1971), stable for any stiffness; w = 0 (backward Euler) on the first step, r = 0 on the first sample. The left side
+rises with d and the right side falls, so the root is unique. The search starts from the last rate and the last slope,
+continues with secants and bisects if a secant leaves the bracket or closes it slowly. Kernels are called by their
+addresses, and so are the loops: compiled once for all models and callers. Modifiers that scale the compliance act on
+its force, with the input motion of the series: command, temperature and position of the damper.
 """
 
 import numpy as np
@@ -23,9 +25,10 @@ RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE = range(6)
 # and of its parent, and its range of the parameters, settings and states.
 CODE, KERNEL, PARTNER, MOTION, MOTION_UP, FORCE, FORCE_UP, P0, P1, S0, S1, Z0, Z1 = range(13)
 COLUMNS = 13
-# The states of a series operation precede those of its kernel: deflection, its rate, and the slope of the imbalance.
-DEFLECTION, RATE, SLOPE = range(3)
-SERIES_STATES = 3
+# The states of a series operation precede those of its kernel: deflection, its mean rate over the last step, the length
+# of that step, and the slope of the imbalance.
+DEFLECTION, RATE, STEP, SLOPE = range(4)
+SERIES_STATES = 4
 # Columns of a solver's row: the trial deflection, the point before it, and the bracket.
 TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
 SOLVER_COLUMNS = 6
@@ -33,6 +36,7 @@ _TOLERANCE = 1e-9  # of the force, and times 100 N
 _ITERATIONS = 80
 _CLOSED = 1e-15  # m, width of a bracket at which the search ends
 _START_SLOPE = 1e6  # N/m, for the first step
+_MOST_AHEAD = 0.7  # w: the formula is stable for steps that grow by up to 2.4
 
 
 @compiled
@@ -202,14 +206,23 @@ def _try_deflection(table, j, given, motions, force, saved, solver):
     for k in range(given.shape[0]):
         inner[k, 0] = given[k, 0]
     inner[X, 0] = given[X, 0] - solver[TRIAL]
-    inner[V, 0] = given[V, 0] - _rate(given, saved[table[j, Z0]], solver[TRIAL])
+    inner[V, 0] = given[V, 0] - _rate(given[DT, 0], saved, table[j, Z0], solver[TRIAL])
     force[table[j, FORCE], 0] = 0.0
 
 
 @inlined
-def _rate(given, before, deflection):
-    """Rate of the deflection over this step, m/s."""
-    return (deflection - before) / given[DT, 0] if given[DT, 0] > 0.0 else 0.0
+def _mean_rate(step, saved, first, deflection):
+    """Mean rate of the deflection over this step, m/s."""
+    return (deflection - saved[first + DEFLECTION]) / step if step > 0.0 else 0.0
+
+
+@inlined
+def _rate(step, saved, first, deflection):
+    """Rate of the deflection at the end of this step, m/s, from this step and the one before."""
+    mean, before = _mean_rate(step, saved, first, deflection), saved[first + STEP]
+    if step <= 0.0 or before <= 0.0:
+        return mean
+    return mean + min(step / (step + before), _MOST_AHEAD) * (mean - saved[first + RATE])
 
 
 @inlined
@@ -228,7 +241,7 @@ def _advance_series(
     for k in range(given.shape[0]):
         deflected[k, 0] = given[k, 0]
     deflected[X, 0] = solver[TRIAL]
-    deflected[V, 0] = _rate(given, saved[first], solver[TRIAL])
+    deflected[V, 0] = _rate(given[DT, 0], saved, first, solver[TRIAL])
     deflected[A, 0] = 0.0
     compliance[0] = 0.0
     call_kernel(
@@ -248,7 +261,8 @@ def _advance_series(
     deflection, g = solver[TRIAL], compliance[0] - path_force
     if _balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope):
         state[first + DEFLECTION] = deflection
-        state[first + RATE] = deflected[V, 0]
+        state[first + RATE] = _mean_rate(given[DT, 0], saved, first, deflection)
+        state[first + STEP] = given[DT, 0]
         state[first + SLOPE] = _secant_slope(solver, deflection, g, slope)
         force[table[begin, FORCE_UP], 0] += path_force
         if mark.shape[0] > 0:
