@@ -30,7 +30,7 @@ from damper_estimator.diagnosis.explanation import (
     ranking_of,
 )
 from damper_estimator.diagnosis.informative import stretches_used
-from damper_estimator.diagnosis.misfit import has_grown, misfit_of, without_misfit
+from damper_estimator.diagnosis.misfit import has_grown, misfit_of, probability_of_change, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import Diagnosis, Structure
 from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
@@ -129,20 +129,24 @@ def _searched(
         for source in (data, news)
     )
     leaves_news = known is None or known.leaves_news(left / force)
-    error = max(whole, state.rmse_fit_n, state.rmse_unseen_n)  # the last two with the gauge's zero
-    # The more speaks for something new, the smaller the error that is still usual.
-    signs = int(leaves_news) + int(has_grown(state.model, error / force))
-    bound = (limits().usual, limits().acceptable, 0.0)[signs]
-    if mode == "both" and error < bound * force and not state.is_identified_here:
+    error = max(whole, state.rmse_fit_n, state.rmse_unseen_n) / force  # the last two with the gauge's zero
+    asks_for_change = mode == "both" and not state.is_identified_here
+    if asks_for_change:
+        change = probability_of_change(state.model, error)
+        data, news = replace(data, change=change), replace(news, change=change)
+    grown = has_grown(state.model, error)
+    # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
+    bound = limits().usual if not grown else 0.0 if leaves_news else limits().acceptable
+    is_usual = asks_for_change and error < bound
+    is_accounted_for = known is not None and left**2 < limits().accounted * whole**2
+    if is_accounted_for and left > limits().least_force * force and leaves_news:
+        found = search(
+            state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
+        )
+        if found.accepted:
+            return found, news
+    if is_usual:
         return surveyed(state.model, data, skip, workers, progress), data
-    if known is not None:
-        is_accounted_for = left**2 < limits().accounted * whole**2
-        if is_accounted_for and left > limits().least_force * force and leaves_news:
-            found = search(
-                state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
-            )
-            if found.accepted:
-                return found, news
     here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data
 

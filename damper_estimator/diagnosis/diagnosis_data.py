@@ -37,12 +37,14 @@ class DiagnosisData:
         fit, unseen: rows that parameters are fitted to, and rows that explanations are judged on.
         blocks: (r,) int, the block of each unseen row.
         ranges: what the recordings drive.
+        change: probability that something has changed since the model was identified; 1 where that is not asked.
     """
 
     fit: tuple[Rows, ...]
     unseen: tuple[Rows, ...]
     blocks: np.ndarray
     ranges: Ranges
+    change: float = 1.0
 
     @cached_property
     def force_rms(self) -> float:

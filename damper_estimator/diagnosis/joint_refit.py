@@ -21,6 +21,7 @@ from damper_estimator.model.element import walk
 _FIRST, _MORE, _FINISHING = 3, 12, 3  # iterations on excerpts, on them where it is worth it, and on all rows
 _WORTH = 1.5  # times the squared error of the best after the first iterations
 _GAIN = 1e-3
+_MOST = 14  # parameters that are searched: more take too long, and a first-order refit has to do
 
 
 @dataclass(frozen=True)
@@ -54,17 +55,20 @@ def jointly_refitted(baseline: Baseline, hypotheses: Sequence[Hypothesis]) -> li
     for hypothesis in hypotheses:
         best.setdefault(hypothesis.phenomenon, hypothesis)
     rows = LocalRows(sketch(baseline.data.fit))
-    begun = [_begun(baseline, hypothesis, rows) for hypothesis in best.values()]
+    begun = [descent for one in best.values() if (descent := _begun(baseline, one, rows)) is not None]
     least = min((descent.end.cost for descent in begun), default=np.inf)
     promising = [descent for descent in begun if descent.end.cost <= _WORTH * least and np.isfinite(descent.end.cost)]
     found = (_finished(baseline, descent) for descent in promising)
     return [one for one in found if one is not None]
 
 
-def _begun(baseline: Baseline, hypothesis: Hypothesis, rows: LocalRows) -> _Descent:
-    """From the values of the trial fit, or those that it started from, whichever leads further."""
+def _begun(baseline: Baseline, hypothesis: Hypothesis, rows: LocalRows) -> _Descent | None:
+    """From the values of the trial fit, or those that it started from, whichever leads further; None if that takes too
+    long."""
     starts = replace(hypothesis, element=hypothesis.fitted_element), hypothesis
     problems = [one.joint_problem(baseline.model, rows) for one in starts]
+    if problems[0].searched.size > _MOST:
+        return None
     ends = [_descended(problem, problem.start, _FIRST) for problem in problems]
     return min((_Descent(hypothesis, *pair) for pair in zip(problems, ends, strict=True)), key=lambda one: one.end.cost)
 

@@ -33,6 +33,7 @@ _FIRST = 0.6  # of each recording
 _DIGITS = 5
 _SAMPLES = 100_000  # of long recordings, in excerpts
 _EXCERPT = 20.0  # s
+_CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
 KEY = "misfit"
 
 
@@ -103,6 +104,24 @@ def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool
     then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
     then = then_n / force_n if force_n else float("nan")
     return is_larger(error, then) if np.isfinite(then) else if_unknown
+
+
+def probability_of_change(model: DamperModel, error: float) -> float:
+    """That something has changed since a model was identified, from its error now, share of the force's rms; 1 if the
+    error then is unknown.
+
+    Without a change the ratio g of the squared errors is log-normal about its usual value; a change of any size makes
+    ln g uniform over some range. Both are equally probable beforehand:
+
+        P = 1 / (1 + range / (s sqrt(2 pi)) exp(-(ln g / g_0)^2 / (2 s^2)))      for g > g_0
+    """
+    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
+    if not (then_n > 0.0 and force_n > 0.0):
+        return 1.0
+    spread = np.log(limits().growth)
+    above = max(np.log(max(error, 1e-12) ** 2 / (then_n / force_n) ** 2 / limits().usual_growth), 0.0)
+    unchanged = _CHANGES / (spread * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * (above / spread) ** 2)
+    return float(1.0 / (1.0 + unchanged))
 
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:

@@ -134,11 +134,13 @@ class Round:
     def confidence(self, hypothesis: Hypothesis) -> float:
         """Probability that its phenomenon, or one that is tied with it, is what is missing.
 
-        It includes that the true phenomenon is among those that were tried, with forms that resemble the damper's: on
-        dampers of other physics that falls with what the best effect leaves unexplained.
+        It includes that something has changed at all, and that the true phenomenon is among those that were tried, with
+        forms that resemble the damper's: on dampers of other physics that falls with what the best effect leaves
+        unexplained.
         """
         form = np.clip(limits().form_share * self.gain(hypothesis)[0], 0.0, limits().form_right)
-        return float(form) * self.probability((hypothesis.phenomenon, *self.tied(hypothesis)))
+        group = (hypothesis.phenomenon, *self.tied(hypothesis))
+        return float(form) * self.baseline.data.change * self.probability(group)
 
 
 def _below(gain: float, required: float) -> str:
@@ -147,11 +149,13 @@ def _below(gain: float, required: float) -> str:
     return text if int(text) < round(100.0 * required) else f"{np.floor(1000.0 * gain) / 10.0:.1f}"
 
 
-def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str) -> Round:
-    """Evaluates the fitted hypotheses of one round."""
+def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str, jointly: bool = False) -> Round:
+    """Evaluates the fitted hypotheses of one round; ``jointly`` refits the model with the best ones, where that is more
+    than a first-order refit.
+    """
     kept, refitted = without_effects(baseline)
     hypotheses = evaluated(baseline, [hypothesis for hypothesis in fitted if not hypothesis.fit.hidden], mode)
-    if mode == "refit" and needs_joint_refit(baseline):
+    if jointly and needs_joint_refit(baseline):
         joint = {one.name: with_refitted(one, left, refitted) for one, left in jointly_refitted(baseline, hypotheses)}
         together = (min(joint.get(one.name, one), one, key=lambda either: either.score) for one in hypotheses)
         hypotheses = sorted(together, key=lambda one: one.score)

@@ -82,7 +82,7 @@ def search(
     error = rmse(start, without_effects(start)[0])
     may_refit = mode == "both" and not trusted and error > limits().poor * data.force_rms
     if may_refit and is_identified_here:
-        found = _rounds("refit", start, tried, workers, progress)
+        found = _rounds("refit", start, tried, workers, progress, jointly=True)
     else:
         found = _rounds(mode, start, tried, workers, progress)
         if may_refit and not found.accepted:
@@ -119,8 +119,15 @@ def _tried(model: DamperModel, data: DiagnosisData, skip: Collection[str]) -> tu
     return [hypothesis for hypothesis in found if hypothesis.name not in skip], untestable
 
 
-def _rounds(mode: str, start: Baseline, tried: Sequence[Hypothesis], workers: int, progress: Progress) -> _Pass:
-    """One pass: rounds in one mode from the same start."""
+def _rounds(
+    mode: str,
+    start: Baseline,
+    tried: Sequence[Hypothesis],
+    workers: int,
+    progress: Progress,
+    jointly: bool = False,
+) -> _Pass:
+    """One pass: rounds in one mode from the same start; ``jointly`` as in ``round_of``."""
     data, current = start.data, start
     rounds: list[Round] = []
     accepted: list[Accepted] = []
@@ -128,7 +135,7 @@ def _rounds(mode: str, start: Baseline, tried: Sequence[Hypothesis], workers: in
         # Next to effects that were found, one that explains nothing while they stay as they are may matter.
         worth = 0.0 if mode == "refit" or accepted else _WORTH
         fitted = all_fitted(current, tried, worth, workers, _report(progress, len(accepted), len(tried)))
-        found = round_of(current, fitted, mode)
+        found = round_of(current, fitted, mode, jointly)
         rounds.append(found)
         best = _supported(found, rounds[0])
         report = _report(progress, len(accepted), 2 * len(tried))

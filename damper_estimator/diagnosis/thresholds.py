@@ -112,6 +112,12 @@ class Thresholds:
         "an error is new if it is larger than when the model was identified",
         "without any change the errors on recordings of one damper differ by up to as much",
     )
+    usual_growth: float = _threshold(
+        1.5,
+        "times the squared error",
+        "the error on other recordings than those of the identification, if nothing has changed",
+        "median of unchanged dampers in make bench-diagnosis",
+    )
     poor: float = _threshold(
         0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
     )

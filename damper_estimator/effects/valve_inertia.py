@@ -18,7 +18,8 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         v = kinematics[V, i]
         mass = parameters[0] if v > 0.0 else parameters[1]
-        share = (abs(v) / parameters[2]) ** 8
+        square = (v / parameters[2]) * (v / parameters[2])
+        share = square * square * (square * square)
         force[i] += mass * kinematics[A, i] * (share / (1.0 + share))
 
 
