@@ -138,7 +138,8 @@ class Round:
         forms that resemble the damper's: on dampers of other physics that falls with what the best effect leaves
         unexplained.
         """
-        form = np.clip(limits().form_share * self.gain(hypothesis)[0], 0.0, limits().form_right)
+        explained = 1.0 - hypothesis.evaluation.error
+        form = np.clip(limits().form_share * explained, 0.0, limits().form_right)
         group = (hypothesis.phenomenon, *self.tied(hypothesis))
         return float(form) * self.baseline.data.change * self.probability(group)
 

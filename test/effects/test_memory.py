@@ -37,7 +37,7 @@ def test_error_falls_with_the_step_at_least_as_the_declared_order_says(name):
     """
     effect = find_effect(name)
     base = make_element(find_effect("linear_viscous"))
-    values = {"linear_viscous": {}, "cavitation_limit": {"limit": 200.0}}.get(name, {})
+    values = {"cavitation_limit": {"limit": 200.0}, "maxwell_slip": {"force": (50.0, 80.0, 30.0)}}.get(name, {})
     element = make_element(effect, values, (base,) if effect.kind == "series" else ())
     effects = {
         "input": (element, make_element(find_effect("semi_active_squash")), base),
