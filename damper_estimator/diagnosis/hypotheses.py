@@ -109,7 +109,7 @@ class Hypothesis:
         """To be fitted again: where it ended ``earlier``, if it had a part there, is a further start."""
         fit = earlier.fit
         if fit.hidden or not np.any(fit.change_fit):
-            return replace(self, fit=None, evaluation=None)
+            return replace(self, fit=None, evaluation=None, joint=None)
         given = {name: value for name, value in self.element.parameters.items() if np.ndim(value) == 0}
         return replace(
             self,
@@ -118,6 +118,7 @@ class Hypothesis:
             conditions=(),
             fit=None,
             evaluation=None,
+            joint=None,
         )
 
     def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:

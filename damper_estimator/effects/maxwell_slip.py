@@ -35,7 +35,8 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """Travels beyond those of seals, which are friction; what slides within a part of the stroke only."""
     longest = 0.25 * ranges.stroke
-    travels = tuple(travel for travel in (8e-4, 2e-3, 5e-3) if travel < longest) or (longest,)
+    travels = tuple(travel for travel in (8e-4, 2e-3, 5e-3) if travel < longest)
+    travels = travels if len(travels) > 1 else (0.4 * longest, longest)
     return Trial({"travel": travels, "force": (0.0,) * len(travels)})
 
 

@@ -8,7 +8,7 @@ from faults import changed, halves
 
 from damper_estimator.diagnosis import diagnose, with_misfit
 from damper_estimator.diagnosis.apply_finding import state_of
-from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, without_misfit
+from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, probability_of_change, without_misfit
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model, parse_model
 from damper_estimator.model.model_files import model_yaml
@@ -84,3 +84,14 @@ def test_what_came_since_is_found_beneath_a_larger_old_error(rough):
     found = diagnose(model, [fitted], [unseen])
     assert found.verdict == "missing"
     assert found.findings[0].phenomenon == "inertia"
+
+
+def test_the_more_an_error_has_grown_the_more_probable_is_a_change(rough):
+    model, _, _ = rough
+    share = model.fit["residual_stddev"] / model.fit["force_rms"]
+    growths = np.array([0.2, 1.0, 1.5, 2.0, 4.0, 8.0, 20.0])
+    chances = [probability_of_change(model, share * np.sqrt(growth)) for growth in growths]
+    assert chances == sorted(chances) and chances[0] == chances[2] > 0.0
+    # Twice the squared error is no news, twenty times is.
+    assert chances[3] < 0.5 and chances[-1] > 0.99
+    assert probability_of_change(replace(model, fit={}), 0.01) == 1.0

@@ -24,7 +24,9 @@ def searched(noisy, monkeypatch):
         start = replace(noisy, residual_fit=scale * noisy.residual_fit, residual_unseen=scale * noisy.residual_unseen)
         passes = []
 
-        def rounds(mode, start, hypotheses, workers, progress):
+        def rounds(mode, start, hypotheses, workers, progress, jointly=False):
+            # Only a model that was identified here has parameters that hide what is missing.
+            assert jointly == (mode == "refit" and here)
             current = rounded(start, tried(start, "coulomb", 0.9), mode=mode)
             accepted = [accepted_in(current, current.best)] if mode in found else []
             changed = current.best.fitted_into(start.model) if accepted else start.model
