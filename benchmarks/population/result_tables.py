@@ -106,6 +106,10 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
     return {
         "false alarms, nothing hidden": share([alarm(one) for one in nothing]),
         "... on real recordings": share([alarm(one) for one in nothing if one["kind"] == "real"]),
+        "an effect named, nothing hidden": share([bool(one["findings"]) for one in nothing]),
+        "... on real recordings with their best model": share(
+            [bool(one["findings"]) for one in nothing if one["kind"] == "real"]
+        ),
         "both of two named by diagnose": share([both(one) for one in pair]),
         "... added by improve": share([both_added(one) for one in pair if "steps" in one]),
         "... of those that act against each other, named": share([both(one) for one in against]),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from test_physics import entry, force, motion
 
+from damper_estimator.effects.discovery import find_effect
 from damper_estimator.signals.layout import TEMPERATURE
 
 TABLE = dict(speed=[0.1, 0.5], middle=0.0, reach=0.02)
@@ -101,3 +102,26 @@ def test_a_compliance_hardly_depends_on_the_rate(rate):
     at, coarse = run(rate)
     error = coarse[at > 0.2] - np.interp(at[at > 0.2], time, fine)
     assert np.abs(error).max() < 0.01 * np.abs(fine).max()
+
+
+def test_filled_rubber_builds_up_half_of_its_friction_over_its_travel_and_masing_doubles_the_loop():
+    values = dict(stiffness=1e6, dry=100.0, travel=1e-4)
+    d = np.concatenate([[0.0], np.linspace(0.0, 0.05, 2000)[1:], np.linspace(0.05, 0.0, 2000)[1:]])
+    # The effect's own force over its deflection: a path so stiff that all motion goes into the mount.
+    kernel = find_effect("filled_rubber").kernel
+    found, state = np.zeros(d.size), np.zeros(5)
+    kernel(np.array(list(values.values())), np.zeros(0), motion(x=d), state, found)
+    friction = found - 1e6 * d
+    rising, falling = d[:2000], np.abs(d[2000:] - 0.05)
+    assert np.interp(1e-4, rising, friction[:2000]) == pytest.approx(50.0, rel=0.02)
+    assert friction[1999] == pytest.approx(100.0, rel=0.01)
+    # From full friction the other way: half of the change of 200 N over twice the travel.
+    assert np.interp(2e-4, falling, friction[2000:]) == pytest.approx(0.0, abs=3.0)
+
+
+def test_filled_rubber_loses_energy_in_every_cycle():
+    v = 0.3 * np.sin(30.0 * np.arange(0.0, 2.0, 1e-3))
+    plain = behind("oil_spring", v, stiffness_rebound=2e6, stiffness_compression=2e6)
+    filled = behind("filled_rubber", v, stiffness=2e6, dry=200.0, travel=5e-5)
+    assert np.isfinite(filled).all() and np.abs(filled - plain).max() > 5.0
+    assert np.sum(filled * v) > 0.0
