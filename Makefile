@@ -10,7 +10,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export DAMPER_TEST_ROS := required
 
 .DEFAULT_GOAL := help
-.PHONY: help env test check format demo pictures bench bench-diagnosis bench-recordings bench-plan bench-parameters bench-hidden real-data bench-node soak fuzz man package clean
+.PHONY: help env test check format demo pictures bench bench-diagnosis bench-sensitivity bench-recordings bench-plan bench-parameters bench-hidden real-data bench-node soak fuzz man package clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1|\2/' | column -t -s '|'
@@ -48,13 +48,16 @@ real-data: env ## the tables of docs/real_data.md, if the recordings are availab
 	@$(BIN)/python benchmarks/real_data.py -o docs/real_data.md
 
 bench: env ## measure speed and print it, 20 minutes (bench-node: the full bars of the node)
-	@for file in $(filter-out %/bench_diagnosis.py %/bench_hidden.py %/bench_plan.py %/bench_parameters.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
+	@for file in $(filter-out %/bench_diagnosis.py %/bench_hidden.py %/bench_plan.py %/bench_parameters.py %/bench_sensitivity.py,$(wildcard benchmarks/bench_*.py)); do $(BIN)/python $$file || exit 1; done
 
 bench-node: env ## the node against a relay at full length: 60 s, five rounds, 25 minutes on a quiet machine
 	@$(BIN)/python benchmarks/bench_node.py --full
 
 bench-diagnosis: env ## hide effects in 150 randomly drawn dampers and check whether they are found (FULL=1: 600)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_diagnosis.py -o docs/diagnosis_bench.md
+
+bench-sensitivity: env ## the names of a run of bench-diagnosis with every threshold of the ranking at -30 and +30 % (SEED=its seed)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/bench_sensitivity.py --seed $(SEED) -o docs/diagnosis_bench.md
 
 bench-recordings: env ## every verb on real recordings, whole and in windows: no traceback, no contradiction (FULL=1: all)
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/every_recording.py $(RECORDINGS)

@@ -4,11 +4,10 @@ from pathlib import Path
 
 from damper_estimator import files
 
-BEGIN, END = "<!-- tables -->", "<!-- end of tables -->"
 
-
-def write_tables(page: Path, text: str) -> None:
-    """Writes the tables between the page's marks and keeps the rest."""
+def write_tables(page: Path, text: str, name: str = "tables") -> None:
+    """Writes the tables between the page's marks of that name and keeps the rest."""
+    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
     content = page.read_text(encoding="utf-8") if page.exists() else ""
-    before, _, rest = content.partition(BEGIN)
-    files.write_text(page, f"{before}{BEGIN}\n\n{text}\n\n{END}{rest.partition(END)[2] or chr(10)}")
+    before, _, rest = content.partition(begin)
+    files.write_text(page, f"{before}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2] or chr(10)}")

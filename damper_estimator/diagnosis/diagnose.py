@@ -77,7 +77,7 @@ def diagnose(
     report("reading the model's error", 0.0)
     given = begun(model, fit, unseen)
     state = identified_first(given, mode)
-    found, data = _searched(state, mode, skip, workers, lambda text, share: report(text, 0.05 + 0.75 * share))
+    found, data = first_search(state, mode, skip, workers, lambda text, share: report(text, 0.05 + 0.75 * share))
     is_usual = found.is_survey
     report("identifying the parameters of the model", 0.8)
     again = reidentified(found.rounds[0], data) if mode != "kept" and not is_usual else None
@@ -112,12 +112,16 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     return state_of(model, fit, unseen)
 
 
-def _searched(
-    state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Callable[[str, float], None]
+def first_search(
+    state: ModelState,
+    mode: str,
+    skip: Collection[str] = (),
+    workers: int = 1,
+    progress: Callable[[str, float], None] = lambda text, share: None,
 ) -> tuple[Search, DiagnosisData]:
-    """What was found, and on which recordings: without the error that the model had when it was identified, if that
-    accounts for part of the error and leaves more than it did then; otherwise as measured. An acceptable error that the
-    model has always had is surveyed only.
+    """What was found before it is added to the model, and on which recordings: without the error that the model had
+    when it was identified, if that accounts for part of the error and leaves more than it did then; otherwise as
+    measured. A usual error that the model has always had is surveyed only.
     """
     data = data_of(state.model, state.fit_part, state.unseen_part)
     known = misfit_of(state.model.fit)
