@@ -97,13 +97,13 @@ class Thresholds:
     acceptable: float = _threshold(
         0.07,
         _FORCE,
-        "an error that has not grown since the identification is reported only above it",
+        "an error that has grown, but that the model's known error accounts for, is reported only above it",
         "published models leave 4 to 10 % of the force",
     )
     usual: float = _threshold(
         0.12,
         _FORCE,
-        "an error that has not grown, and that the model's known error accounts for, is reported only above it",
+        "an error that has not grown since the identification is reported only above it",
         "models of dampers that nobody has modelled before leave as much",
     )
     growth: float = _threshold(

@@ -51,7 +51,7 @@ EFFECT = Effect(
         Parameter("compression", *_TABLE, "change in compression", linear=True, size="speed"),
     ),
     settings=(
-        Setting("speed", "m/s", (0.02, 0.05, 0.2, 0.5), "knots over the speed", lower=1e-4, increasing=True),
+        Setting("speed", "m/s", (0.02, 0.05, 0.2, 0.5), "knots over the speed", lower=1e-6, increasing=True),
         Setting("reference", "A", 0.0, "command at which the model holds", lower=0.0, upper=1e3),
         Setting("span", "A", 1.0, "change of the command that the parameters refer to", lower=1e-3),
     ),

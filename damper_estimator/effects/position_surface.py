@@ -52,7 +52,7 @@ EFFECT = Effect(
         Parameter("compressed_compression", *_TABLE, "the same in compression", linear=True, size="speed"),
     ),
     settings=(
-        Setting("speed", "m/s", (0.05, 0.2, 0.5), "knots over the speed", lower=1e-4, increasing=True),
+        Setting("speed", "m/s", (0.05, 0.2, 0.5), "knots over the speed", lower=1e-6, increasing=True),
         Setting("middle", "m", 0.0, "position at which the model holds"),
         Setting("reach", "m", 0.05, "from there to the ends", lower=1e-4),
     ),

@@ -53,7 +53,7 @@ EFFECT = Effect(
         Parameter("compression", *_TABLE, "change in compression", linear=True, size="speed"),
     ),
     settings=(
-        Setting("speed", "m/s", (0.05, 0.2, 0.5), "knots over the speed", lower=1e-4, increasing=True),
+        Setting("speed", "m/s", (0.05, 0.2, 0.5), "knots over the speed", lower=1e-6, increasing=True),
         Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),
         Setting("span", "K", 20.0, "change of temperature that the parameters refer to", lower=0.1),
     ),

@@ -188,14 +188,14 @@ def test_an_unknown_mode_is_refused(user_model: DamperModel, base):
         diagnose(user_model, [base], mode="free")
 
 
-def test_an_acceptable_error_that_has_not_grown_is_no_finding_on_other_recordings(base):
+def test_a_usual_error_that_has_not_grown_is_no_finding_on_other_recordings(base):
     """The model has lacked a curve since it was identified, on another recording of the damper."""
     rough = load_model("linear_viscous")
     count = len(base.kinematics) // 6
     first, *others = (base.part(k * count, (k + 1) * count) for k in range(3))
     model = with_misfit(identify(rough, [first], starts=1).model, [first])
     fit, unseen = (replace(part, recording="other.mcap") for part in others)
-    with using(acceptable=0.9, growth=6.0):
+    with using(usual=0.9, growth=6.0):
         found = diagnose(model, [fit], [unseen])
         assert found.verdict == "nothing_missing" and not found.findings and "is new" in found.sentence
         assert any("always been missing" in ranked.reason for ranked in found.ranking)
