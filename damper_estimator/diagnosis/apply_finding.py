@@ -60,9 +60,11 @@ class ModelState:
         return not has_grown(self.model, pooled_error(self.model, same)[0] / float(np.std(force)), if_unknown=False)
 
     def with_model(self, model: DamperModel, note: str = "") -> "ModelState":
-        """Another model on the same recordings."""
-        errors = pooled_error(model, self.fit)[0], pooled_error(model, self.unseen)[0]
-        return replace(self, model=model, rmse_fit_n=errors[0], rmse_unseen_n=errors[1], note=note)
+        """Another model on the same recordings; one without a finite force has an infinite error."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            errors = [pooled_error(model, group)[0] for group in (self.fit, self.unseen)]
+        fit, unseen = (error if np.isfinite(error) else float("inf") for error in errors)
+        return replace(self, model=model, rmse_fit_n=fit, rmse_unseen_n=unseen, note=note)
 
     def delivers(self, promised: float, before: "ModelState") -> bool:
         """Whether the mean squared error (N^2) falls by a good part of what was promised, or by as much as an effect

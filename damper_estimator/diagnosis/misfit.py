@@ -61,8 +61,9 @@ class Misfit:
         view = view_of(model, measurement, self.ranges)
         total = np.zeros(len(measurement.kinematics))
         for test in _tests():
-            for column, coefficient in zip(test.columns(view), self.coefficients.get(test.name, ()), strict=True):
-                total += coefficient * column
+            if test.name in self.coefficients:
+                for column, coefficient in zip(test.columns(view), self.coefficients[test.name], strict=True):
+                    total += coefficient * column
         return total
 
     def record(self) -> dict[str, object]:
@@ -164,11 +165,13 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
-    """The measurement less what the model is known to get wrong: what is left to explain is news."""
+    """The measurement less what the model is known to get wrong, if that is finite: what is left to explain is news."""
     known = misfit_of(model.fit)
     if known is None or measurement.force is None:
         return measurement
-    return replace(measurement, force=measurement.force - known.force(model, measurement))
+    left = measurement.force - known.force(model, measurement)
+    is_known = np.isfinite(left) | ~np.isfinite(measurement.force)
+    return replace(measurement, force=left) if is_known.all() else measurement
 
 
 def _tests():

@@ -2,10 +2,10 @@
 
     F = (|I| - I_0) / d f(v)
 
-f in N is the change at I_0 + d, with its curves for rebound and compression: zero at rest, straight between their knots
-and beyond the last. I the command in A, I_0 and d in A (settings). Without a command the force is zero. No state.
-Source: form-free counterpart of ``command_yield`` and ``command_gain``: the field of force over velocity and current
-that makers of semi-active dampers publish (Savaresi et al. 2010).
+f in N is the change at I_0 + d, with its curves for rebound and compression: zero at rest, straight between their
+knots, held beyond the last. I the command in A, I_0 and d in A (settings). Without a command the force is zero. No
+state. Source: form-free counterpart of ``command_yield`` and ``command_gain``: the field of force over velocity and
+current that makers of semi-active dampers publish (Savaresi et al. 2010).
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def kernel(parameters, settings, kinematics, state, force):
         v, command = kinematics[V, i], abs(kinematics[COMMAND, i])
         if np.isfinite(command):
             first = 0 if v > 0.0 else count
-            change = over_speed(settings, parameters[first : first + count], abs(v))
+            change = over_speed(settings, parameters[first : first + count], min(abs(v), settings[count - 1]))
             force[i] += (command - reference) / span * change
 
 

@@ -4,7 +4,7 @@
     F = -f_c(v) s     for s < 0
 
 f_e in N is the change at the extended end, f_c that at the compressed end, each with its curves for rebound and
-compression: zero at rest, straight between their knots and beyond the last. Settings: knots in m/s, rising; x_0 in m
+compression: zero at rest, straight between their knots, held beyond the last. Settings: knots in m/s, rising; x_0 in m
 (where the model holds), d in m (from there to the ends). No state. Source: form-free counterpart of grooves, ports and
 metering pins, e.g. Lee and Moon 2005; surfaces of force over velocity and displacement, Worden and Tomlinson 2001.
 """
@@ -27,7 +27,9 @@ def kernel(parameters, settings, kinematics, state, force):
         first = 0 if share > 0.0 else 2 * count
         if v < 0.0:
             first += count
-        force[i] += abs(share) * over_speed(settings, parameters[first : first + count], abs(v))
+        force[i] += abs(share) * over_speed(
+            settings, parameters[first : first + count], min(abs(v), settings[count - 1])
+        )
 
 
 def trial(ranges: Ranges) -> Trial:

@@ -3,7 +3,7 @@
     F = (theta - theta_0) / d (f_0 + f(v))
 
 f in N is the change at theta_0 + d, with its curves for rebound and compression: zero at rest, straight between their
-knots and beyond the last; f_0 in N is that of the gas. theta in deg C (measured), theta_0 and d in deg C and K
+knots, held beyond the last; f_0 in N is that of the gas. theta in deg C (measured), theta_0 and d in deg C and K
 (settings). Without a temperature the force is unchanged. No state. Source: form-free counterpart of
 ``temperature_gain`` and ``viscosity_gain``: thin oil lowers the laminar part of the force, and hardly that of orifices
 (Dixon 2008).
@@ -27,7 +27,9 @@ def kernel(parameters, settings, kinematics, state, force):
         v, theta = kinematics[V, i], kinematics[TEMPERATURE, i]
         if np.isfinite(theta):
             first = 1 if v > 0.0 else 1 + count
-            change = parameters[0] + over_speed(settings, parameters[first : first + count], abs(v))
+            change = parameters[0] + over_speed(
+                settings, parameters[first : first + count], min(abs(v), settings[count - 1])
+            )
             force[i] += (theta - reference) / span * change
 
 

@@ -8,7 +8,8 @@ compliance in front of a path solves
 
 with w = dt / (dt + dt_before), at most 0.7: the backward differentiation formula of second order for uneven steps (Gear
 1971), stable for any stiffness; w = 0 (backward Euler) on the first step, r = 0 on the first sample. The left side
-rises with d and the right side falls, so the root is unique. The search starts from the last rate and the last slope,
+rises with d and the right side falls, so the root is unique; where a path's force falls with velocity there may be
+none, and the deflection stays as it was for that step. The search starts from the last rate and the last slope,
 continues with secants and bisects if a secant leaves the bracket or closes it slowly. Kernels are called by their
 addresses, and so are the loops: compiled once for all models and callers. Modifiers that scale the compliance act on
 its force, with the input motion of the series: command, temperature and position of the damper.
@@ -35,6 +36,7 @@ SOLVER_COLUMNS = 6
 _TOLERANCE = 1e-9  # of the force, and times 100 N
 _ITERATIONS = 80
 _CLOSED = 1e-15  # m, width of a bracket at which the search ends
+_FURTHEST = 0.2  # m: where a path's force falls with velocity there may be no balance within any deflection
 _START_SLOPE = 1e6  # N/m, for the first step
 _MOST_AHEAD = 0.7  # w: the formula is stable for steps that grow by up to 2.4
 
@@ -259,7 +261,7 @@ def _advance_series(
         j += 1
     slope = saved[first + SLOPE] if saved[first + SLOPE] > 0.0 else _START_SLOPE
     deflection, g = solver[TRIAL], compliance[0] - path_force
-    if _balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope):
+    if _balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope, saved[first + DEFLECTION]):
         state[first + DEFLECTION] = deflection
         state[first + RATE] = _mean_rate(given[DT, 0], saved, first, deflection)
         state[first + STEP] = given[DT, 0]
@@ -287,7 +289,7 @@ def _secant_slope(solver, deflection, g, slope):
 
 
 @inlined
-def _balanced(solver, g, tolerance, slope):
+def _balanced(solver, g, tolerance, slope, before):
     """True if the trial is accepted; otherwise sets the next trial."""
     if abs(g) <= tolerance or solver[COUNT] >= _ITERATIONS:
         return True
@@ -307,6 +309,9 @@ def _balanced(solver, g, tolerance, slope):
     slow = int(solver[COUNT]) % 4 == 3
     if bracketed and (slow or not solver[LOW] < trial < solver[HIGH]):
         trial = 0.5 * (solver[LOW] + solver[HIGH])
+    if abs(trial) > _FURTHEST:  # without a balance the compliance stays as it was for this step
+        solver[TRIAL], solver[COUNT] = before, _ITERATIONS
+        return False
     solver[LAST], solver[G_LAST] = here, g
     solver[TRIAL] = trial
     solver[COUNT] += 1.0

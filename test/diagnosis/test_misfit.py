@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from faults import changed, halves
 
-from damper_estimator.diagnosis import diagnose, with_misfit
+from damper_estimator.diagnosis import apply_finding, diagnose, with_misfit
 from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, probability_of_change, without_misfit
 from damper_estimator.identification import fit
@@ -95,3 +95,19 @@ def test_the_more_an_error_has_grown_the_more_probable_is_a_change(rough):
     # Twice the squared error is no news, twenty times is.
     assert chances[3] < 0.5 and chances[-1] > 0.99
     assert probability_of_change(replace(model, fit={}), 0.01) == 1.0
+
+
+def test_a_prediction_that_is_not_finite_changes_nothing(rough):
+    model, _, other = rough
+    known = dict(model.fit[KEY])
+    broken = replace(model, fit={**model.fit, KEY: {**known, "newtons": {"shift": [float("nan")]}}})
+    assert np.array_equal(without_misfit(broken, other).force, other.force)
+
+
+def test_a_model_without_a_finite_force_has_an_infinite_error(rough, monkeypatch):
+    model, first, other = rough
+    state = state_of(model, [first], [other])
+    monkeypatch.setattr(apply_finding, "pooled_error", lambda model, group: (float("nan"), 0.0, 0.0))
+    worse = state.with_model(model)
+    assert worse.rmse_unseen_n == float("inf") and not worse.delivers(1.0, state) and not worse.better_than(state)
+    assert min((worse, state), key=lambda one: one.rmse_unseen_n) is state

@@ -26,8 +26,8 @@ def test_position_surface_acts_at_its_end_and_in_its_direction_only():
 
 def test_position_surface_is_straight_between_knots_held_beyond_the_ends_and_zero_at_rest():
     v = np.array([0.0, 0.05, 0.3, 0.9])
-    assert surface(0.01, v, extended_rebound=[50.0, 90.0]) == pytest.approx([0.0, 12.5, 35.0, 65.0])
-    assert surface(0.05, v, extended_rebound=[50.0, 90.0]) == pytest.approx([0.0, 25.0, 70.0, 130.0])
+    assert surface(0.01, v, extended_rebound=[50.0, 90.0]) == pytest.approx([0.0, 12.5, 35.0, 45.0])
+    assert surface(0.05, v, extended_rebound=[50.0, 90.0]) == pytest.approx([0.0, 25.0, 70.0, 90.0])
 
 
 def test_temperature_surface_is_zero_where_the_model_holds_and_without_a_thermometer():

@@ -238,3 +238,15 @@ def test_what_is_fixed_stays_so_whatever_is_added_or_removed(tmp_path):
     for changed in (less, model.without("gas_spring"), on_oil.without("oil_spring")):
         save_model(changed, tmp_path / "changed.yaml")
         assert load_model(str(tmp_path / "changed.yaml")).fixed == changed.fixed
+
+
+@settings(max_examples=40, deadline=None)
+@given(slope=st.floats(0.0, 20000.0), stiffness=st.floats(1e5, 1e8), seed=st.integers(0, 1000))
+def test_a_compliance_before_a_path_whose_force_falls_with_velocity_stays_finite(slope, stiffness, seed):
+    falling = entry("viscous_curve", velocity=[-0.2, -0.1, 0.0, 0.1, 0.2], force=[
+        -500.0 + 0.1 * slope, -500.0, 0.0, 500.0, 500.0 - 0.1 * slope])  # fmt: skip
+    values = dict.fromkeys(("stiffness_rebound", "stiffness_compression"), stiffness)
+    model = DamperModel("m", "", (entry("oil_spring", (falling,), **values),))
+    force = model.force(sweep(600, seed))
+    assert np.isfinite(force).all()
+    assert np.abs(force).max() < 1e6
