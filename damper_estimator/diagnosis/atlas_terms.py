@@ -101,16 +101,22 @@ def view_of(model: DamperModel, measurement: Measurement, ranges: Ranges) -> Vie
 
 def _varying(values: np.ndarray, ends: tuple[float, float] | None, least: float) -> np.ndarray | None:
     """(n,) a slow variable between -1 and 1 over its range on the fitted recordings; None where that is too small."""
-    if ends is None or ends[1] - ends[0] < least or not np.isfinite(values).all():
+    if ends is None or ends[1] - ends[0] < least or not np.isfinite(values).any():
         return None
-    return (2.0 * values - ends[0] - ends[1]) / (ends[1] - ends[0])
+    return (2.0 * _without_gaps(values) - ends[0] - ends[1]) / (ends[1] - ends[0])
+
+
+def _without_gaps(values: np.ndarray) -> np.ndarray:
+    """(n,) with the first value before it, where a channel began later than the recording."""
+    finite = np.isfinite(values)
+    return np.where(finite, values, values[np.argmax(finite)])
 
 
 def _command(values: np.ndarray, ends: tuple[float, float] | None) -> np.ndarray | None:
     """(n,) the command over its largest value; None if it is constant."""
     if _varying(values, ends, _LEAST_COMMAND) is None:
         return None
-    return values / max(abs(ends[0]), abs(ends[1]))
+    return _without_gaps(values) / max(abs(ends[0]), abs(ends[1]))
 
 
 def _curve(view: View) -> Columns:

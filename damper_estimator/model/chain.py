@@ -1,23 +1,31 @@
 """The force chain as a flat program, and the one loop that runs it, in blocks and live.
 
 Every entry of a model becomes one operation on registers: forces (one per path) and motions (the input motion, and a
-private copy for each path that changes it). A chain with a series effect runs sample by sample: the deflection d of the
-compliance in front of a path solves
-
-    F_compliance(d, r) = F_path(v - r),      r = D + w (D - D_before),      D = (d - d_before) / dt
-
-with w = dt / (dt + dt_before), at most 0.7: the backward differentiation formula of second order for uneven steps (Gear
-1971), stable for any stiffness; w = 0 (backward Euler) on the first step, r = 0 on the first sample. The left side
-rises with d and the right side falls, so the root is unique; where a path's force falls with velocity there may be
-none, and the deflection stays as it was for that step. The search starts from the last rate and the last slope,
-continues with secants and bisects if a secant leaves the bracket or closes it slowly. Kernels are called by their
-addresses, and so are the loops: compiled once for all models and callers. Modifiers that scale the compliance act on
-its force, with the input motion of the series: command, temperature and position of the damper.
+private copy for each path that changes it). A chain with a series effect runs sample by sample: the deflection of the
+compliance in front of a path is searched for, see ``model.deflection``. Kernels are called by their addresses, and so
+are the loops: compiled once for all models and callers. Modifiers that scale the compliance act on its force, with the
+input motion of the series: command, temperature and position of the damper.
 """
 
 import numpy as np
 
 from damper_estimator.compiled import borrowed, compiled, inlined
+from damper_estimator.model.deflection import (
+    COUNT,
+    DEFLECTION,
+    HIGH,
+    LOW,
+    RATE,
+    SERIES_STATES,
+    SLOPE,
+    SOLVER_COLUMNS,
+    STEP,
+    TRIAL,
+    balanced,
+    mean_rate,
+    rate_of,
+    secant_slope,
+)
 from damper_estimator.model.kernels import BLOCK_LOOP, SAMPLE_LOOP, by_address, call_kernel, part
 from damper_estimator.signals.layout import DT, A, V, X
 
@@ -26,19 +34,8 @@ RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE = range(6)
 # and of its parent, and its range of the parameters, settings and states.
 CODE, KERNEL, PARTNER, MOTION, MOTION_UP, FORCE, FORCE_UP, P0, P1, S0, S1, Z0, Z1 = range(13)
 COLUMNS = 13
-# The states of a series operation precede those of its kernel: deflection, its mean rate over the last step, the length
-# of that step, and the slope of the imbalance.
-DEFLECTION, RATE, STEP, SLOPE = range(4)
-SERIES_STATES = 4
-# Columns of a solver's row: the trial deflection, the point before it, and the bracket.
-TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
-SOLVER_COLUMNS = 6
 _TOLERANCE = 1e-9  # of the force, and times 100 N
-_ITERATIONS = 80
-_CLOSED = 1e-15  # m, width of a bracket at which the search ends
-_FURTHEST = 0.2  # m: where a path's force falls with velocity there may be no balance within any deflection
 _START_SLOPE = 1e6  # N/m, for the first step
-_MOST_AHEAD = 0.7  # w: the formula is stable for steps that grow by up to 2.4
 
 
 @compiled
@@ -208,23 +205,8 @@ def _try_deflection(table, j, given, motions, force, saved, solver):
     for k in range(given.shape[0]):
         inner[k, 0] = given[k, 0]
     inner[X, 0] = given[X, 0] - solver[TRIAL]
-    inner[V, 0] = given[V, 0] - _rate(given[DT, 0], saved, table[j, Z0], solver[TRIAL])
+    inner[V, 0] = given[V, 0] - rate_of(given[DT, 0], saved, table[j, Z0], solver[TRIAL])
     force[table[j, FORCE], 0] = 0.0
-
-
-@inlined
-def _mean_rate(step, saved, first, deflection):
-    """Mean rate of the deflection over this step, m/s."""
-    return (deflection - saved[first + DEFLECTION]) / step if step > 0.0 else 0.0
-
-
-@inlined
-def _rate(step, saved, first, deflection):
-    """Rate of the deflection at the end of this step, m/s, from this step and the one before."""
-    mean, before = _mean_rate(step, saved, first, deflection), saved[first + STEP]
-    if step <= 0.0 or before <= 0.0:
-        return mean
-    return mean + min(step / (step + before), _MOST_AHEAD) * (mean - saved[first + RATE])
 
 
 @inlined
@@ -243,7 +225,7 @@ def _advance_series(
     for k in range(given.shape[0]):
         deflected[k, 0] = given[k, 0]
     deflected[X, 0] = solver[TRIAL]
-    deflected[V, 0] = _rate(given[DT, 0], saved, first, solver[TRIAL])
+    deflected[V, 0] = rate_of(given[DT, 0], saved, first, solver[TRIAL])
     deflected[A, 0] = 0.0
     compliance[0] = 0.0
     call_kernel(
@@ -261,11 +243,11 @@ def _advance_series(
         j += 1
     slope = saved[first + SLOPE] if saved[first + SLOPE] > 0.0 else _START_SLOPE
     deflection, g = solver[TRIAL], compliance[0] - path_force
-    if _balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope, saved[first + DEFLECTION]):
+    if balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope, saved[first + DEFLECTION]):
         state[first + DEFLECTION] = deflection
-        state[first + RATE] = _mean_rate(given[DT, 0], saved, first, deflection)
+        state[first + RATE] = mean_rate(given[DT, 0], saved, first, deflection)
         state[first + STEP] = given[DT, 0]
-        state[first + SLOPE] = _secant_slope(solver, deflection, g, slope)
+        state[first + SLOPE] = secant_slope(solver, deflection, g, slope)
         force[table[begin, FORCE_UP], 0] += path_force
         if mark.shape[0] > 0:
             for k in range(begin, end + 1):
@@ -276,43 +258,3 @@ def _advance_series(
         state[k] = saved[k]
     _try_deflection(table, begin, given, motions, force, saved, solver)
     return begin
-
-
-@inlined
-def _secant_slope(solver, deflection, g, slope):
-    """Slope of the imbalance between this point and the last one; ``slope`` if undefined."""
-    if solver[COUNT] > 0.0 and deflection != solver[LAST]:
-        secant = (g - solver[G_LAST]) / (deflection - solver[LAST])
-        if secant > 0.0:
-            return secant
-    return slope
-
-
-@inlined
-def _balanced(solver, g, tolerance, slope, before):
-    """True if the trial is accepted; otherwise sets the next trial."""
-    if abs(g) <= tolerance or solver[COUNT] >= _ITERATIONS:
-        return True
-    here = solver[TRIAL]
-    if g > 0.0:
-        solver[HIGH] = here
-    else:
-        solver[LOW] = here
-    width = solver[HIGH] - solver[LOW]
-    if width < _CLOSED:
-        return True
-    step = -g / _secant_slope(solver, here, g, slope)
-    bracketed = width < np.inf
-    if not bracketed and solver[COUNT] > 1.0:
-        step *= 2.0  # one side of the bracket is missing: rather too far than too short
-    trial = here + step
-    slow = int(solver[COUNT]) % 4 == 3
-    if bracketed and (slow or not solver[LOW] < trial < solver[HIGH]):
-        trial = 0.5 * (solver[LOW] + solver[HIGH])
-    if abs(trial) > _FURTHEST:  # without a balance the compliance stays as it was for this step
-        solver[TRIAL], solver[COUNT] = before, _ITERATIONS
-        return False
-    solver[LAST], solver[G_LAST] = here, g
-    solver[TRIAL] = trial
-    solver[COUNT] += 1.0
-    return False

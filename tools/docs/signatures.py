@@ -37,6 +37,9 @@ EXAMPLES: dict[str, dict[str, object]] = {
     "acceleration_decay": {"decay": 3.0},
     "acceleration_hysteresis": {"constant": -8.0},
     "acceleration_saturation": {"saturation": 0.8},
+    "command_surface": {
+        "speed": (0.1, 0.4), "span": 1.0, "rebound": (80.0, 200.0), "compression": (-80.0, -200.0),
+    },
     "direction_curve": {"speed": (0.1, 0.2, 0.4), "force": (15.0, 60.0, 150.0), "side": 0.0},
     "displacement_bracket": {"linear": 0.01},
     "displacement_decay": {"decay": 0.3},
@@ -54,10 +57,18 @@ EXAMPLES: dict[str, dict[str, object]] = {
         "knee_velocity_rebound": 0.15, "knee_force_rebound": 225.0, "slope_rebound": 500.0,
         "knee_velocity_compression": -0.15, "knee_force_compression": -225.0, "slope_compression": 500.0,
     },
+    "maxwell_slip": {"travel": (2e-3, 5e-3), "force": (40.0, 60.0)},
     "motion_bracket": {"displacement": 0.01},
+    "position_surface": {
+        "speed": (0.1, 0.4), "reach": 0.02, "extended_rebound": (60.0, 150.0), "extended_compression": (0.0, 0.0),
+        "compressed_rebound": (0.0, 0.0), "compressed_compression": (-60.0, -150.0),
+    },
     "smooth_curve": {"force": tuple(500.0 * np.tanh(6.0 * KNOTS))},
     "spring_rate_error": {"rate": 4000.0},
     "static_force": {"force": 100.0},
+    "temperature_surface": {
+        "speed": (0.1, 0.4), "reference": 40.0, "span": 20.0, "rebound": (-60.0, -80.0), "compression": (60.0, 80.0),
+    },
     "viscous_curve": {"force": tuple(500.0 * np.tanh(6.0 * KNOTS))},
 }  # fmt: skip
 # Blue and orange of Okabe and Ito, which all readers can distinguish; dashes distinguish them in grey as well.
