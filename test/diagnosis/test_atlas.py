@@ -85,3 +85,11 @@ def test_a_variable_that_stands_still_is_not_tested(user_model, base):
 def test_residuals_of_a_perfect_model_show_nothing(user_model, perfect):
     baseline = baseline_of(user_model, data_of(user_model, [perfect], [perfect]))
     np.testing.assert_allclose(force_rows(user_model, baseline.data.fit), targets(baseline.data.fit), atol=1e-6)
+
+
+def test_a_channel_that_began_later_than_the_recording_still_counts(user_model, perfect):
+    block = perfect.kinematics.block.copy()
+    block[COMMAND, : block.shape[1] // 10] = np.nan
+    late = replace(perfect, kinematics=replace(perfect.kinematics, block=block))
+    names = {one.test.name for one in baseline_of(user_model, data_of(user_model, [late], [late]), base=()).tests}
+    assert {"current", "temperature"} <= names
