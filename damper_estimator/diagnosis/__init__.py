@@ -1,5 +1,7 @@
 """Which physical effect a model lacks, how sure that is, and what else it could be."""
 
+from damper_estimator.diagnosis.acceleration_templates import Template
+from damper_estimator.diagnosis.atlas_curves import AtlasCurve
 from damper_estimator.diagnosis.atlas_terms import TESTS
 from damper_estimator.diagnosis.correction import corrected, corrected_signals, in_yaml
 from damper_estimator.diagnosis.diagnose import MODES, diagnose
@@ -28,6 +30,7 @@ from damper_estimator.diagnosis.thresholds import limits
 __all__ = [
     "MODES",
     "TESTS",
+    "AtlasCurve",
     "AtlasRow",
     "Diagnosis",
     "EvaluationSummary",
@@ -39,6 +42,7 @@ __all__ = [
     "RankedEffect",
     "Step",
     "Structure",
+    "Template",
     "corrected",
     "corrected_signals",
     "diagnose",

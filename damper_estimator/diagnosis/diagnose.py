@@ -13,6 +13,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted
 from damper_estimator.diagnosis.apply_finding import ModelState, applied, identified_first, state_of
+from damper_estimator.diagnosis.atlas_curves import atlas_curves
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
@@ -277,4 +278,5 @@ def _diagnosis(
         reference_n=reference,
         stretches=stretches_used("fit", state.fit, state.fit_part)
         + stretches_used("unseen", state.unseen, state.unseen_part),
+        curves=atlas_curves(found.rounds[0].baseline),
     )

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.atlas_curves import AtlasCurve
 from damper_estimator.diagnosis.informative import Stretch
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import DamperModel, Element
@@ -191,6 +192,7 @@ class Diagnosis:
         reference_n: unseen error of the form-free regression (``validation.form_free``): as much is explainable at
             least; a model of the right form may be better.
         stretches: of long recordings, what effects were fitted to and judged on; empty if they were used whole.
+        curves: what the model as given lacks over each variable, given the others.
     """
 
     model: DamperModel
@@ -218,6 +220,7 @@ class Diagnosis:
     identified: ModelState | None = None
     reference_n: float = float("nan")
     stretches: tuple[Stretch, ...] = ()
+    curves: tuple[AtlasCurve, ...] = ()
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -239,6 +242,7 @@ class Diagnosis:
             "parameters_moved": [asdict(moved) for moved in self.moved],
             "data_findings": [asdict(finding) for finding in self.data],
             "atlas": [asdict(row) for row in self.atlas],
+            "atlas_curves": [curve.record() for curve in self.curves],
             "phenomena": [asdict(one) for one in self.phenomena],
             "stretches": [asdict(one) for one in self.stretches],
             "structure": None if self.structure is None else self.structure.words,

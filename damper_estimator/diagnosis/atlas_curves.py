@@ -1,0 +1,153 @@
+"""The atlas as curves: by how much a damper's force differs from a model's, over each variable given the others.
+
+    F_measured - F_model = dF(v) + h(x) + p(x) F_model + g(v) (T - T_0) + b(v) (I - I_0) + m(v) a + rest
+
+All curves are piecewise linear and solved for together on the fitted rows, so that each holds given the others. Their
+covariance allows for the memory of the rest; as in the form-free tests, the only regularisation limits the share of
+one column to the order of the force.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from statistics import NormalDist
+
+import numpy as np
+
+from damper_estimator.diagnosis.acceleration_templates import Template, templates_of
+from damper_estimator.diagnosis.atlas_terms import View, views
+from damper_estimator.diagnosis.baseline import Baseline
+from damper_estimator.diagnosis.curve_panels import Panel, panels_of
+from damper_estimator.diagnosis.curve_regression import Moments, Regression
+from damper_estimator.diagnosis.diagnosis_data import targets
+from damper_estimator.files import plain
+from damper_estimator.identification.rows import Rows, split
+from damper_estimator.numerics import score_covariance
+
+_LEAST_SEEN = 1e-3  # of the columns' largest rms: below, nothing is known at a knot
+_LEAST_LEFT = 0.2  # of the effective samples: so many are not spent on the columns
+_BAND = NormalDist().inv_cdf(0.95)
+_WORTH = 0.02  # of the squared error: what a curve must explain to be shown
+_CHANCE = 0.05  # that a curve is clear where there is nothing
+
+
+@dataclass(frozen=True)
+class AtlasCurve:
+    """One curve of what a model lacks; SI units.
+
+    Attributes:
+        name: ``velocity``: change of the force over velocity, N over m/s, about its mean near rest. ``displacement``:
+            of the force over displacement, N over m, about its mean. ``position``: the same as a share of the model's
+            force. ``temperature``, ``command``: change of the force per kelvin or ampere, over velocity.
+            ``acceleration``: coefficient of acceleration over velocity, kg.
+        at: (k,) values of its variable; straight lines connect the points.
+        value, low, high: (k,) with the ends of its band, 5 and 95 %; NaN where too little was driven.
+        explains: share of the squared error on unseen data that all other curves leave and it explains.
+        is_clear: whether it differs from zero by more than chance.
+        templates: what it may be, the one that explains most first.
+    """
+
+    name: str
+    at: tuple[float, ...]
+    value: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    explains: float
+    is_clear: bool
+    templates: tuple[Template, ...] = ()
+
+    @property
+    def is_notable(self) -> bool:
+        """Whether it says something: it differs from zero and explains some of the error."""
+        return self.is_clear and self.explains >= _WORTH
+
+    def record(self) -> dict[str, object]:
+        """For JSON; None where nothing is known."""
+        return plain(asdict(self))
+
+
+def atlas_curves(baseline: Baseline) -> tuple[AtlasCurve, ...]:
+    """All curves that the recordings allow, with the model's parameters kept; none where its force runs away."""
+    data, missing = baseline.data, -baseline.residual_fit
+    seen, judged = (views(baseline.model, rows, data.ranges) for rows in (data.fit, data.unseen))
+    panels = panels_of(seen, judged, data.ranges)
+    mixed = _about_means([panel.mean(seen) for panel in panels])
+    columns, unseen = (_rows(rows, of, panels) for rows, of in ((data.fit, seen), (data.unseen, judged)))
+    panel_of = np.repeat(np.arange(len(panels)), [panel.knots.size for panel in panels])
+    scale = _scales(columns @ mixed, panel_of, float(np.sqrt(np.mean(targets(data.fit) ** 2))))
+    mixed = mixed * scale
+    columns, unseen = columns @ mixed, unseen @ mixed
+    whole = Regression(
+        Moments.of(columns, missing), Moments.of(unseen, -baseline.residual_unseen), float(np.mean(missing**2))
+    )
+    if not whole.is_finite:
+        return ()
+    kept = ~_harmful(whole, panels, panel_of)
+    whole, scale = whole.mixed(np.diag(kept.astype(float))), scale * kept
+    values, deviations = _solution(whole, columns, missing, mixed, data.fit)
+    found = []
+    for index, panel in enumerate(panels):
+        own = panel_of == index
+        if not scale[own].any():
+            continue
+        value = np.where(scale[own] > 0.0, values[own], np.nan)
+        gain = whole.mixed(np.eye(own.size)[:, ~own]).gain(whole.left)
+        curve = _curve(panel, value, deviations[own], gain)
+        if panel.name == "acceleration":
+            curve = replace(curve, templates=templates_of(whole, own, scale, panel.knots, seen))
+        found.append(curve)
+    return tuple(found)
+
+
+def _rows(rows: Sequence[Rows], seen: Sequence[View], panels: Sequence[Panel]) -> np.ndarray:
+    """(r, c) columns of all curves."""
+    groups = ((column for panel in panels for column in panel.columns(view)) for view in seen)
+    return np.concatenate([one.of_columns(group) for one, group in zip(rows, groups, strict=True)])
+
+
+def _scales(rows: np.ndarray, panel_of: np.ndarray, size: float) -> np.ndarray:
+    """(c,) factors that give each column (r, c) the rms ``size``; 0 where next to nothing was driven."""
+    rms = np.sqrt(np.mean(rows**2, axis=0))
+    largest = np.array([rms[panel_of == index].max() for index in panel_of])
+    return np.where(rms > _LEAST_SEEN * largest, size / np.maximum(rms, 1e-300), 0.0)
+
+
+def _harmful(whole: Regression, panels: Sequence[Panel], panel_of: np.ndarray) -> np.ndarray:
+    """(c,) bool: columns of slow variables that do harm, as where the unseen part is warmer than the fitted one."""
+    found = np.zeros(panel_of.size, bool)
+    for index, panel in enumerate(panels):
+        own = panel_of == index
+        if panel.is_slow and whole.mixed(np.eye(own.size)[:, ~own]).left < whole.left:
+            found |= own
+    return found
+
+
+def _about_means(means: Sequence[np.ndarray]) -> np.ndarray:
+    """(c, c) that takes the mean of each curve, weights (k,), from its coefficients."""
+    owner = np.repeat(np.arange(len(means)), [mean.size for mean in means])
+    return np.eye(owner.size) - (owner[:, None] == owner) * np.concatenate(means)
+
+
+def _solution(
+    whole: Regression, columns: np.ndarray, missing: np.ndarray, mixed: np.ndarray, rows: Sequence[Rows]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points (c,) of all curves, and their standard errors."""
+    solution, inverse = whole.solved()
+    scores = columns @ (inverse @ mixed.T)
+    left = missing - columns @ solution
+    covariance, effective = score_covariance(split(rows, left), split(rows, scores), [part.rate for part in rows])
+    spent = effective / max(effective - solution.size, _LEAST_LEFT * effective)
+    return mixed @ solution, np.sqrt(np.diag(covariance) * spent)
+
+
+def _curve(panel: Panel, value: np.ndarray, deviation: np.ndarray, explains: float) -> AtlasCurve:
+    known = np.isfinite(value)
+    far = NormalDist().inv_cdf(1.0 - 0.5 * _CHANCE / max(np.count_nonzero(known), 1))
+    return AtlasCurve(
+        name=panel.name,
+        at=tuple(panel.at.tolist()),
+        value=tuple(value.tolist()),
+        low=tuple((value - _BAND * deviation).tolist()),
+        high=tuple((value + _BAND * deviation).tolist()),
+        explains=explains,
+        is_clear=bool(np.any(np.abs(value[known]) > far * deviation[known])),
+    )
