@@ -14,7 +14,7 @@ from damper_estimator.diagnosis.atlas_terms import View
 from damper_estimator.diagnosis.curve_regression import Regression
 from damper_estimator.numerics import hats
 
-_OPENINGS = (0.1, 0.18, 0.3, 0.5)  # of the driven speed; knots of the curve
+_OPENINGS = (0.15, 0.3, 0.5)  # of the driven speed; knots of the curve
 
 
 @dataclass(frozen=True)

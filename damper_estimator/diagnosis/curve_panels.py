@@ -10,6 +10,7 @@ from damper_estimator.diagnosis.atlas_terms import Columns, View
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.numerics import COARSE_SHARES, FINE_SHARES, hats, speed_knots
 
+_MIDDLE_SHARES = (0.05, 0.15, 0.3, 0.5, 1.0)  # of the highest speed: knots of the coefficient of acceleration
 _PLACES = 8  # knots over the driven stroke
 _SLOW = 0.1  # of the highest speed: the curve over velocity is drawn relative to its mean below
 
@@ -60,15 +61,17 @@ def panels_of(fit: Sequence[View], unseen: Sequence[View], ranges: Ranges) -> li
     curves of these are drawn about a mean. A temperature or command counts from where the model was identified, so
     that the curve over velocity is the change there.
     """
-    fine, places = speed_knots(ranges.speed, FINE_SHARES), np.linspace(-0.5, 0.5, _PLACES) * ranges.stroke
+    fine, middle, coarse = (
+        speed_knots(ranges.speed, shares) for shares in (FINE_SHARES, _MIDDLE_SHARES, COARSE_SHARES)
+    )
+    places = np.linspace(-0.5, 0.5, _PLACES) * ranges.stroke
     recorded = places + ranges.middle
     found = [
         Panel("velocity", fine, fine, _velocity, None, partial(_near_rest, _SLOW * ranges.speed)),
         Panel("displacement", places, recorded, _displacement, None, lambda view: np.ones(view.x.size)),
         Panel("position", places, recorded, _displacement, lambda view: view.force, lambda view: view.force**2),
-        Panel("acceleration", fine, fine, _velocity, lambda view: view.a),
+        Panel("acceleration", middle, middle, _velocity, lambda view: view.a),
     ]
-    coarse = speed_knots(ranges.speed, COARSE_SHARES)
     for name, ends, identified in (
         ("temperature", ranges.temperature, ranges.model_temperature),
         ("command", ranges.command, ranges.model_command),

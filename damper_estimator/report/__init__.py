@@ -2,6 +2,7 @@
 
 from damper_estimator.report.characteristic_page import characteristic_page, loops_over_velocity
 from damper_estimator.report.comparison_page import Section, comparison_page, damper_section
+from damper_estimator.report.curve_figures import command_unit, curves_figure
 from damper_estimator.report.decimation import min_max_rows
 from damper_estimator.report.diagnosis_page import DiagnosisSection, diagnosis_page, diagnosis_section
 from damper_estimator.report.diagnosis_wording import correction_rows, plain_name, step_name
@@ -21,8 +22,10 @@ __all__ = [
     "Story",
     "characteristic_page",
     "column_rows",
+    "command_unit",
     "comparison_page",
     "correction_rows",
+    "curves_figure",
     "damper_section",
     "diagnosis_page",
     "diagnosis_section",

@@ -16,6 +16,7 @@ from damper_estimator.report.before_after_figures import (
     passage_figure,
     structure_figure,
 )
+from damper_estimator.report.curve_figures import command_unit, curve_figure, curve_title, left_out, notable
 from damper_estimator.report.diagnosis_wording import (
     correction_rows,
     data_rows,
@@ -62,6 +63,8 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
         "ranking": ranking_figure(found.ranking, found.findings, tied_notes(found)),
         "atlas": atlas_figure(found.atlas, found.findings),
     }
+    unit = command_unit(found)
+    figures |= {f"curve_{curve.name}": curve_figure(curve, unit) for curve in notable(found.curves)}
     if found.stretches:
         figures["stretches"] = stretches_figure(found)
     if found.moved:
@@ -72,6 +75,8 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
         "damper": damper,
         "headline": found.sentence,
         "moved": moved_rows(found),
+        "curves": [(f"curve_{curve.name}", curve_title(curve)) for curve in notable(found.curves)],
+        "left_out": left_out(found.curves),
         "structure": "" if found.structure is None else found.structure.words,
         "rejected": rejected_rows(found.ranking, found.untestable),
         "data": data_rows(found),

@@ -195,6 +195,9 @@ def _learn() -> list:
             [
                 html.H2("What the error depends on"),
                 plain("atlas"),
+                html.H2("What the model lacks, curve by curve"),
+                plain("curves"),
+                html.P(id="curves-left-out", className="hint"),
                 html.H2("What could explain it"),
                 plain("ranking"),
                 html.Div(id="candidates"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from damper_estimator.diagnosis import Diagnosis, Finding
 from damper_estimator.diagnosis import diagnose as diagnosed
@@ -12,6 +13,9 @@ from damper_estimator.workflows.cases import Case, Progress, check_mode, diagnos
 from damper_estimator.workflows.model_arguments import ModelLike
 from damper_estimator.workflows.recording import Recording, in_words
 from damper_estimator.workflows.results import Results
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -45,6 +49,18 @@ class DiagnosisResults(Results[Diagnosis]):
     def improved(self) -> DamperModel:
         """The model with the findings added and refitted to first order; ``improve`` does a full fit."""
         return self.only.improved
+
+    def curves_figure(self, damper: str | None = None) -> Figure:
+        """A Plotly figure of what the model lacks over each variable, given the others; empty if no curve says
+        anything. ``damper`` is required if there are several.
+
+        Raises:
+            InputError: if there are several and none is named, or the name is unknown.
+        """
+        from damper_estimator.report import command_unit, curves_figure, plotly_figure
+
+        result = self._of(damper)
+        return plotly_figure(curves_figure(result.curves, command_unit(result)))
 
     def page(self) -> str:
         """One self-contained HTML page: verdict, possible explanations, forces before and after."""

@@ -76,9 +76,17 @@ class Results(Mapping[str, "Results[DamperResult]"], Generic[DamperResult]):
         """
         from damper_estimator.report import plotly_figure
 
+        return plotly_figure(self._figure(self._of(damper)))
+
+    def _of(self, damper: str | None) -> DamperResult:
+        """The result of one damper, of the only one without a name.
+
+        Raises:
+            InputError: as ``figure``.
+        """
         if damper is not None and damper not in self.by_damper:
             raise InputError(f"no result of damper {damper!r}; the results are of {', '.join(self.by_damper)}")
-        return plotly_figure(self._figure(self.only if damper is None else self.by_damper[damper]))
+        return self.only if damper is None else self.by_damper[damper]
 
     def save(self, path: str | Path) -> Path:
         """Writes the result: ``.json`` as in ``to_dict``, ``.html`` the page that opens without a network.

@@ -6,6 +6,7 @@ from dash.exceptions import PreventUpdate
 from damper_estimator.diagnosis import MODES, Diagnosis
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.errors import InputError
+from damper_estimator.report.curve_figures import command_unit, curves_figure, left_out
 from damper_estimator.report.diagnosis_page import tied_notes
 from damper_estimator.report.diagnosis_wording import plain_name
 from damper_estimator.report.theme import height_style, themed
@@ -30,6 +31,9 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Output("ranking", "style"),
         Output("atlas", "figure"),
         Output("atlas", "style"),
+        Output("curves", "figure"),
+        Output("curves", "style"),
+        Output("curves-left-out", "children"),
         Output("candidates", "children"),
         Output("ranked", "hidden"),
         Input("generation", "data"),
@@ -43,13 +47,14 @@ def connect(app: Dash, sessions: Sessions) -> None:
         found = session.diagnosis
         if found is None:
             hint = "Diagnose tries every physical effect on the model and judges it on data that it was not fitted to."
-            return hint, *[no_update] * 4, "", True
+            return hint, *[no_update] * 7, "", True
         drawn = ranking_figure(found.ranking, found.findings, tied_notes(found))
         drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
         listed = panels.findings(found, found.model != session.model, session.diagnosed)
         atlas = atlas_figure(found.atlas, found.findings, _NARROW)
-        figures = [part for figure in (drawn, atlas) for part in (themed(figure, theme), height_style(figure))]
-        return listed, *figures, panels.candidates(found), False
+        curves = curves_figure(found.curves, command_unit(found))
+        figures = [part for figure in (drawn, atlas, curves) for part in (themed(figure, theme), height_style(figure))]
+        return listed, *figures, left_out(found.curves), panels.candidates(found), False
 
     @app.callback(
         Output("looked", "hidden"),
