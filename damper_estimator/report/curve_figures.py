@@ -62,12 +62,16 @@ def template_words(template: Template) -> str:
     """What a template is, with the share of the error that it explains."""
     size = template.size
     words = {
-        "mass": f"a mass of {number(size, 2)} kg",
+        "mass": f"a mass of {_signed(size)} kg",
         "shift": f"a force that is {number(1e3 * abs(size), 2)} ms {'late' if size > 0.0 else 'early'}",
         "series": "something elastic in series",
         "valve": f"a valve that opens at {number(size, 2)} m/s",
     }[template.name]
     return f"{words}: {100.0 * max(template.explains, 0.0):.0f} %"
+
+
+def _signed(value: float) -> str:
+    return number(value, 2).replace("-", "−")
 
 
 def curve_figure(curve: AtlasCurve, unit: str) -> Figure:
@@ -136,6 +140,18 @@ def _range(value: np.ndarray, low: np.ndarray, high: np.ndarray) -> list[float]:
     highest = max(float(np.minimum(high, value + 0.5 * top).max()), 0.0)
     pad = 0.07 * (highest - lowest)
     return short([lowest - pad, highest + pad])
+
+
+def curve_figures(found: Diagnosis) -> dict[str, Figure]:
+    """The figures of the curves that say something, by the name in the page."""
+    unit = command_unit(found)
+    return {f"curve_{curve.name}": curve_figure(curve, unit) for curve in notable(found.curves)}
+
+
+def curve_text(found: Diagnosis) -> dict[str, object]:
+    """The words that go with ``curve_figures``."""
+    titles = [(f"curve_{curve.name}", curve_title(curve)) for curve in notable(found.curves)]
+    return {"curves": titles, "left_out": left_out(found.curves)}
 
 
 def curves_figure(curves: Sequence[AtlasCurve], unit: str) -> Figure:

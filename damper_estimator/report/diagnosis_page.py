@@ -16,7 +16,7 @@ from damper_estimator.report.before_after_figures import (
     passage_figure,
     structure_figure,
 )
-from damper_estimator.report.curve_figures import command_unit, curve_figure, curve_title, left_out, notable
+from damper_estimator.report.curve_figures import curve_figures, curve_text
 from damper_estimator.report.diagnosis_wording import (
     correction_rows,
     data_rows,
@@ -63,20 +63,18 @@ def diagnosis_section(damper: str, found: Diagnosis) -> DiagnosisSection:
         "ranking": ranking_figure(found.ranking, found.findings, tied_notes(found)),
         "atlas": atlas_figure(found.atlas, found.findings),
     }
-    unit = command_unit(found)
-    figures |= {f"curve_{curve.name}": curve_figure(curve, unit) for curve in notable(found.curves)}
+    figures |= curve_figures(found)
     if found.stretches:
         figures["stretches"] = stretches_figure(found)
     if found.moved:
         figures["moved"] = moved_figure(found.moved)
     if found.structure is not None:
         figures["structure"] = structure_figure(found.structure)
-    text = force_text(shown, found.findings, figures) | {
+    text = force_text(shown, found.findings, figures) | curve_text(found)
+    text |= {
         "damper": damper,
         "headline": found.sentence,
         "moved": moved_rows(found),
-        "curves": [(f"curve_{curve.name}", curve_title(curve)) for curve in notable(found.curves)],
-        "left_out": left_out(found.curves),
         "structure": "" if found.structure is None else found.structure.words,
         "rejected": rejected_rows(found.ranking, found.untestable),
         "data": data_rows(found),

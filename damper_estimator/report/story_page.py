@@ -8,6 +8,7 @@ import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis, Step
 from damper_estimator.numbers import number
+from damper_estimator.report.curve_figures import curve_figures, curve_text
 from damper_estimator.report.diagnosis_page import SCRIPT, STYLES, tied_notes
 from damper_estimator.report.diagnosis_wording import finding_text, model_rows, moved_rows, rejected_rows, step_name
 from damper_estimator.report.figures import error_map
@@ -73,7 +74,7 @@ def _text(story: Story) -> dict[str, object]:
         "diagnosed": found is not None,
     }
     if found is not None:
-        text |= {
+        text |= curve_text(found) | {
             "sentence": found.sentence,
             "findings": [finding_text(finding) for finding in found.findings],
             "moved": moved_rows(found),
@@ -130,6 +131,7 @@ def _figures(story: Story) -> dict[str, object]:
     if found is not None:
         figures["ranking"] = ranking_figure(found.ranking, found.findings, tied_notes(found))
         figures["atlas"] = atlas_figure(found.atlas, found.findings)
+        figures |= curve_figures(found)
     return figures
 
 
