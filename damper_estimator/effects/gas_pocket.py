@@ -37,7 +37,7 @@ def trial(ranges: Ranges) -> Trial:
 
     def exclusion(values: Values) -> str:
         nearest = min(number(values, name) for name in names)
-        return "hardly becomes softer: oil, or a mount" if nearest > 6.0 * ranges.force else ""
+        return "hardly becomes softer: oil, or a mount" if nearest > 3.0 * ranges.force else ""
 
     return Trial(starts[0], limits, starts[1:], exclusion)
 
