@@ -78,7 +78,7 @@ def random_model(seed: int) -> DamperModel:
             p.name: float(np.clip(p.default * random.uniform(0.5, 1.5), p.lower, p.upper))
             for p in effect.parameters if p.size is None
         } | {
-            p.name: [float(v) for v in random.uniform(-500.0, 500.0, p.length(sizes))]
+            p.name: [float(v) for v in np.clip(random.uniform(-500.0, 500.0, p.length(sizes)), p.lower, p.upper)]
             for p in effect.parameters if p.size is not None
         }  # fmt: skip
 
