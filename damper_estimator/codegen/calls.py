@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 _MATH = {
     getattr(math, name): c_name
     for name, c_name in {
-        "exp": "exp", "log": "log", "sqrt": "sqrt", "tanh": "tanh", "atan": "atan", "sin": "sin", "cos": "cos",
+        "exp": "exp", "expm1": "expm1", "log": "log", "sqrt": "sqrt", "tanh": "tanh", "atan": "atan", "sin": "sin",
+        "cos": "cos",
     }.items()
 }  # fmt: skip
 _TESTS = {np.isfinite: "isfinite", np.isnan: "isnan"}

@@ -8,7 +8,7 @@ is unchanged. The coil's lag is ``command_lag``, placed before it in the path. T
 No state. Source: saturation as in ``command_yield``; Spencer et al. 1997, eqs. (17) to (19), for b = 0.
 """
 
-from math import exp
+from math import expm1
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, reference_commands, spread
 from damper_estimator.signals.layout import COMMAND
 
-_STRAIGHT = 1e-6  # of bend times command: below, the exponentials are straight to machine precision
 _LEAST = 1e-3  # of the scale: no element vanishes
 
 
@@ -25,14 +24,10 @@ _LEAST = 1e-3  # of the scale: no element vanishes
 def kernel(parameters, settings, kinematics, state, force):
     """F *= r + (1 - r) s."""
     bend, reference = parameters[1], settings[0]
-    bent = abs(bend * reference) > _STRAIGHT
     for i in range(force.size):
         command = abs(kinematics[COMMAND, i])
         if np.isfinite(command):
-            if bent:
-                share = (1.0 - exp(-bend * command)) / (1.0 - exp(-bend * reference))
-            else:
-                share = command / reference
+            share = command / reference if bend == 0.0 else expm1(-bend * command) / expm1(-bend * reference)
             force[i] *= max(parameters[0] + (1.0 - parameters[0]) * share, _LEAST)
 
 

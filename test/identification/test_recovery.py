@@ -24,8 +24,6 @@ SILENT = {
     # Without a delay in front of the limits, the force never lags so far that it meets the level of C-D.
     "his_non_hysteresis": {"his_saturation.level_rebound"},
     "his_permanent_hysteresis": {"his_saturation.level_rebound"},
-    # The viscous force follows the current in a straight line: its bend lies at its limit.
-    "mr_damper_current": {"command_gain#2.bend"},
 }
 # Corners of the grid that no motion reaches: high speed at high acceleration. And dry friction next to a yield force
 # that is there without current: they have the same shape, and one may take the other's place.
