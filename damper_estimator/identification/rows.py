@@ -152,14 +152,32 @@ def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
 
 
 def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> list[slice]:
-    """Parts of ``length`` seconds, evenly spread, of about ``samples`` in total; the whole where it is shorter."""
+    """Parts of ``length`` seconds, of about ``samples`` in total; the whole where it is shorter.
+
+    One in each of as many equal shares of the recording: the one with the most motion and change of the slow channels.
+    """
     size = len(measurement.kinematics)
     each = max(int(length * measurement.kinematics.rate), 2)
     if size <= max(samples, 2 * each):
         return [slice(0, size)]
     count = max(samples // each, 1)
-    starts = np.linspace(0, size - each, count).astype(int).tolist()
-    return [slice(first, first + each) for first in starts]
+    lively = _liveliness(measurement)
+    parts = []
+    for k in range(count):
+        first, last = k * size // count, max((k + 1) * size // count - each, k * size // count)
+        starts = np.unique(np.linspace(first, last, 2 * (last - first) // each + 1).astype(int))
+        amounts = [float(lively[:, start : start + each].std(axis=1).sum()) for start in starts]
+        start = min(int(starts[int(np.argmax(amounts))]), size - each)
+        parts.append(slice(start, start + each))
+    return parts
+
+
+def _liveliness(measurement: Measurement) -> np.ndarray:
+    """(k, n) velocity and those slow channels that change, each over its standard deviation."""
+    block = measurement.kinematics.block
+    channels = [row for row in (measurement.kinematics.velocity, *block[list(SLOW_CHANNELS)]) if np.isfinite(row).all()]
+    spreads = [float(row.std()) for row in channels]
+    return np.stack([row / spread for row, spread in zip(channels, spreads, strict=True) if spread > 0.0] or [block[0]])
 
 
 def natural_sizes(spreads: Sequence[np.ndarray]) -> tuple[float, float, float]:
