@@ -12,8 +12,10 @@ from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.identification.knots import moved_knots, with_placed_knots
 from damper_estimator.identification.local_rows import LocalRows
 from damper_estimator.identification.methods.contract import MethodOptions, Solution, find_method
+from damper_estimator.identification.methods.least_squares import best_start
 from damper_estimator.identification.pareto_front import Front
 from damper_estimator.identification.problem import Problem
+from damper_estimator.identification.rigid import with_rigid_starts
 from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start_points import candidates
@@ -130,6 +132,7 @@ def identified(
     _check_enough(problem)
     starts_at, size = candidates(problem, method_options.seed, starts)
     sketch = problem.thinned().excerpts(SKETCH_SAMPLES)
+    starts_at = with_rigid_starts(problem, sketch, starts_at, method_options.seed, best_start)
     solution = chosen.search(problem, sketch, starts_at, size, method_options)
     if not np.isfinite(solution.point.cost):
         name = problem.model.name

@@ -29,6 +29,7 @@ _STARTS = 5
 _USUAL = 8  # iterations on all data
 _AGREE = 1e-3  # of the cost: two ends are the same
 _SKETCH_ITERATIONS = 25
+_AT_BOUND = 1e-9  # of the distance of the bounds
 
 
 def search(
@@ -45,20 +46,35 @@ def search(
         """``left``: expected remaining iterations, in iterations on all data."""
         remaining(text, sum(part.evaluations * part.samples for part in parts), left * each * problem.samples)
 
-    start = _best_start(sketch, candidates, size, lambda text: report(text, _USUAL))
-    near = start if thinned is problem else refine(thinned, start, size, gain=_THINNED_GAIN)[0].searched
+    start = best_start(sketch, candidates, size, lambda text: report(text, _USUAL))
+    near = released(thinned, start, candidates[0])
+    if thinned is not problem:
+        near = refine(thinned, near, size, gain=_THINNED_GAIN)[0].searched
     if problem.point(near).cost > problem.point(start).cost:
         near = start  # the samples between the thinned ones decide
     gain = _GAIN if thinned is problem else _THINNED_GAIN
-    point, converged = refine(
-        problem, near, size, gain=gain, report=lambda k: report(f"iteration {k + 1} on all samples", max(_USUAL - k, 1))
-    )
+
+    def finish(begin: np.ndarray) -> tuple[Point, bool]:
+        return refine(
+            problem, begin, size, gain=gain,
+            report=lambda k: report(f"iteration {k + 1} on all samples", max(_USUAL - k, 1)),
+        )  # fmt: skip
+
+    point, converged = finish(near)
+    freed = released(problem, point.searched, candidates[0])
+    if freed is not point.searched:
+        point, converged = finish(freed)
     shorter = [part for part in (sketch, thinned) if part is not problem]
     elsewhere = sum(part.evaluations * part.samples / problem.samples for part in shorter)
     return Solution(point, converged, problem.evaluations + round(elsewhere))
 
 
-def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray, report: Callable[[str], None]) -> np.ndarray:
+def best_start(
+    sketch: Problem,
+    candidates: np.ndarray,
+    size: np.ndarray,
+    report: Callable[[str], None] = lambda text: None,
+) -> np.ndarray:
     """The end of the best of several searches on the excerpts; the model's values are always tried."""
     if len(candidates) == 1:
         return candidates[0]
@@ -73,6 +89,24 @@ def _best_start(sketch: Problem, candidates: np.ndarray, size: np.ndarray, repor
         if len(ends) > 1 and ends[1].cost <= ends[0].cost * (1.0 + _AGREE):
             break
     return ends[0].searched if ends else candidates[0]
+
+
+def released(problem: Problem, values: np.ndarray, model: np.ndarray) -> np.ndarray:
+    """The searched values; those at a bound are put back to the model's where that is better.
+
+    Excerpts, and a search far from its end, may drive a parameter to where it no longer acts: a lag of no time.
+    """
+    low, high = problem.lower[problem.searched], problem.upper[problem.searched]
+    at_bound = np.minimum(values - low, high - values) <= _AT_BOUND * (high - low)
+    least = float("inf")
+    for j in np.flatnonzero(at_bound & (np.abs(values - model) > _AT_BOUND * (high - low))):
+        least = min(least, problem.point(values).cost)
+        back = values.copy()
+        back[j] = model[j]
+        cost = problem.point(back).cost
+        if cost < (1.0 - _AGREE) * least:
+            least, values = cost, back
+    return values
 
 
 def refine(
