@@ -178,3 +178,31 @@ def test_heat_fades_the_force_and_a_cold_damper_does_not():
     share = faded[np.abs(plain) > 10] / plain[np.abs(plain) > 10]
     assert share[0] == pytest.approx(1.0, abs=1e-3)
     assert share[-1] < 0.9 and (np.diff(share) < 1e-3).all()
+
+
+def slip_over(places, **values):
+    """Force of ``elastic_slip`` on straight ways between places, in small steps."""
+    parts = [np.linspace(a, b, 400, endpoint=False) for a, b in zip(places, places[1:], strict=False)]
+    x = np.concatenate([*parts, places[-1:]])
+    block = np.full((ROWS, x.size), np.nan)
+    block[T], block[DT], block[X] = 1e-3 * np.arange(x.size), np.minimum(np.arange(x.size), 1) * 1e-3, x
+    return x, force("elastic_slip", block, **values)
+
+
+def test_elastic_slip_reverses_along_the_first_loading_at_twice_its_size():
+    x, found = slip_over([0.0, 8e-3, -8e-3], force=100.0, way=1e-3, spread=1.0)
+    loading, ways = found[:401], 8e-3 - x[400:]
+    expected = 100.0 - 2.0 * np.interp(0.5 * ways, x[:401], loading)
+    np.testing.assert_allclose(found[400:], expected, atol=0.5)
+
+
+def test_a_small_loop_of_elastic_slip_closes_and_the_large_one_goes_on():
+    _, whole = slip_over([0.0, 3e-3], force=100.0, way=1e-3, spread=1.0)
+    _, broken = slip_over([0.0, 1e-3, 0.6e-3, 1e-3, 3e-3], force=100.0, way=1e-3, spread=1.0)
+    assert broken[1200] == pytest.approx(broken[400], abs=1e-9)
+    assert broken[-1] == pytest.approx(whole[-1], abs=1e-9)
+
+
+def test_elastic_slip_of_equal_parts_is_elastic_and_then_slides():
+    x, found = slip_over([0.0, 3e-3], force=100.0, way=1e-3, spread=0.1)
+    np.testing.assert_allclose(found, 100.0 * np.minimum(x / 1e-3, 1.0), atol=3.0)

@@ -16,7 +16,7 @@ MODERATE, LARGE, VIOLENT = (0.005, 0.012), (0.02, 0.045), (0.03, 0.07)  # m rms,
 EXCITATION = {
     **dict.fromkeys(("carrera_akutain", "carrera_akutain_unfiltered", "renault_modified_bouc_wen"), LARGE),
     **{f"renault_modified_bouc_wen_point_{k}": LARGE for k in (1, 2, 3)},
-    **dict.fromkeys(("semi_active_yield", "semi_active_gap"), VIOLENT),  # their curves go to 1.2 m/s
+    **dict.fromkeys(("semi_active_yield", "semi_active_gap", "semi_active_oil"), VIOLENT),  # their curves go to 1.2 m/s
     **{f"his_{kind}": VIOLENT for kind in ("piecewise", "non_hysteresis", "permanent_hysteresis")},
 }
 # Parameters that no data determine, by the model's structure.
@@ -27,7 +27,7 @@ SILENT = {
 }
 # Corners of the grid that no motion reaches: high speed at high acceleration. And dry friction next to a yield force
 # that is there without current: they have the same shape, and one may take the other's place.
-UNREACHED = {"force_surface", "semi_active_gap"}
+UNREACHED = {"force_surface", "semi_active_gap", "semi_active_oil"}
 
 
 def command(size):
