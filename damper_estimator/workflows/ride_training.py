@@ -40,14 +40,19 @@ def train(
     measured = []
     for k, kind in enumerate(EXCITATIONS):
         progress(f"recording {kind}", 0.2 * k * TRAINING_SHARE)
-        measured.append(_recorded(name, corner, kind, folder, seconds, seed + k))
+        measured.append(recorded(name, corner, kind, folder, seconds, seed + k))
     progress(f"identifying {start.name}", 0.6 * TRAINING_SHARE)
     found = fit(start, measured, seed=seed)
     return Trained(found.model, _table(measured), found.rmse_n)
 
 
-def _recorded(name: str, corner: Corner, kind: str, folder: Path, seconds: float, seed: int) -> Measurement:
-    """A recording as a logger writes it, read back as usual."""
+def recorded(name: str, corner: Corner, kind: str, folder: Path, seconds: float, seed: int) -> Measurement:
+    """A recording of a drive with stepped currents as a logger writes it, read back as usual.
+
+    Args:
+        kind: among ``vehicle.EXCITATIONS``.
+        folder: receives the bag.
+    """
     motion = drive(kind, corner.damper, seconds, seed, current_steps(seconds, seed, highest=LIMITS[1]), corner.car)
     path = folder / f"{name}_{kind}.mcap"
     write_record(path, {name: record(Setup(corner.damper, Sensors()), motion, seed)}, with_current=True)
