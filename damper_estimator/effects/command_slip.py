@@ -1,0 +1,75 @@
+"""Yield that the command raises up to saturation, of many small parts that slip after different travels.
+
+    F = F_y (1 - exp(-|I| / I_s)) mean_k s_k,      tau dI/dt + I = M,
+    ds_k = dx / w_k  while |s_k| < 1,      w_k = w exp(g n_k),      n_k = -1 ... 1
+
+F_y in N (yield force of the saturated field), I_s in A, w in m the median travel before a part slips, g without unit
+the spread of the travels, tau in s; M the command in A. The lag is exact for a command held between samples, s_k for a
+step without reversal. Without a command the force is zero. States: s_k, the last displacement, I; first order in the
+step for a changing command. Source: Iwan 1966 as in ``elastic_slip``, saturation and lag as in ``command_yield``.
+"""
+
+from math import exp
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.elastic_slip import PARTS, slipped
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
+from damper_estimator.signals.layout import COMMAND, DT, X
+
+_CURRENT = PARTS + 1  # position in the state
+
+
+@compiled
+def kernel(parameters, settings, kinematics, state, force):
+    """F += F_y (1 - exp(-|I| / I_s)) mean s_k."""
+    for i in range(force.size):
+        dt, command = kinematics[DT, i], kinematics[COMMAND, i]
+        if dt <= 0.0:
+            for k in range(PARTS):
+                state[k] = 0.0
+            state[PARTS] = kinematics[X, i]
+            state[_CURRENT] = command
+        share = slipped(state, kinematics[X, i], parameters[2], parameters[3])
+        if dt > 0.0 and np.isfinite(state[_CURRENT]):
+            state[_CURRENT] = command + (state[_CURRENT] - command) * exp(-dt / parameters[4])
+        else:
+            state[_CURRENT] = command
+        if np.isfinite(state[_CURRENT]):
+            force[i] += parameters[0] * (1.0 - exp(-abs(state[_CURRENT]) / parameters[1])) * share
+
+
+def trial(ranges: Ranges) -> Trial:
+    """Needs a changing command, and a saturation that is not far below its values."""
+    most = max(abs(value) for value in changing_command(ranges))
+    way = 0.01 * ranges.stroke
+    limits = {
+        "saturation": (0.4 * most, 20.0 * most),
+        "way": (0.02 * way, 5.0 * way),
+        "spread": (0.1, 2.5),
+        "time_constant": (1e-4, 0.1),
+    }
+    values = {"saturation": most, "way": 0.3 * way, "spread": 1.0, "time_constant": 0.01}
+    return Trial(values, limits, spread(way=(0.1 * way, way), saturation=(0.6 * most, 3.0 * most)))
+
+
+EFFECT = Effect(
+    kernel=kernel,
+    kind="source",
+    phenomenon="current",
+    tests=("current",),
+    parameters=(
+        Parameter("force", "N", 500.0, 0.0, 50000.0, "yield force of the saturated field", linear=True),
+        Parameter("saturation", "A", 1.0, 1e-3, 100.0, "command at which the force reaches 63 % of it"),
+        Parameter("way", "m", 3e-4, 1e-6, 0.05, "median travel before a part slips"),
+        Parameter("spread", "1", 1.0, 0.1, 4.0, "spread of the travels; 0.1: nearly all parts slip at once"),
+        Parameter("time_constant", "s", 0.015, 1e-4, 0.5, "time constant of the coil"),
+    ),
+    states=PARTS + 2,
+    order=1,
+    shows="an odd step at each reversal whose height grows with the command; small loops lie inside large ones",
+    separate="the same motion at several commands, with small reversals inside large ones",
+    trial=trial,
+)
