@@ -34,7 +34,7 @@ EFFECT = Effect(
     tests=("series",),
     parameters=(
         Parameter("stiffness", "N/m", 1e6, 5e4, 1e9, "stiffness of the mount"),
-        Parameter("loss", "N s/m", 500.0, 0.0, 1e6, "damping of the mount"),
+        Parameter("loss", "N s/m", 500.0, 0.0, 1e5, "damping of the mount"),
     ),
     order=2,
     shows="the F-v loop opens with frequency, equally in rebound and compression",
