@@ -9,10 +9,12 @@ import contextlib
 import io
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND
 
 RATE = 200.0  # Hz
 HISTORY = (1, 2, 4, 6, 10)  # samples
@@ -22,27 +24,29 @@ CANDIDATES = ((1, 4), (1, 8), (2, 8), (2, 15), (3, 8), (3, 15), (3, 25))  # degr
 Peer = Callable[[Measurement], np.ndarray]
 
 
-def inputs(measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Grid (m,) s, columns x, v, a on it (m, 3) and force in band (m,)."""
+def inputs(measurement: Measurement, with_command: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Grid (m,) s, columns x, v, a on it (m, 3), or with the command (m, 4), and force in band (m,)."""
     motion = measurement.kinematics
     grid = np.arange(motion.time[0], motion.time[-1], 1.0 / RATE)
     columns = [
         np.interp(grid, motion.time, column) for column in (motion.displacement, motion.velocity, motion.acceleration)
     ]
+    if with_command:
+        columns.append(np.interp(grid, motion.time, motion.block[COMMAND]))
     force = np.interp(grid, motion.time, measurement.in_band(measurement.force))
     return grid, np.stack(columns, axis=1), force
 
 
-def fit_boosting(measurements: Sequence[Measurement]) -> tuple[Peer, int]:
-    """Gradient boosting on x, v, a and their history; also returns the number of trees."""
+def fit_boosting(measurements: Sequence[Measurement], with_command: bool = False) -> tuple[Peer, int]:
+    """Gradient boosting on x, v, a, the command if wanted, and their history; also returns the number of trees."""
     from sklearn.ensemble import HistGradientBoostingRegressor
 
-    parts = [inputs(m) for m in measurements]
+    parts = [inputs(m, with_command) for m in measurements]
     regressor = HistGradientBoostingRegressor(max_iter=300, learning_rate=0.05, random_state=0)
     regressor.fit(np.concatenate([_with_history(x) for _, x, _ in parts]), np.concatenate([f for _, _, f in parts]))
 
     def force(measurement: Measurement) -> np.ndarray:
-        grid, x, _ = inputs(measurement)
+        grid, x, _ = inputs(measurement, with_command)
         return np.interp(measurement.kinematics.time, grid, regressor.predict(_with_history(x)))
 
     return force, int(regressor.n_iter_)
@@ -108,3 +112,8 @@ PEERS: dict[str, Callable[[Sequence[Measurement]], tuple[Peer, int]]] = {
     "SysIdentPy FROLS, free run": fit_frols,
     "gradient boosting": fit_boosting,
 }
+
+PEERS_WITH_COMMAND: dict[str, Callable[[Sequence[Measurement]], tuple[Peer, int]]] = {
+    "gradient boosting": partial(fit_boosting, with_command=True),
+}
+"""The same, for recordings with different commands."""
