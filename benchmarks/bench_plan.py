@@ -30,13 +30,22 @@ BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
 Record = dict[str, Any]
 
 
-def judged(card: Card, seed: int, folder: Path, random_drives: int, limit: float) -> Record:
-    """The record of one card; a failure is a record as well."""
+def record(card: Card, seed: int, ties: Path, random_drives: int, limit: float) -> Record:
+    """The record of one card; a failure is a record as well.
+
+    Args:
+        ties: folder of saved ties.
+        random_drives: if the plan finds no separating test; below zero nothing is planned.
+        limit: s of processor time.
+    """
     resource.setrlimit(resource.RLIMIT_CPU, (round(limit), round(limit) + 60))
-    from population.ties import record
+    from population.ties import Tie, judged, looked_for
 
     try:
-        return record(card, seed, folder, random_drives)
+        found = looked_for(card, seed, ties)
+        if isinstance(found, Tie):
+            return judged(found, seed, random_drives) if random_drives >= 0 else found.facts
+        return found
     except Exception as fault:  # a broken case is counted, and must not end the run
         return {"name": card.name, "tie": False, "failed": f"{type(fault).__name__}: {fault}"}
 
@@ -95,7 +104,9 @@ def line(record: Record) -> str:
     if "failed" in record:
         return f"{record['name']}: FAILED {record['failed']}"
     if not record["tie"]:
-        return f"{record['name']}: no tie ({record['old']}), {record['all_seconds']:.0f} s"
+        return f"{record['name']}: no tie ({record['old']}), {record['diagnosis_seconds']:.0f} s"
+    if "planned" not in record:
+        return f"{record['name']} ({record['family']}, {record['model']}): tie {record['old'][0]}"
     random = "/".join(one["said"] for one in record["random"])
     return (
         f"{record['name']} ({record['family']}, {record['model']}): {record['old'][0]}, predicted "
@@ -111,33 +122,46 @@ def main() -> None:
     parser.add_argument("--ties", type=int, default=60, metavar="N", help="to be judged (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="+", default=[], metavar="PHENOMENON")
-    parser.add_argument("--random-drives", type=int, default=20, metavar="N", help="random roads if no test separates")
+    parser.add_argument("--random-drives", type=int, default=5, metavar="N", help="random roads if no test separates")
     parser.add_argument("--workers", type=int, default=1, metavar="N")
     parser.add_argument("--limit", type=float, default=1800.0, metavar="S", help="processor time of a case")
     parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--find", action="store_true", help="only look for ties and save them; a later run judges them")
+    parser.add_argument(
+        "--judge-again", type=Path, metavar="OUT/SEED", help="only the ties that a run with the same seed saved there"
+    )
     parser.add_argument("--report", action="store_true", help="only the tables of the existing results")
     parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page to write the tables to")
     arguments = parser.parse_args()
     folder = arguments.out / str(arguments.seed)
     folder.mkdir(parents=True, exist_ok=True)
-    place = folder / "results.jsonl"
+    ties = (arguments.judge_again or folder) / "ties"
+    place = folder / ("found.jsonl" if arguments.find else "results.jsonl")
     records = done(place)
+    # What an earlier run looked at is not simulated again: its ties are in files, the others have none.
+    known = done(folder / "found.jsonl") if not arguments.find else {}
+    records = {name: one for name, one in known.items() if not one["tie"]} | records
     cards = (card for card in deck(arguments.seed, False) if card.kind == "hidden")
     cards = (card for card in cards if not arguments.only or card.hidden[0] in arguments.only)
+    if arguments.judge_again:
+        arguments.ties = min(arguments.ties, sum(1 for _ in ties.glob("*.pickle")))
+        cards = (card for card in cards if (ties / f"{card.name}.pickle").exists())
     left = (card for card in cards if card.name not in records)
+    drives = -1 if arguments.find else arguments.random_drives
     context = get_context("spawn")
     while not arguments.report and sum(record["tie"] for record in records.values()) < arguments.ties:
         batch = list(islice(left, arguments.workers))
+        if not batch:
+            break
         with ProcessPoolExecutor(arguments.workers, mp_context=context) as pool:
-            waiting = [
-                pool.submit(judged, card, arguments.seed, folder, arguments.random_drives, arguments.limit)
-                for card in batch
-            ]
-            for record in (future.result() for future in as_completed(waiting)):
-                records[record["name"]] = record
+            waiting = [pool.submit(record, card, arguments.seed, ties, drives, arguments.limit) for card in batch]
+            for one in (future.result() for future in as_completed(waiting)):
+                records[one["name"]] = one
                 with place.open("a", encoding="utf-8") as stream:
-                    stream.write(json.dumps(record) + "\n")
-                print(line(record), flush=True)
+                    stream.write(json.dumps(one) + "\n")
+                print(line(one), flush=True)
+    if arguments.find:
+        return
     text = report(list(records.values()), arguments.seed)
     print(text)
     if arguments.output:
