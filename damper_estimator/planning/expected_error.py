@@ -1,4 +1,8 @@
-"""The errors to expect on a test, of sensors and of the model's form, estimated from the recordings."""
+"""The errors to expect on a test, of sensors and of the model's form, estimated from the recordings.
+
+The error of the form is a function of the motion, so part of it lies at the frequencies that are driven. The other part
+spreads as on the recordings.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +18,8 @@ from damper_estimator.planning.steps import Step
 
 _LEAST_FORM = 0.01  # of the force: what no model's form gets right
 _BINS = 10  # of the force, over which the squared error is averaged
+_PASSES = 12  # of the fit of the squared error; its weights follow from it
+_DRIVEN = 0.5  # of the error of the form, where a step drives the force; the rest spreads as on the recordings
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,15 @@ class Errors:
         error would be new otherwise.
         """
         return np.clip([step.cycles for step in steps], 1.0, np.maximum(rows / self.memory, 1.0))
+
+    def spectrum_on(self, force: np.ndarray, rate: float) -> Spectrum:
+        """Of the form's error on a step with this force (r,) in N at ``rate`` Hz; as on the recordings at rest."""
+        moving = force - force.mean()
+        if not np.mean(moving**2) > _LEAST_FORM**4 * self.power:
+            return self.spectrum
+        driven = spectrum_of([moving], [rate])
+        usual = np.interp(driven.frequency, self.spectrum.frequency, self.spectrum.density)
+        return Spectrum(driven.frequency, _DRIVEN * driven.density + (1.0 - _DRIVEN) * usual)
 
     def of_form(self, on: Simulated, ranges: Ranges) -> np.ndarray:
         """(h, s) N^2 of a row of each step. It grows with the square of the distance beyond the recorded strokes and
@@ -82,10 +97,20 @@ def errors_of(found: Explanations, floor_n: float) -> Errors:
 
 
 def _over_force(force: np.ndarray, squared: np.ndarray) -> tuple[float, float]:
-    """Constant part and share of the squared force of a squared error (r,), neither negative."""
+    """Constant part and share of the squared force of a squared error (r,), neither negative; right on average.
+
+    Squares scatter in proportion to their mean, which is the weight of a bin: else those of the largest forces alone
+    would count. The mean is that of the fit, for measured squares as weights would favour the small ones.
+    """
     order = np.argsort(np.abs(force))
-    means = np.array([[np.mean(force[part] ** 2), np.mean(squared[part])] for part in np.array_split(order, _BINS)])
-    # Each bin's own error is its weight: else those of the largest forces alone would count.
-    weight = 1.0 / np.maximum(means[:, 1], 1e-3 * means[:, 1].mean() + 1e-300)
-    constant, share = nnls(np.column_stack([weight, weight * means[:, 0]]), weight * means[:, 1])[0]
+    parts = np.array_split(order, _BINS)
+    power, error = (np.array([values[part].mean() for part in parts]) for values in (force**2, squared))
+    usual = float(error.mean())
+    expected = np.full(error.size, usual)
+    found = np.array([usual, 0.0])
+    for _ in range(_PASSES):
+        weight = 1.0 / np.maximum(expected, 1e-3 * usual + 1e-300)
+        found = nnls(np.column_stack([weight, weight * power]), weight * error)[0]
+        expected = found[0] + found[1] * power
+    constant, share = found * usual / max(float(expected.mean()), 1e-300)
     return float(constant), float(share)

@@ -2,13 +2,11 @@
 
 A fit weighs all rows alike, whatever their errors e:
 
-    C = M^-1 S M^-1,    M = M_old + sum_i n_i J_i'J_i,    S = cov(J_old'e) + sum_i (n_i s_n^2 + m_i s_i^2) cov(J_i'u)
+    C = M^-1 S M^-1,    M = M_old + sum_i n_i J_i'J_i,    S = cov(J_old'e) + sum_i n_i (s_n^2 J_i'J_i + cov(J_i'e_i))
 
-where u has unit variance and the spectrum of the old residual: a sine is disturbed by the errors at its frequency.
-s_n^2 and s_i^2 are the variances of noise and of the model's form on step i. The form errs alike where a motion is
-driven again: m_i is n_i^2 times the cycles of a step, but n_i for random motion. The volume of the parameters' common
-confidence region, det C, becomes smallest. Source: Wald 1943; Fedorov 1972, Theory of Optimal Experiments; for C,
-Huber 1967.
+where s_n^2 is the variance of noise, and e_i the error of the model's form on step i, with the spectrum that the motion
+of that step gives it: a sine is disturbed at its own frequency. The volume of the parameters' common confidence region,
+det C, becomes smallest. Source: Wald 1943; Fedorov 1972, Theory of Optimal Experiments; for C, Huber 1967.
 """
 
 from collections.abc import Sequence
@@ -17,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.diagnosis import Explanations
-from damper_estimator.planning.expected_error import Errors, repeated
+from damper_estimator.planning.expected_error import Errors
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
 
@@ -29,9 +27,7 @@ class Sharpening:
     Attributes:
         old: (k, k) M_old.
         disturbed: (k, k) cov(J_old'e).
-        each, each_disturbed: (s, k, k) J_i'J_i and cov(J_i'u) of each step.
-        noise, form: s_n^2, and s_i^2 times the cycles (s,).
-        is_random: (s,) bool, steps whose motion is another one each time.
+        each, each_disturbed: (s, k, k) J_i'J_i and cov(J_i'e) of each step.
         addresses, sizes, values: of the parameters (k,).
     """
 
@@ -39,9 +35,6 @@ class Sharpening:
     disturbed: np.ndarray
     each: np.ndarray
     each_disturbed: np.ndarray
-    noise: float
-    form: np.ndarray
-    is_random: np.ndarray
     addresses: tuple[str, ...]
     sizes: np.ndarray
     values: np.ndarray
@@ -56,8 +49,7 @@ class Sharpening:
 
     def _covariance(self, counts: np.ndarray) -> np.ndarray:
         root = np.linalg.inv(self.old + np.tensordot(counts, self.each, 1))
-        errors = counts * self.noise + repeated(counts, self.is_random) * self.form
-        return root @ (self.disturbed + np.tensordot(errors, self.each_disturbed, 1)) @ root
+        return root @ (self.disturbed + np.tensordot(counts, self.each_disturbed, 1)) @ root
 
 
 def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors: Errors) -> Sharpening:
@@ -65,7 +57,13 @@ def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors
     (hypothesis,) = found.fitted
     left = float(np.mean(hypothesis.residual**2))
     columns = on.sensitivity[0][:, :-1]  # a fit does not free the gauge's zero
-    counts = np.array([part.stop - part.start for part in on.slices])
+    form, rate = errors.of_form(on, found.ranges)[0], on.rows.rate
+    each = np.array([columns[part].T @ columns[part] for part in on.slices])
+    spectra = [errors.spectrum_on(on.force[0, part], rate) for part in on.slices]
+    of_form = [
+        variance * spectrum.score_covariance(columns[part], rate)
+        for variance, spectrum, part in zip(form, spectra, on.slices, strict=True)
+    ]
     slots = [hypothesis.model.slots[i] for i in hypothesis.free]
     # What keeps a parameter from adding more than the force itself is no measurement, but as uncertain as one.
     most = np.sqrt(errors.power / np.maximum(np.mean(hypothesis.sensitivity**2, axis=0), 1e-12 * errors.power))
@@ -75,11 +73,8 @@ def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors
     return Sharpening(
         old=held + hypothesis.sensitivity.T @ hypothesis.sensitivity,
         disturbed=left * (errors.memory * held + sum(errors.spectrum.score_covariance(j, r.rate) for j, r in old)),
-        each=np.array([columns[part].T @ columns[part] for part in on.slices]),
-        each_disturbed=np.array([errors.spectrum.score_covariance(columns[part], on.rows.rate) for part in on.slices]),
-        noise=errors.noise,
-        form=errors.of_form(on, found.ranges)[0] * errors.alike(counts, steps),
-        is_random=np.array([step.is_random for step in steps]),
+        each=each,
+        each_disturbed=errors.noise * each + np.array(of_form),
         addresses=tuple(slot.address for slot in slots),
         sizes=hypothesis.sizes,
         values=np.array([slot.value for slot in slots]),
