@@ -13,36 +13,35 @@ that of draws from their covariance on the old recordings (Bayesian, as in Box a
 The decision is the one that a diagnosis takes from both recordings: a phenomenon is named alone once its rival leaves
 more squared error by the factor r, with r^k = (1 - p) / p from the bound p of a tie and k, the sharpness of the
 diagnosis for effects (its form-free tests are taken to speak for both alike).
-With S_A, S_B left on the old recordings and E the squared error expected on the new one, of noise and of model form,
+With S_A, S_B left on the old recordings, E the squared error expected on the new one, of noise and of model form, and
+what a diagnosis charges both for their parameters, C = c (E + |f - f_0|^2) with f_0 the force without any of them,
 
-    P(right) = Phi((S_B + E + D - r (S_A + E)) / s),     P(wrong) = Phi(((S_A + E) / r - (S_B + E + D)) / s)
+    P(right) = Phi((S_B + E + D + C_B - r (S_A + E + C_A)) / s)
+    P(wrong) = Phi(((S_A + E + C_A) / r - (S_B + E + D + C_B)) / s)
     s^2 = 4 sum_i (m_i D_i s_m^2 + n_i D_i s_n^2)
 
 averaged over log E, which is uncertain by a factor of two. n_i is how often step i is driven, s_n^2 and s_m^2 are the
 long-run variances of noise and of the model's form. A repeated step averages noise, but repeats what the model's form
 gets wrong, m_i = n_i^2, and so does each cycle of a sine; at rest all rows err alike. Random motion is another one each
 time, m_i = n_i.
+
+Where the diagnosis of the old recordings gave probabilities P, they say where the decision stands:
+S_B / S_A = (P_A / P_B)^(1/k). Old recordings that speak for the wrong phenomenon have to be outweighed.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import permutations
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import ndtr
 
-from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
-from damper_estimator.planning.expected_error import Errors, repeated
-from damper_estimator.planning.simulated import Simulated
-from damper_estimator.planning.steps import Step
+from damper_estimator.diagnosis import limits
+from damper_estimator.planning.expected_error import repeated
 
-DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
-_REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
 _FACTORS, _WEIGHTS = 2.0 ** (np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])), np.array([1.0, 4.0, 1.0]) / 6.0
 """Nodes and weights of Gauss and Hermite for the expected squared error: it varies by a factor of two between good
 recordings of one damper.
 """
-_FREE = 1e-9  # the gauge's zero is held by nothing
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,7 @@ class Pair:
         normal: (s, k, k) J_B'J_B of each step; right: (s, k, d) J_B'(f_A - f_B) for each draw; square: (s, d).
         prior: (k, k) of the old recordings.
         left: S_A and S_B.
+        charged: (2, s) C_A and C_B of each step; nothing without.
     """
 
     truth: int
@@ -63,6 +63,7 @@ class Pair:
     square: np.ndarray
     prior: np.ndarray
     left: tuple[float, float]
+    charged: np.ndarray | None = None
 
     def differences(self, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """D (d,) of a test that drives step i ``counts[i]`` times, and D_i (s, d) of its steps."""
@@ -100,7 +101,7 @@ class Margins:
 
 @dataclass(frozen=True)
 class Chances:
-    """What a test leads to, the mean over the phenomena as truth.
+    """What a test leads to, the mean over the phenomena as truth, each by its probability.
 
     Attributes:
         right: probability that the truth is named alone.
@@ -135,6 +136,7 @@ class Criterion:
         expected: (h, s) squared error expected of each step, by the truth.
         form, noise: (h, s) long-run variances of a row, s_m^2 and s_n^2.
         is_random: (s,) bool, steps whose motion is another one each time.
+        probable: of each phenomenon, before the test; all alike without.
     """
 
     pairs: tuple[Pair, ...]
@@ -143,6 +145,7 @@ class Criterion:
     form: np.ndarray
     noise: np.ndarray
     is_random: np.ndarray
+    probable: Mapping[str, float] = field(default_factory=dict)
 
     def score(self, counts: np.ndarray) -> float:
         """Mean over pairs and draws of P(right) and of the progress towards a decision; what the search makes large.
@@ -151,7 +154,13 @@ class Criterion:
         the search from separating the others.
         """
         margins = [self._margins(pair, counts) for pair in self.pairs]
-        return 0.5 * float(np.mean([np.mean((ndtr(one.right) + one.progress) @ _WEIGHTS) for one in margins]))
+        names = [self.names[pair.truth] for pair in self.pairs]
+        weights = np.array([self._weight(name) / names.count(name) for name in names])
+        each = np.array([np.mean((ndtr(one.right) + one.progress) @ _WEIGHTS) for one in margins])
+        return 0.5 * float(weights @ each / weights.sum())
+
+    def _weight(self, name: str) -> float:
+        return self.probable.get(name, 1.0)
 
     def chances(self, counts: np.ndarray) -> Chances:
         """Of a test that drives step i ``counts[i]`` times; with several rivals each must be beaten (Bonferroni)."""
@@ -171,7 +180,8 @@ class Criterion:
             forms = [k for k in lost if self.names[k] == name]
             right = float(np.mean([max(0.0, 1.0 - sum(lost[k].values())) for k in forms]))
             chances.append((name, right, min(1.0 - right, float(np.mean([sum(wrong[k].values()) for k in forms])))))
-        right, mistaken = (float(np.mean([entry[k] for entry in chances])) for k in (1, 2))
+        weights = [self._weight(name) for name, _, _ in chances]
+        right, mistaken = (float(np.average([entry[k] for entry in chances], weights=weights)) for k in (1, 2))
         return Chances(right, mistaken, float(weakest), tuple(chances))
 
     def _margins(self, pair: Pair, counts: np.ndarray) -> Margins:
@@ -179,6 +189,8 @@ class Criterion:
         truth = pair.truth
         expected = float(counts @ self.expected[truth]) * _FACTORS
         ours, theirs = pair.left[0] + expected, pair.left[1] + expected + difference[:, None]
+        if pair.charged is not None:
+            ours, theirs = (one + counts @ extra for one, extra in zip((ours, theirs), pair.charged, strict=True))
         r = ratio()
         repeats = repeated(counts, self.is_random)
         chance = 4.0 * ((repeats * self.form[truth] + counts * self.noise[truth]) @ each)
@@ -192,72 +204,12 @@ class Criterion:
         )
 
 
+def sharpness() -> float:
+    """k, by which the probability of a phenomenon falls with the squared error that its effect leaves."""
+    return limits().sharpness * (1.0 - limits().form_free)
+
+
 def ratio() -> float:
     """Factor r between the squared errors of two phenomena from which on a diagnosis names one of them alone."""
     tied = limits().tied
-    return float(((1.0 - tied) / tied) ** (1.0 / (limits().sharpness * (1.0 - limits().form_free))))
-
-
-def criterion(found: Explanations, on: Simulated, steps: Sequence[Step], errors: Errors) -> Criterion:
-    """The criterion of hypotheses that were simulated on steps."""
-    hypotheses = found.fitted
-    slices = on.slices
-    variance = max(errors.usual, 1e-300) * errors.memory
-    draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
-    pairs = [
-        _pair(hypotheses, on, slices, draws, truth, rival)
-        for truth, rival in permutations(range(len(hypotheses)), 2)
-        if hypotheses[truth].phenomenon != hypotheses[rival].phenomenon
-    ]
-    counts = np.array([part.stop - part.start for part in slices])
-    form = errors.of_form(on, found.ranges)
-    return Criterion(
-        tuple(pairs),
-        tuple(hypothesis.phenomenon for hypothesis in hypotheses),
-        counts * (errors.noise + form),
-        form * np.maximum(errors.memory * errors.alike(counts, steps), 1.0),
-        np.full(form.shape, errors.noise),
-        np.array([step.is_random for step in steps]),
-    )
-
-
-def information(hypothesis: FittedExplanation, variance: float) -> np.ndarray:
-    """(k + 1, k + 1) of the old rows, each parameter held to the order of its size; the gauge's zero is free."""
-    columns = hypothesis.sensitivity
-    found = np.zeros((columns.shape[1] + 1,) * 2)
-    found[:-1, :-1] = columns.T @ columns + np.eye(columns.shape[1]) * (variance / _REACH**2)
-    found[-1, -1] = _FREE
-    return found
-
-
-def _draws(hypothesis: FittedExplanation, variance: float, seed: int) -> np.ndarray:
-    """(k + 1, d) parameters of the truth less the fitted ones, in sizes, as the old recordings leave them uncertain."""
-    known = information(hypothesis, variance)[:-1, :-1]
-    root = np.linalg.cholesky(np.linalg.inv(known) * variance + 1e-15 * np.eye(len(known)))
-    normal = np.random.default_rng([seed, 17]).standard_normal((len(known), DRAWS // 2))
-    off = np.clip(root @ normal, -_REACH, _REACH)
-    return np.vstack([np.hstack([np.zeros((len(known), 1)), off, -off]), np.zeros(DRAWS + 1)])
-
-
-def _pair(
-    hypotheses: Sequence[FittedExplanation],
-    on: Simulated,
-    slices: Sequence[slice],
-    draws: Sequence[np.ndarray],
-    truth: int,
-    rival: int,
-) -> Pair:
-    columns = on.sensitivity[rival]
-    change = (on.force[truth] - on.force[rival])[:, None] + on.sensitivity[truth] @ draws[truth]
-    left = [float(np.sum(hypotheses[i].residual ** 2)) for i in (truth, rival)]
-    best = min(left)
-    return Pair(
-        truth,
-        rival,
-        np.array([columns[part].T @ columns[part] for part in slices]),
-        np.array([columns[part].T @ change[part] for part in slices]),
-        np.array([np.sum(change[part] ** 2, axis=0) for part in slices]),
-        information(hypotheses[rival], best / max(hypotheses[rival].residual.size, 1)),
-        # Whichever is true explains the old recordings as well as the best does.
-        (best, max(left[1], best)),
-    )
+    return float(((1.0 - tied) / tied) ** (1.0 / sharpness()))

@@ -1,7 +1,7 @@
 """Designs the test that separates tied explanations, or that sharpens a model's parameters."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,11 +10,12 @@ from damper_estimator.diagnosis import Explanations, explanations
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
-from damper_estimator.planning.criterion import Criterion, criterion
+from damper_estimator.planning.criterion import Criterion
 from damper_estimator.planning.expected_error import Errors, errors_of
 from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
 from damper_estimator.planning.rig import Rig
+from damper_estimator.planning.rivals import criterion
 from damper_estimator.planning.search import Choice, Report, chosen
 from damper_estimator.planning.sharpening import sharpening
 from damper_estimator.planning.simulated import Simulated, simulated
@@ -27,7 +28,7 @@ from damper_estimator.validation import compare
 LONGEST = 10.0  # minutes, where none are asked for
 _PATIENCE = 10  # steps that may add next to nothing
 _PROGRESS = 0.005  # least gain over them, of the probability and of the search's score
-_NEARLY = 0.99  # of the probability that is reached: a test that gets so far is long enough
+_NEARLY = 0.99  # of the probability and the score that are reached: a test that gets so far is long enough
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class _Stage:
     steps: list[Step]
     on: Simulated
     like: Measurement
+    probable: Mapping[str, float] | None = None
 
 
 def plan(
@@ -48,6 +50,7 @@ def plan(
     phenomena: Sequence[str],
     rig: Rig,
     *,
+    probable: Mapping[str, float] | None = None,
     minutes: float | None = None,
     longest: float = LONGEST,
     progress: Report | None = None,
@@ -60,6 +63,7 @@ def plan(
         measurements: the recordings of the diagnosis.
         phenomena: two or more tied ones, or none.
         rig: with its limits.
+        probable: probability of each phenomenon, as the diagnosis of these recordings has it; None where it is unknown.
         minutes: length of the test; None for the shortest that is sure.
         longest: minutes that this one may take.
         progress: called with the activity in words and the share that is done.
@@ -76,6 +80,8 @@ def plan(
     found = explanations(model, measurements, phenomena)
     report("simulating steps", 0.3)
     stage = _stage(found, rig, limits_of(rig, found.ranges, measurements[0].band), measurements[0])
+    if probable is not None and all(probable.get(name, 0.0) > 0.0 for name in phenomena):
+        stage = replace(stage, probable={name: probable[name] for name in phenomena})
     if not phenomena:
         return _sharpening(stage, measurements, minutes, report)
     return _separating(stage, measurements, minutes, longest, report)
@@ -83,7 +89,7 @@ def plan(
 
 def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> _Stage:
     steps = steps_of(rig, limits, *(_matters(found, row, like) for row in (COMMAND, TEMPERATURE)))
-    on = simulated(found.fitted, steps, like) if steps else None
+    on = simulated(found, steps, like) if steps else None
     if on is None or (on.largest > limits.force).all():
         raise InputError(
             f"rig {rig.name}: no step obeys its limits (speed {limits.speed:g} m/s, acceleration "
@@ -93,7 +99,7 @@ def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> 
     inside = on.largest <= limits.force
     if not inside.all():
         steps = [step for step, good in zip(steps, inside, strict=True) if good]
-        on = simulated(found.fitted, steps, like)
+        on = simulated(found, steps, like)
     return _Stage(found, rig, limits, steps, on, like)
 
 
@@ -115,7 +121,7 @@ def _separating(
     hypotheses = stage.found.fitted
     best = min(hypotheses, key=lambda one: float(np.sum(one.residual**2)))
     errors = errors_of(stage.found, compare(best.model, *measurements).noise_floor_n)
-    judge = criterion(stage.found, stage.on, stage.steps, errors)
+    judge = criterion(stage.found, stage.on, stage.steps, errors, stage.probable)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or longest) - sum(REST)
     past: list[tuple[float, float]] = []
@@ -137,7 +143,9 @@ def _separating(
         raise _too_short(minutes, f"the shortest, in both halves, takes {2.0 * seconds.min():.0f} s")
     curve = _curve(judge, choice, seconds)
     if minutes is None:
-        last = int(np.flatnonzero(curve.right >= _NEARLY * curve.right[-1])[0]) + 1
+        scores = [judge.score(choice.counts(seconds.size, first + 1)) for first in range(len(choice.order))]
+        reached = (curve.right >= _NEARLY * curve.right[-1]) & (np.array(scores) >= _NEARLY * scores[-1])
+        last = int(np.flatnonzero(reached)[0]) + 1
         choice, curve = Choice(choice.order[:last], choice.parts), curve.until(last)
     chances = judge.chances(choice.counts(seconds.size))
     sure = np.flatnonzero(curve.right >= SURE)
@@ -160,7 +168,7 @@ def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str,
             other = _stage(stage.found, wide.rig, wide.limits, stage.like)
         except InputError:
             return 0.0
-        judge = criterion(other.found, other.on, other.steps, errors)
+        judge = criterion(other.found, other.on, other.steps, errors, stage.probable)
         seconds = np.array([step.seconds for step in other.steps])
         short = min(most, 180.0)
         choice = chosen(judge.score, seconds, short, lambda counts: judge.chances(counts).right >= SURE, _silent)
@@ -225,7 +233,7 @@ def _driven(stage: _Stage, choice: Choice) -> tuple[Step, ...]:
     for i in order:
         steps.append(stage.steps[i].repeated(times[i]))
         times[i] += 1
-    largest = simulated(stage.found.fitted, steps, stage.like).largest
+    largest = simulated(stage.found, steps, stage.like).largest
     inside = largest <= stage.limits.force
     return tuple(step if good else stage.steps[i] for step, good, i in zip(steps, inside, order, strict=True))
 

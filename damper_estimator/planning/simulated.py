@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from damper_estimator.diagnosis import FittedExplanation, sensitivities
+from damper_estimator.diagnosis import Explanations, sensitivities
 from damper_estimator.identification import rows_of
 from damper_estimator.identification.rows import Rows
 from damper_estimator.planning.steps import Step
@@ -29,6 +29,8 @@ class Simulated:
         sensitivity: of each hypothesis (r, k + 1), derivatives by its parameters times their sizes; the last is the
             gauge's zero.
         largest: (steps,) N, the largest force of any hypothesis.
+        base: (r,) N of the model without any of them.
+        base_slots: number of its parameters.
     """
 
     rows: Rows
@@ -36,6 +38,8 @@ class Simulated:
     force: np.ndarray
     sensitivity: tuple[np.ndarray, ...]
     largest: np.ndarray
+    base: np.ndarray
+    base_slots: int
 
     @property
     def slices(self) -> list[slice]:
@@ -44,17 +48,18 @@ class Simulated:
         return [slice(int(a), int(b)) for a, b in pairwise(edges)]
 
 
-def simulated(hypotheses: Sequence[FittedExplanation], steps: Sequence[Step], like: Measurement) -> Simulated:
+def simulated(found: Explanations, steps: Sequence[Step], like: Measurement) -> Simulated:
     """The hypotheses on the steps; filter, band and slow channels are those of the recording ``like``."""
     rows, first = _rows(steps, like)
     number = np.searchsorted(first, rows.picks, side="right") - 1
     forces, columns, largest = [], [], np.zeros(len(steps))
-    for hypothesis in hypotheses:
+    for hypothesis in found.fitted:
         force, sensitivity = sensitivities(hypothesis, [rows])
         forces.append(np.nan_to_num(force))
         columns.append(np.column_stack([sensitivity, np.ones(force.size)]))
         np.maximum.at(largest, number, np.abs(forces[-1]))
-    return Simulated(rows, number, np.array(forces), tuple(columns), largest)
+    base = rows.of(np.nan_to_num(found.model.force(rows.measurement.kinematics.block)))
+    return Simulated(rows, number, np.array(forces), tuple(columns), largest, base, len(found.model.slots))
 
 
 def kinematics_of(step: Step, like: Measurement) -> Kinematics:

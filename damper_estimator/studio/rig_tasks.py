@@ -1,6 +1,5 @@
 """The work on tests, in a worker process: results are written into a new folder."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,7 +7,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.model import DamperModel, save_model
 from damper_estimator.studio.worker_process import Progress
-from damper_estimator.workflows import Case, characterize_case, plan_case, ride
+from damper_estimator.workflows import Case, Tie, characterize_case, plan_case, ride
 
 
 @dataclass(frozen=True)
@@ -45,11 +44,9 @@ def characterized(case: Case, root: Path, progress: Progress) -> RigTest:
     return RigTest(f"diagrams of {case.damper}", found.sentence, target.name, "diagrams.html", files)
 
 
-def planned(
-    case: Case, group: Sequence[str], rig: str | Path, minutes: float | None, root: Path, progress: Progress
-) -> RigTest:
+def planned(case: Case, tie: Tie, rig: str | Path, minutes: float | None, root: Path, progress: Progress) -> RigTest:
     """The next test, written into a new folder: drive.csv (if the rig can play it), plan.yaml and plan.html."""
-    found = plan_case(case, tuple(group), rig, minutes, progress)
+    found = plan_case(case, tie, rig, minutes, progress)
     target = _new_folder(root, "test")
     files = found.write(target)
     others = tuple(sorted(file.name for file in files if file.suffix != ".html"))

@@ -8,7 +8,7 @@ from damper_estimator.studio.folder import Folder
 from damper_estimator.studio.rig_tasks import RigTest, characterized, planned, ridden
 from damper_estimator.studio.session import Session
 from damper_estimator.studio.worker_process import Progress, run_in_process
-from damper_estimator.workflows import RIDE_DAMPERS, library_rigs
+from damper_estimator.workflows import RIDE_DAMPERS, Tie, library_rigs, ties_of
 
 SHARPEN = "parameters"  # the aim of a test that makes the parameters more certain
 
@@ -38,9 +38,9 @@ def plan(session: Session, aim: object, rig: object, minutes: object) -> None:
     if rig not in rigs(session.folder):
         raise InputError("choose a rig")
     path = session.folder.path(rig) if str(rig).endswith((".yaml", ".yml")) else str(rig)
-    group = () if aim == SHARPEN else tuple(str(aim).split("+"))
+    tie = Tie(()) if aim == SHARPEN else _ties(session.diagnosis)[str(aim)]
     case, root = session.here.case(session.model), session.folder.root
-    _begin(session, "planning", planned, (case, group, path, None if minutes is None else float(minutes), root))
+    _begin(session, "planning", planned, (case, tie, path, None if minutes is None else float(minutes), root))
 
 
 def ride(session: Session, damper: object, seconds: object) -> None:
@@ -54,6 +54,11 @@ def ride(session: Session, damper: object, seconds: object) -> None:
     if not (isinstance(seconds, (int, float)) and 5.0 <= seconds <= 120.0):
         raise InputError("give the length of a drive in seconds, 5 to 120")
     _begin(session, "riding", ridden, (session.model, str(damper), float(seconds), session.folder.root))
+
+
+def _ties(found: Diagnosis | None) -> dict[str, Tie]:
+    """By the value of the aim."""
+    return {"+".join(tie.group): tie for tie in (ties_of(found) if found else ())}
 
 
 def rigs(folder: Folder) -> list[str]:

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from damper_estimator.workflows.inspection import DamperInspected, Inspection, inspect
     from damper_estimator.workflows.joint_fitting import CHANNELS, JointlyFitted, fit_jointly
     from damper_estimator.workflows.model_arguments import ModelLike, model_for, models_for
-    from damper_estimator.workflows.planning import RIG, PlanResults, plan, plan_case
+    from damper_estimator.workflows.planning import RIG, PlanResults, Tie, plan, plan_case, ties_of
     from damper_estimator.workflows.reading import Reader, open_reader, read, signal_map_of
     from damper_estimator.workflows.recording import Recording, in_words, no_force_error
     from damper_estimator.workflows.replay_files import ReplayOptions, ReplaySetup, replay_bag, replay_to
@@ -95,6 +95,7 @@ __all__ = [
     "ReplaySetup",
     "RideResults",
     "Tare",
+    "Tie",
     "WrittenC",
     "WrittenFmu",
     "characterize",
@@ -135,6 +136,7 @@ __all__ = [
     "signal_map_of",
     "structure_of",
     "tare",
+    "ties_of",
     "to_c",
     "to_fmu",
     "write_record",

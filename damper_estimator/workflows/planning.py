@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+from damper_estimator.diagnosis import Diagnosis
 from damper_estimator.errors import InputError
 from damper_estimator.files import write_text
 from damper_estimator.planning import Plan, Rig, drive_csv, load_rig, plan_yaml
@@ -22,6 +24,19 @@ RIG = "servo_hydraulic"
 
 DiagnosisLike = str | Path | DiagnosisResults
 """A diagnosis: the result of ``diagnose``, or the file that it wrote with ``--json``."""
+
+
+@dataclass(frozen=True)
+class Tie:
+    """What a diagnosis left undecided.
+
+    Attributes:
+        group: tied phenomena; empty if the model's parameters are to become more certain.
+        probable: probability of each in the diagnosis; None if unknown.
+    """
+
+    group: tuple[str, ...]
+    probable: Mapping[str, float] | None = None
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -132,9 +147,11 @@ def plan(
     found: dict[str, Plan] = {}
     known = None if parameters else _tied_of(diagnosis)
     for case in cases.cases:
-        group = () if parameters else _group(case, known, workers, report)
-        if group is not None:
-            found[case.damper] = planned(case.model, case.fit, group, test_rig, minutes=minutes, progress=report)
+        tie = Tie(()) if parameters else _tie(case, known, workers, report)
+        if tie is not None:
+            found[case.damper] = planned(
+                case.model, case.fit, tie.group, test_rig, probable=tie.probable, minutes=minutes, progress=report
+            )
     if not found:
         raise InputError(
             f"{in_words(names)}: no damper has tied findings that a test could separate; "
@@ -144,55 +161,68 @@ def plan(
     return PlanResults(request, found)
 
 
-def plan_case(
-    case: Case, group: tuple[str, ...], rig: str | Path, minutes: float | None, progress: Progress
-) -> PlanResults:
-    """The test for one damper that separates a group of phenomena; without any, for its model's parameters.
+def plan_case(case: Case, tie: Tie, rig: str | Path, minutes: float | None, progress: Progress) -> PlanResults:
+    """The test for one damper that separates tied phenomena; without any, for its model's parameters.
 
     Raises:
         InputError: as `plan`.
     """
     test_rig, measurements = load_rig(rig), (*case.fit, *case.unseen)
-    found = planned(case.model, measurements, group, test_rig, minutes=minutes, progress=progress)
+    found = planned(
+        case.model, measurements, tie.group, test_rig, probable=tie.probable, minutes=minutes, progress=progress
+    )
     names = list(dict.fromkeys(measurement.recording for measurement in measurements))
     return PlanResults({"bags": names, "model": case.model.name, "rig": test_rig.name}, {case.damper: found})
 
 
-def _tied_of(diagnosis: DiagnosisLike | None) -> dict[str, tuple[str, ...] | None] | None:
-    """The first group of tied phenomena by damper, None if it has none; None without a diagnosis."""
+def ties_of(found: Diagnosis) -> list[Tie]:
+    """The ties among the findings of a diagnosis, in their order."""
+    groups = [(finding.phenomenon, *finding.tied_with) for finding in found.findings]
+    return _ties(groups, {one.phenomenon: one.probability for one in found.phenomena})
+
+
+def _ties(groups: Sequence[tuple[str, ...]], probabilities: Mapping[str, float]) -> list[Tie]:
+    """Of findings, each with those tied with it; the probabilities are those of the round of the first finding."""
+    found = []
+    for number, group in enumerate(groups):
+        is_known = not number and all(probabilities.get(name, 0.0) > 0.0 for name in group)
+        if len(group) > 1:
+            found.append(Tie(group, {name: probabilities[name] for name in group} if is_known else None))
+    return found
+
+
+def _tied_of(diagnosis: DiagnosisLike | None) -> dict[str, Tie | None] | None:
+    """The first tie by damper, None if it has none; None without a diagnosis."""
     if diagnosis is None:
         return None
     if isinstance(diagnosis, DiagnosisResults):
-        return {name: _first([(finding.phenomenon, *finding.tied_with) for finding in result.findings])
-                for name, result in diagnosis.by_damper.items()}  # fmt: skip
+        return {name: _first(ties_of(result)) for name, result in diagnosis.by_damper.items()}
     path = Path(diagnosis)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        return {
-            str(name): _first(
-                [(str(finding["phenomenon"]), *map(str, finding["tied_with"])) for finding in result["findings"]]
-            )
-            for name, result in content["dampers"].items()
-        }
+        return {str(name): _tie_written(result) for name, result in content["dampers"].items()}
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); give the file of diagnose --json") from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise InputError(f"{path}: is not a diagnosis; give the file that diagnose --json wrote") from error
 
 
-def _first(groups: list[tuple[str, ...]]) -> tuple[str, ...] | None:
-    return next((group for group in groups if len(group) > 1), None)
+def _tie_written(result: Mapping[str, Any]) -> Tie | None:
+    groups = [(str(finding["phenomenon"]), *map(str, finding["tied_with"])) for finding in result["findings"]]
+    rows = result.get("phenomena", ())
+    return _first(_ties(groups, {str(row["phenomenon"]): float(row["probability"]) for row in rows}))
 
 
-def _group(
-    case: Case, known: dict[str, tuple[str, ...] | None] | None, workers: int, report: Progress
-) -> tuple[str, ...] | None:
-    """The tied phenomena of one damper; None if there are none."""
+def _first(ties: Sequence[Tie]) -> Tie | None:
+    return next(iter(ties), None)
+
+
+def _tie(case: Case, known: dict[str, Tie | None] | None, workers: int, report: Progress) -> Tie | None:
+    """What is tied for one damper; None if nothing is."""
     if known is not None:
         if case.damper not in known:
             raise InputError(
                 f"the diagnosis has no damper {case.damper}; it has {', '.join(known) or 'none'}; choose one with -d"
             )
         return known[case.damper]
-    found = diagnose_case(case, "both", workers, report)
-    return _first([(finding.phenomenon, *finding.tied_with) for finding in found.findings])
+    return _first(ties_of(diagnose_case(case, "both", workers, report)))

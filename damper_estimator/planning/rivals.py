@@ -1,0 +1,134 @@
+"""The criterion of hypotheses that were fitted to the recordings and simulated on steps."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
+from damper_estimator.effects.discovery import all_effects
+from damper_estimator.planning.criterion import Criterion, Pair, ratio, sharpness
+from damper_estimator.planning.expected_error import Errors
+from damper_estimator.planning.simulated import Simulated
+from damper_estimator.planning.steps import Step
+
+DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
+_REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
+_FREE = 1e-9  # the gauge's zero is held by nothing
+_STANDING = 0.5  # of the logarithm of r: how far apart tied phenomena may stand before the test
+
+
+def criterion(
+    found: Explanations,
+    on: Simulated,
+    steps: Sequence[Step],
+    errors: Errors,
+    probable: Mapping[str, float] | None = None,
+) -> Criterion:
+    """The criterion of hypotheses that were simulated on steps.
+
+    Args:
+        probable: of each phenomenon, from the diagnosis of the recordings; None where nobody knows.
+    """
+    hypotheses = found.fitted
+    slices = on.slices
+    variance = max(errors.usual, 1e-300) * errors.memory
+    draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
+    form = errors.of_form(on, found.ranges)
+    counts = np.array([part.stop - part.start for part in slices])
+    expected = counts * (errors.noise + form)
+    left, charged = _left(hypotheses, probable), _charged(hypotheses, on, expected)
+    pairs = [
+        replace(
+            _pair(hypotheses, on, slices, draws, truth, rival),
+            left=(left[truth, rival], left[rival, truth]),
+            charged=np.stack([charged[truth], charged[rival]]),
+        )
+        for truth, rival in permutations(range(len(hypotheses)), 2)
+        if hypotheses[truth].phenomenon != hypotheses[rival].phenomenon
+    ]
+    return Criterion(
+        tuple(pairs),
+        tuple(hypothesis.phenomenon for hypothesis in hypotheses),
+        expected,
+        form * np.maximum(errors.memory * errors.alike(counts, steps), 1.0),
+        np.full(form.shape, errors.noise),
+        np.array([step.is_random for step in steps]),
+        dict(probable or {}),
+    )
+
+
+def _left(hypotheses: Sequence[FittedExplanation], probable: Mapping[str, float] | None) -> np.ndarray:
+    """(h, h) N^2 that each hypothesis leaves on the old recordings beside each other one.
+
+    Of two phenomena the one that stands better leaves what the best hypothesis does. Without a diagnosis they are taken
+    to stand as their sums of squares, no further apart than a tie may be.
+    """
+    squares = np.array([max(float(np.sum(one.residual**2)), 1e-300) for one in hypotheses])
+    best = {name: min(s for s, one in zip(squares, hypotheses, strict=True) if one.phenomenon == name)
+            for name in {one.phenomenon for one in hypotheses}}  # fmt: skip
+    found = np.full((squares.size,) * 2, squares.min())
+    for i, one in enumerate(hypotheses):
+        for j, other in enumerate(hypotheses):
+            names = one.phenomenon, other.phenomenon
+            if probable is None:
+                behind = np.clip(np.log(best[names[0]] / best[names[1]]), 0.0, _STANDING * np.log(ratio()))
+            else:
+                behind = max(0.0, np.log(probable[names[1]] / probable[names[0]])) / sharpness()
+            # A phenomenon's second form is further behind.
+            found[i, j] *= np.exp(behind) * squares[i] / best[names[0]]
+    return found
+
+
+def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, expected: np.ndarray) -> np.ndarray:
+    """(h, s) N^2 that a diagnosis adds to what a hypothesis leaves on each step, for what it can imitate."""
+    found = np.zeros(expected.shape)
+    for k, one in enumerate(hypotheses):
+        effect = all_effects()[one.effect]
+        added = (len(one.model.slots) - on.base_slots) * limits().penalty + limits().general_margin * effect.general
+        change = on.force[k] - on.base
+        shown = [float(np.sum((change[part] - change[part].mean()) ** 2)) if part.stop > part.start else 0.0
+                 for part in on.slices]  # fmt: skip
+        found[k] = added * (expected[k] + shown)
+    return found
+
+
+def information(hypothesis: FittedExplanation, variance: float) -> np.ndarray:
+    """(k + 1, k + 1) of the old rows, each parameter held to the order of its size; the gauge's zero is free."""
+    columns = hypothesis.sensitivity
+    found = np.zeros((columns.shape[1] + 1,) * 2)
+    found[:-1, :-1] = columns.T @ columns + np.eye(columns.shape[1]) * (variance / _REACH**2)
+    found[-1, -1] = _FREE
+    return found
+
+
+def _draws(hypothesis: FittedExplanation, variance: float, seed: int) -> np.ndarray:
+    """(k + 1, d) parameters of the truth less the fitted ones, in sizes, as the old recordings leave them uncertain."""
+    known = information(hypothesis, variance)[:-1, :-1]
+    root = np.linalg.cholesky(np.linalg.inv(known) * variance + 1e-15 * np.eye(len(known)))
+    normal = np.random.default_rng([seed, 17]).standard_normal((len(known), DRAWS // 2))
+    off = np.clip(root @ normal, -_REACH, _REACH)
+    return np.vstack([np.hstack([np.zeros((len(known), 1)), off, -off]), np.zeros(DRAWS + 1)])
+
+
+def _pair(
+    hypotheses: Sequence[FittedExplanation],
+    on: Simulated,
+    slices: Sequence[slice],
+    draws: Sequence[np.ndarray],
+    truth: int,
+    rival: int,
+) -> Pair:
+    columns = on.sensitivity[rival]
+    change = (on.force[truth] - on.force[rival])[:, None] + on.sensitivity[truth] @ draws[truth]
+    best = min(float(np.sum(hypotheses[i].residual ** 2)) for i in (truth, rival))
+    return Pair(
+        truth,
+        rival,
+        np.array([columns[part].T @ columns[part] for part in slices]),
+        np.array([columns[part].T @ change[part] for part in slices]),
+        np.array([np.sum(change[part] ** 2, axis=0) for part in slices]),
+        information(hypotheses[rival], best / max(hypotheses[rival].residual.size, 1)),
+        (best, best),
+    )
