@@ -21,6 +21,7 @@ class Chain:
         rate_error: N/m (form 0), or that of a spring that hardens (1) or has a soft helper (2).
         offset: N (form 0), or reached by creeping in the first third (1), or with a drift of half as much (2).
         gain: relative (form 0), or falling with force (1), or creeping up to it over the recording (2).
+        wide: m, displacement at which the bent spring of ``rate_error`` has that rate; the drive's largest if 0.
     """
 
     rate: int
@@ -40,6 +41,7 @@ class Chain:
     rate_error: float = 0.0
     offset: float = 0.0
     gain: float = 0.0
+    wide: float = 0.0
 
 
 def drawn(rng: np.random.Generator, force_rms: float, coil_over: bool) -> Chain:
@@ -82,7 +84,7 @@ def gauge(chain: Chain, drive: Drive, force: np.ndarray) -> np.ndarray:
     """(n,) N: the gauge without noise, less its spring with the stated rate."""
     shown, time = force.copy(), drive.time
     if chain.rate_error:
-        wide = np.abs(drive.x).max() + 1e-9
+        wide = chain.wide or np.abs(drive.x).max() + 1e-9
         away = drive.x / wide
         bent = {0: away, 1: away + 0.4 * away**3, 2: away + 0.35 * np.tanh(6.0 * (away - 0.1))}[chain.form]
         shown += chain.rate_error * wide * bent

@@ -33,7 +33,7 @@ def record(card: Card, seed: int) -> dict[str, Any]:
     limit = families.tightest(plant)
     rig = replace(load_rig(RIG), travel=(-limit, limit))
     found = plan(fitted.model, old.measurements[DAMPER], (), rig, minutes=MINUTES)
-    drives = {"planned": played(found, case, rng), "road": road(found, case, rng)}
+    drives = {"planned": played(found, case, rng), "road": road(found, case, rng, found.minutes)}
     after = {kind: _errors(case, fitted.model, signals, drive, rng) for kind, drive in drives.items()}
     before = {one.name: one.standard_error for one in fitted.parameters}
     rows = [

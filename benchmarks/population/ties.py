@@ -4,14 +4,14 @@ import pickle
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 import damper_estimator as de
-from damper_estimator.planning import Plan, load_rig, plan
+from damper_estimator.planning import HOPELESS, Plan, load_rig, plan
 from population import cases, drives, families, user_models
 from population.case_records import hidden_rms
 from population.cases import Card, Case
@@ -111,10 +111,11 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
     """One line of the results: the plan, and how diagnoses with its test and with random roads end.
 
     Args:
-        random_drives: number of random roads if the plan finds no separating test; none is driven after the first that
-            decides rightly.
+        random_drives: number of random roads if the plan says that no test confirms the hidden effect; none is driven
+            after the first that does.
     """
-    began, case, truth = perf_counter(), tie.case, tie.case.card.hidden[0]
+    began, processor, case = perf_counter(), process_time(), tie.case
+    truth = case.card.hidden[0]
     plant, _ = case.effects[-1].on
     limit = families.tightest(plant)
     rig = replace(load_rig(RIG), travel=(-limit, limit))
@@ -125,26 +126,30 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
     assert chances is not None
     predicted = {name: [right, wrong] for name, right, wrong in chances.by_truth}
     facts: dict[str, Any] = {
-        "plan_seconds": perf_counter() - began, "minutes": found.minutes, "right": predicted[truth][0],
+        "plan_seconds": process_time() - processor, "minutes": found.minutes, "right": predicted[truth][0],
         "wrong": predicted[truth][1], "best": chances.best, "overall": [chances.right, chances.wrong],
         "predicted": predicted, "probable": {name: probable[name] for name in tie.group},
         "effects": list(found.effects),
         "steps": [words for _, words in found.listed], "would": list(found.would),
     }  # fmt: skip
+    is_separable = predicted[truth][0] >= HOPELESS
     facts["planned"] = outcome(tie, "plan", [seed, 12, case.card.number], found)
     facts["random"] = []
-    for number in range(1 if found.separates else random_drives):
-        facts["random"].append(outcome(tie, "road", [seed, 13, case.card.number, number], found))
+    for number in range(1 if is_separable else random_drives):
+        entropy = [seed, 13, case.card.number, number]
+        facts["random"].append(outcome(tie, "road", entropy, found, found.minutes if is_separable else MINUTES))
         if facts["random"][-1]["said"] == "right":
             break
     return tie.facts | facts | {"all_seconds": perf_counter() - began}
 
 
-def outcome(tie: Tie, kind: str, entropy: Sequence[int], found: Plan) -> dict[str, Any]:
-    """Outcome of a diagnosis of the old and a new recording: right, wrong, tied or nothing."""
+def outcome(tie: Tie, kind: str, entropy: Sequence[int], found: Plan, minutes: float = 0.0) -> dict[str, Any]:
+    """Outcome of a diagnosis of the old and a new recording, the plan or a road: right, wrong, tied or nothing."""
     rng = np.random.default_rng(entropy)
-    drive = {"plan": played, "road": road}[kind](found, tie.case, rng)
+    drive = road(found, tie.case, rng, minutes) if kind == "road" else played(found, tie.case, rng)
     plant, chain = tie.case.effects[-1].on
+    # One spring in both recordings, however far the new one drives it.
+    chain = replace(chain, wide=float(np.abs(tie.case.fit.x).max()))
     new = sampled(kind, chain, drive, force_of(plant, drive), rng)
     diagnosis = de.diagnose(user_models.recording([tie.case.fit, new], tie.signals), tie.model)
     groups = [[one.phenomenon, *one.tied_with] for one in diagnosis.findings]
@@ -167,11 +172,11 @@ def played(found: Plan, case: Case, rng: np.random.Generator) -> Drive:
     return _driven("plan", x, v, case, rng)
 
 
-def road(found: Plan, case: Case, rng: np.random.Generator) -> Drive:
-    """A random road as long as the plan, as fast as the old recording, and within the same limits."""
+def road(found: Plan, case: Case, rng: np.random.Generator, minutes: float) -> Drive:
+    """A random road, as fast as the old recording, and within the limits of the plan."""
     speed = float(np.quantile(np.abs(np.gradient(case.fit.x, case.fit.time)), 0.99))
     limits = found.limits
-    drawn = drives.drawn(rng, "road", 60.0 * found.minutes, speed, limits.high, rng.uniform(5.0, 15.0), 0.0)
+    drawn = drives.drawn(rng, "road", 60.0 * minutes, speed, limits.high, rng.uniform(5.0, 15.0), 0.0)
     allowed = ((drawn.x, limits.high), (drawn.v, limits.speed), (drawn.a, limits.acceleration))
     factor = 1.0 / max(1.0, *(np.abs(driven).max() / limit for driven, limit in allowed))
     return _driven("road", factor * drawn.x, factor * drawn.v, case, rng)
