@@ -58,10 +58,11 @@ def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors
     left = float(np.mean(hypothesis.residual**2))
     columns = on.sensitivity[0][:, :-1]  # a fit does not free the gauge's zero
     form, rate = errors.of_form(on, found.ranges)[0], on.rows.rate
-    each = np.array([columns[part].T @ columns[part] for part in on.slices])
+    rows = found.rows[0].rate / rate  # of a recording, for one of a step
+    each = rows * np.array([columns[part].T @ columns[part] for part in on.slices])
     spectra = [errors.spectrum_on(on.force[0, part], rate) for part in on.slices]
     of_form = [
-        variance * spectrum.score_covariance(columns[part], rate)
+        rows**2 * variance * spectrum.score_covariance(columns[part], rate)
         for variance, spectrum, part in zip(form, spectra, on.slices, strict=True)
     ]
     slots = [hypothesis.model.slots[i] for i in hypothesis.free]
@@ -74,7 +75,7 @@ def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors
         old=held + hypothesis.sensitivity.T @ hypothesis.sensitivity,
         disturbed=left * (errors.memory * held + sum(errors.spectrum.score_covariance(j, r.rate) for j, r in old)),
         each=each,
-        each_disturbed=errors.noise * each + np.array(of_form),
+        each_disturbed=errors.noise * rows * each + np.array(of_form),
         addresses=tuple(slot.address for slot in slots),
         sizes=hypothesis.sizes,
         values=np.array([slot.value for slot in slots]),
