@@ -20,7 +20,7 @@ what a diagnosis charges both for their parameters, C = c (E + |f - f_0|^2) with
     P(wrong) = Phi(((S_A + E + C_A) / r - (S_B + E + D + C_B)) / s)
     s^2 = 4 sum_i (m_i D_i s_m^2 + n_i D_i s_n^2)
 
-averaged over log E, which is uncertain by a factor of two. n_i is how often step i is driven, s_n^2 and s_m^2 are the
+averaged over log E, which is uncertain by a factor of 2.5. n_i is how often step i is driven, s_n^2 and s_m^2 are the
 long-run variances of noise and of the model's form. A repeated step averages noise, but repeats what the model's form
 gets wrong, m_i = n_i^2, and so does each cycle of a sine; at rest all rows err alike. Random motion is another one each
 time, m_i = n_i.
@@ -33,15 +33,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.polynomial.hermite_e import hermegauss
 from scipy.special import ndtr
 
 from damper_estimator.diagnosis import limits
 from damper_estimator.planning.expected_error import repeated
 
-_FACTORS, _WEIGHTS = 2.0 ** (np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])), np.array([1.0, 4.0, 1.0]) / 6.0
-"""Nodes and weights of Gauss and Hermite for the expected squared error: it varies by a factor of two between good
-recordings of one damper.
-"""
+_UNSURE = 2.5  # factor by which the expected squared error is wrong on new motions of dampers of other physics
+_NODES, _WEIGHTS = hermegauss(7)
+_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
+_FACTORS = _UNSURE**_NODES
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Margins:
-    """Of one pair, (d, 3) for each draw of the truth and each size of the expected error.
+    """Of one pair, (d, f) for each draw of the truth and each size of the expected error.
 
     Attributes:
         right, wrong: standard deviations by which the truth is named alone, and by which the rival is.

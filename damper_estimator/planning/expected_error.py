@@ -1,7 +1,14 @@
 """The errors to expect on a test, of sensors and of the model's form, estimated from the recordings.
 
 The error of the form is a function of the motion, so part of it lies at the frequencies that are driven. The other part
-spreads as on the recordings.
+spreads as on the recordings. Where an effect was added, its form errs too, in proportion to what it adds to the force:
+the best hypothesis left a share q of the squared error that it was to explain. On simulated dampers of other physics
+the squared error of a new recording lies between those of two rules, it stays as it was and it grows like what the
+effect adds, so their geometric mean is expected:
+
+    e^2 = sqrt(w (w + q |f - f_0|^2)),   w = (a + b |F|^2) d
+
+with d >= 1, by how far a step goes beyond the recorded strokes and speeds, and f_0 the force without the effect.
 """
 
 from collections.abc import Sequence
@@ -12,6 +19,8 @@ from scipy.optimize import nnls
 
 from damper_estimator.diagnosis import Explanations
 from damper_estimator.effects.trial import Ranges
+from damper_estimator.identification.rows import Rows
+from damper_estimator.model import DamperModel
 from damper_estimator.numerics import Spectrum, long_run_variance, spectrum_of
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
@@ -33,6 +42,7 @@ class Errors:
         memory: rows after which the error is new.
         power: N^2, variance of the force on the recordings.
         spectrum: of the error on the recordings.
+        unexplained: q, share of the squared error that the best hypothesis leaves; 0 where none adds anything.
     """
 
     noise: float
@@ -41,6 +51,7 @@ class Errors:
     memory: float
     power: float
     spectrum: Spectrum
+    unexplained: float = 0.0
 
     @property
     def usual(self) -> float:
@@ -63,9 +74,7 @@ class Errors:
         return Spectrum(driven.frequency, _DRIVEN * driven.density + (1.0 - _DRIVEN) * usual)
 
     def of_form(self, on: Simulated, ranges: Ranges) -> np.ndarray:
-        """(h, s) N^2 of a row of each step. It grows with the square of the distance beyond the recorded strokes and
-        speeds, where the model was not compared and stops may be.
-        """
+        """(h, s) N^2 of a row of each step."""
         kinematics, picks = on.rows.measurement.kinematics, on.rows.picks
         away = np.abs(kinematics.displacement[picks] - ranges.middle) / (0.5 * ranges.stroke)
         beyond = np.maximum(away, np.abs(kinematics.velocity[picks]) / ranges.speed)
@@ -73,7 +82,9 @@ class Errors:
         for k, part in enumerate(on.slices):
             if part.stop > part.start:
                 usual = self.constant + self.share * on.force[:, part].var(axis=1)
-                found[:, k] = usual * max(1.0, float(beyond[part].max())) ** 2
+                usual *= max(1.0, float(beyond[part].max()))
+                added = (on.force[:, part] - on.base[part]).var(axis=1)
+                found[:, k] = np.sqrt(usual * (usual + self.unexplained * added))
         return found
 
 
@@ -93,7 +104,14 @@ def errors_of(found: Explanations, floor_n: float) -> Errors:
     constant, share = _over_force(force, np.maximum(best.residual**2 - noise, 0.0))
     ends = np.cumsum([part.target.size for part in found.rows])[:-1]
     spectrum = spectrum_of(np.split(best.residual, ends), [part.rate for part in found.rows])
-    return Errors(noise, constant, max(share, _LEAST_FORM**2), max(memory, 1.0), power, spectrum)
+    without = sum(float(np.sum((part.target - part.of(_force(found.model, part))) ** 2)) for part in found.rows)
+    unexplained = min(left * best.residual.size / max(without, 1e-300), 1.0) if best.effect else 0.0
+    share = max(share, _LEAST_FORM**2)
+    return Errors(noise, constant, share, max(memory, 1.0), power, spectrum, unexplained)
+
+
+def _force(model: DamperModel, part: Rows) -> np.ndarray:
+    return np.nan_to_num(model.force(part.measurement.kinematics.block))
 
 
 def _over_force(force: np.ndarray, squared: np.ndarray) -> tuple[float, float]:

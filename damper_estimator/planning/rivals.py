@@ -36,12 +36,13 @@ def criterion(
     variance = max(errors.usual, 1e-300) * errors.memory
     draws = [_draws(hypothesis, variance, number) for number, hypothesis in enumerate(hypotheses)]
     form = errors.of_form(on, found.ranges)
-    counts = np.array([part.stop - part.start for part in slices])
+    rows = found.rows[0].rate / on.rows.rate  # of a recording, for one of a step
+    counts = rows * np.array([part.stop - part.start for part in slices])
     expected = counts * (errors.noise + form)
-    left, charged = _left(hypotheses, probable), _charged(hypotheses, on, expected)
+    left, charged = _left(hypotheses, probable), _charged(hypotheses, on, rows, expected)
     pairs = [
         replace(
-            _pair(hypotheses, on, slices, draws, truth, rival),
+            _pair(hypotheses, on, rows, draws, truth, rival),
             left=(left[truth, rival], left[rival, truth]),
             charged=np.stack([charged[truth], charged[rival]]),
         )
@@ -81,7 +82,7 @@ def _left(hypotheses: Sequence[FittedExplanation], probable: Mapping[str, float]
     return found
 
 
-def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, expected: np.ndarray) -> np.ndarray:
+def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, rows: float, expected: np.ndarray) -> np.ndarray:
     """(h, s) N^2 that a diagnosis adds to what a hypothesis leaves on each step, for what it can imitate."""
     found = np.zeros(expected.shape)
     for k, one in enumerate(hypotheses):
@@ -90,7 +91,7 @@ def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, expected: n
         change = on.force[k] - on.base
         shown = [float(np.sum((change[part] - change[part].mean()) ** 2)) if part.stop > part.start else 0.0
                  for part in on.slices]  # fmt: skip
-        found[k] = added * (expected[k] + shown)
+        found[k] = added * (expected[k] + rows * np.array(shown))
     return found
 
 
@@ -115,20 +116,21 @@ def _draws(hypothesis: FittedExplanation, variance: float, seed: int) -> np.ndar
 def _pair(
     hypotheses: Sequence[FittedExplanation],
     on: Simulated,
-    slices: Sequence[slice],
+    rows: float,
     draws: Sequence[np.ndarray],
     truth: int,
     rival: int,
 ) -> Pair:
-    columns = on.sensitivity[rival]
-    change = (on.force[truth] - on.force[rival])[:, None] + on.sensitivity[truth] @ draws[truth]
+    root = np.sqrt(rows)
+    columns = root * on.sensitivity[rival]
+    change = root * ((on.force[truth] - on.force[rival])[:, None] + on.sensitivity[truth] @ draws[truth])
     best = min(float(np.sum(hypotheses[i].residual ** 2)) for i in (truth, rival))
     return Pair(
         truth,
         rival,
-        np.array([columns[part].T @ columns[part] for part in slices]),
-        np.array([columns[part].T @ change[part] for part in slices]),
-        np.array([np.sum(change[part] ** 2, axis=0) for part in slices]),
+        np.array([columns[part].T @ columns[part] for part in on.slices]),
+        np.array([columns[part].T @ change[part] for part in on.slices]),
+        np.array([np.sum(change[part] ** 2, axis=0) for part in on.slices]),
         information(hypotheses[rival], best / max(hypotheses[rival].residual.size, 1)),
         (best, best),
     )
