@@ -1,5 +1,7 @@
 """The criterion's laws: refitting takes away, steps add, repeats average noise alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -76,6 +78,38 @@ def test_repeats_average_noise_but_not_what_the_form_gets_wrong(rng):
     )
     assert noisy > formed
     assert random == pytest.approx(noisy)  # another motion each time
+
+
+def test_a_phenomenon_that_the_old_recordings_speak_against_is_confirmed_less_often(rng):
+    columns, difference = rng.standard_normal((1, 200, 2)), 1.5 * rng.standard_normal((1, 200))
+    rights = []
+    for left in ((300.0, 390.0), (300.0, 300.0), (390.0, 300.0)):
+        compared = replace(pair(rng, difference, columns), left=left)
+        rights.append(judge(compared, 200.0, 0.5, 0.5).chances(np.ones(1)).right)
+    assert rights[0] > rights[1] > rights[2]
+
+
+def test_what_a_diagnosis_charges_the_rival_helps_the_truth(rng):
+    columns, difference = rng.standard_normal((1, 200, 2)), rng.standard_normal((1, 200))
+    compared = pair(rng, difference, columns)
+    plain, helped, hindered = (
+        judge(replace(compared, charged=np.array([[ours], [theirs]])), 200.0, 0.5, 0.5).chances(np.ones(1)).right
+        for ours, theirs in ((0.0, 0.0), (0.0, 60.0), (60.0, 0.0))
+    )
+    assert helped > plain > hindered
+
+
+def test_the_mean_over_phenomena_weighs_each_by_its_probability(rng):
+    columns = rng.standard_normal((1, 200, 2))
+    clear, hidden = (pair(rng, size * rng.standard_normal((1, 200)), columns) for size in (30.0, 1e-3))
+    one = np.ones((2, 1))
+    both = Criterion(
+        (clear, replace(hidden, truth=1, rival=0)), ("a", "b"), 200.0 * one, 0.5 * one, 0.5 * one, np.zeros(1, bool),
+        {"a": 0.8, "b": 0.1},
+    )  # fmt: skip
+    chances = both.chances(np.ones(1))
+    each = {name: right for name, right, _ in chances.by_truth}
+    assert chances.right == pytest.approx((0.8 * each["a"] + 0.1 * each["b"]) / 0.9)
 
 
 def test_the_factor_of_a_decision_follows_from_the_diagnosis():
