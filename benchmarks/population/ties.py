@@ -121,7 +121,9 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
     rig = replace(load_rig(RIG), travel=(-limit, limit))
     old = user_models.recording([case.fit], tie.signals)
     probable = {name: probability for name, (_, probability) in tie.standing.items()}
-    found = plan(tie.model, old.measurements[DAMPER], tie.group, rig, probable=probable, longest=MINUTES)
+    found = plan(
+        tie.model, old.measurements[DAMPER], tie.group, rig, probable=probable, longest=MINUTES, alternatives=False
+    )
     chances = found.chances
     assert chances is not None
     predicted = {name: [right, wrong] for name, right, wrong in chances.by_truth}
@@ -130,7 +132,7 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
         "wrong": predicted[truth][1], "best": chances.best, "overall": [chances.right, chances.wrong],
         "predicted": predicted, "probable": {name: probable[name] for name in tie.group},
         "effects": list(found.effects),
-        "steps": [words for _, words in found.listed], "would": list(found.would),
+        "steps": [words for _, words in found.listed],
     }  # fmt: skip
     is_separable = predicted[truth][0] >= HOPELESS
     facts["planned"] = outcome(tie, "plan", [seed, 12, case.card.number], found)

@@ -53,6 +53,7 @@ def plan(
     probable: Mapping[str, float] | None = None,
     minutes: float | None = None,
     longest: float = LONGEST,
+    alternatives: bool = True,
     progress: Report | None = None,
 ) -> Plan:
     """The test that tells apart which of these phenomena is missing; without phenomena, the one that sharpens the
@@ -66,6 +67,7 @@ def plan(
         probable: probability of each phenomenon, as the diagnosis of these recordings has it; None where it is unknown.
         minutes: length of the test; None for the shortest that is sure.
         longest: minutes that this one may take.
+        alternatives: whether to look for limits to widen where the test is not sure, which takes as long as the plan.
         progress: called with the activity in words and the share that is done.
 
     Raises:
@@ -84,7 +86,13 @@ def plan(
         stage = replace(stage, probable={name: probable[name] for name in phenomena})
     if not phenomena:
         return _sharpening(stage, measurements, minutes, report)
-    return _separating(stage, measurements, minutes, longest, report)
+    found_plan, errors = _separating(stage, measurements, minutes, longest, report)
+    if alternatives and found_plan.chances is not None and found_plan.chances.right < SURE:
+        report("looking for what would separate", 0.86)
+        most = 60.0 * (minutes or longest) - sum(REST)
+        found_plan = replace(found_plan, would=_would(stage, errors, most, found_plan.chances.right))
+    report("done", 1.0)
+    return found_plan
 
 
 def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> _Stage:
@@ -117,7 +125,7 @@ def _matters(found: Explanations, row: int, like: Measurement) -> bool:
 
 def _separating(
     stage: _Stage, measurements: Sequence[Measurement], minutes: float | None, longest: float, report: Report
-) -> Plan:
+) -> tuple[Plan, Errors]:
     hypotheses = stage.found.fitted
     best = min(hypotheses, key=lambda one: float(np.sum(one.residual**2)))
     errors = errors_of(stage.found, compare(best.model, *measurements).noise_floor_n)
@@ -150,14 +158,9 @@ def _separating(
     chances = judge.chances(choice.counts(seconds.size))
     sure = np.flatnonzero(curve.right >= SURE)
     shortest = float(curve.minutes[sure[0]]) if sure.size else None
-    would: tuple[str, ...] = ()
-    if chances.right < SURE:
-        report("looking for what would separate", 0.86)
-        would = _would(stage, errors, most, chances.right)
     draft = _drafted(stage, choice, judge, errors)
     sentence = sentence_of(draft.phenomena, chances, draft.minutes, shortest)
-    report("done", 1.0)
-    return replace(draft, sentence=sentence, chances=chances, curve=curve, shortest=shortest, would=would)
+    return replace(draft, sentence=sentence, chances=chances, curve=curve, shortest=shortest), errors
 
 
 def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str, ...]:
