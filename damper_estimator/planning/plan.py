@@ -1,7 +1,7 @@
 """Designs the test that separates tied explanations, or that sharpens a model's parameters."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
 from damper_estimator.planning.rig import Rig
 from damper_estimator.planning.rivals import criterion
-from damper_estimator.planning.search import Choice, Report, chosen
+from damper_estimator.planning.search import Choice, Report, chosen, repeated_one
 from damper_estimator.planning.sharpening import sharpening
 from damper_estimator.planning.simulated import Simulated, simulated
 from damper_estimator.planning.steps import Step, steps_of
@@ -28,7 +28,7 @@ from damper_estimator.validation import compare
 LONGEST = 10.0  # minutes, where none are asked for
 _PATIENCE = 10  # steps that may add next to nothing
 _PROGRESS = 0.005  # least gain over them, of the probability and of the search's score
-_NEARLY = 0.99  # of the probability and the score that are reached: a test that gets so far is long enough
+_NEARLY = 0.97  # of the probability and the score that are reached: a test that gets so far is long enough
 
 
 @dataclass(frozen=True)
@@ -132,19 +132,11 @@ def _separating(
     judge = criterion(stage.found, stage.on, stage.steps, errors, stage.probable)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or longest) - sum(REST)
-    past: list[tuple[float, float]] = []
-
-    def enough(counts: np.ndarray) -> bool:
-        """Whether the shortest test is sure, or further steps have long added nothing."""
-        if minutes is not None:
-            return False
-        past.append((judge.chances(counts).right, judge.score(counts)))
-        stalled = len(past) > _PATIENCE and all(
-            now - then < _PROGRESS for now, then in zip(past[-1], past[-1 - _PATIENCE], strict=True)
-        )
-        return past[-1][0] >= SURE or stalled
-
-    choice = chosen(judge.score, seconds, most, enough, _scaled(report, 0.5, 0.85))
+    choice = chosen(judge.score, seconds, most, _enough(judge, minutes), _scaled(report, 0.5, 0.7))
+    if judge.chances(choice.counts(seconds.size)).right < SURE:
+        first = repeated_one(judge.score, seconds, most)
+        other = chosen(judge.score, seconds, most, _enough(judge, minutes), _scaled(report, 0.7, 0.85), first=first)
+        choice = max(choice, other, key=lambda one: judge.score(one.counts(seconds.size)) if one.order else 0.0)
     if not choice.order:
         choice = Choice((int(np.argmin(seconds)),) if choice.parts * seconds.min() <= most else (), choice.parts)
     if not choice.order:
@@ -161,6 +153,22 @@ def _separating(
     draft = _drafted(stage, choice, judge, errors)
     sentence = sentence_of(draft.phenomena, chances, draft.minutes, shortest)
     return replace(draft, sentence=sentence, chances=chances, curve=curve, shortest=shortest), errors
+
+
+def _enough(judge: Criterion, minutes: float | None) -> Callable[[np.ndarray], bool]:
+    """Whether the shortest test is sure, or further steps have long added nothing; never, if its length is given."""
+    past: list[tuple[float, float]] = []
+
+    def enough(counts: np.ndarray) -> bool:
+        if minutes is not None:
+            return False
+        past.append((judge.chances(counts).right, judge.score(counts)))
+        stalled = len(past) > _PATIENCE and all(
+            now - then < _PROGRESS for now, then in zip(past[-1], past[-1 - _PATIENCE], strict=True)
+        )
+        return past[-1][0] >= SURE or stalled
+
+    return enough
 
 
 def _would(stage: _Stage, errors: Errors, most: float, now: float) -> tuple[str, ...]:

@@ -39,6 +39,7 @@ def chosen(
     report: Report,
     *,
     parts: int = 2,
+    first: Sequence[int] = (),
 ) -> Choice:
     """Steps for a test of at most ``most`` seconds.
 
@@ -47,9 +48,11 @@ def chosen(
         seconds: (s,) of each step.
         enough: whether counts need nothing more; the search then ends early.
         parts: of the test, in each of which every chosen step is driven.
+        first: steps to begin with.
     """
-    seconds = parts * seconds
-    counts, order, spent, now = np.zeros(seconds.size), [], 0.0, score(np.zeros(seconds.size))
+    seconds, order = parts * seconds, list(first)
+    counts = Choice(tuple(order), parts).counts(seconds.size)
+    spent, now = float(counts @ seconds) / parts, score(counts)
     alive = np.arange(seconds.size)
     while True:
         fits = alive[(spent + seconds[alive] <= most + 1e-9) & (counts[alive] < _MOST)]
@@ -68,6 +71,21 @@ def chosen(
     if len(order) <= _MOST_EXCHANGED:
         order = _exchanged(order, score, seconds, most, alive, parts)
     return Choice(tuple(order), parts)
+
+
+def repeated_one(score: Score, seconds: np.ndarray, most: float, *, parts: int = 2) -> tuple[int, ...]:
+    """The one step that is worth most if it is driven as often as it may be; empty where none fits.
+
+    A search that begins with nothing finds no way where every short test is worse than none: it dilutes what the old
+    recordings say and adds too little.
+    """
+    often = np.minimum(np.floor(most / (parts * seconds) + 1e-9), _MOST).astype(int)
+    fits = np.flatnonzero(often)
+    if not fits.size:
+        return ()
+    scores = [score(parts * often[i] * (np.arange(seconds.size) == i)) for i in fits]
+    best = int(fits[int(np.argmax(scores))])
+    return (best,) * int(often[best])
 
 
 def _exchanged(

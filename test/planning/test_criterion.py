@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.planning.criterion import Criterion, Pair, ratio
-from damper_estimator.planning.search import chosen
+from damper_estimator.planning.search import chosen, repeated_one
 
 
 def pair(rng, difference, columns, prior=1e-9, left=100.0):
@@ -139,3 +139,23 @@ def test_a_test_that_nobody_splits_needs_no_halves():
         parts=1,
     )  # fmt: skip
     assert found.counts(3).sum() == 5.0
+
+
+def test_a_search_finds_its_way_where_a_short_test_is_worse_than_none():
+    seconds, most = np.array([2.0, 3.0, 5.0]), 36.0
+
+    def score(counts):
+        return float(min(counts[1], 8.0) ** 2 - 10.0 * np.sqrt(counts.sum()))
+
+    def never(counts):
+        return False
+
+    assert not chosen(score, seconds, most, never, lambda text, share: None).order
+    first = repeated_one(score, seconds, most)
+    assert first == (1,) * 6
+    found = chosen(score, seconds, most, never, lambda text, share: None, first=first)
+    assert found.counts(3)[1] >= 8.0 and found.counts(3) @ seconds <= most
+
+
+def test_nothing_is_repeated_where_nothing_fits():
+    assert repeated_one(np.sum, np.full(3, 9.0), 10.0) == ()
