@@ -74,8 +74,9 @@ def run(arguments: argparse.Namespace) -> int:
     if prints_text(arguments):
         for damper, planned in found.by_damper.items():
             _print(damper, planned)
-        bags = " ".join(map(str, arguments.bags))
-        print("next: record the test, then", f"  damper-estimator diagnose {bags} NEW -m {arguments.model}", sep="\n")
+        if any(planned.separates for planned in found.by_damper.values()):
+            bags, verb = " ".join(map(str, arguments.bags)), "fit" if arguments.parameters else "diagnose"
+            print("next: record the test, then", f"  damper-estimator {verb} {bags} NEW -m {arguments.model}", sep="\n")
     progress(f"wrote {arguments.output}")
     write_json(arguments.json, found.to_dict())
     return 0
@@ -86,7 +87,7 @@ def _print(damper: str, planned: Plan) -> None:
     for number, (_, words) in enumerate(planned.listed, 1):
         print(f"  {number:2d}  {words}")
     if planned.would:
-        print("  expected differences:")
+        print("  would separate them better:")
         for text in planned.would:
             print(fill(text, _WIDTH, initial_indent="    - ", subsequent_indent="      "))
     for p in planned.parameters:
