@@ -104,14 +104,15 @@ def errors_of(found: Explanations, floor_n: float) -> Errors:
     constant, share = _over_force(force, np.maximum(best.residual**2 - noise, 0.0))
     ends = np.cumsum([part.target.size for part in found.rows])[:-1]
     spectrum = spectrum_of(np.split(best.residual, ends), [part.rate for part in found.rows])
-    without = sum(float(np.sum((part.target - part.of(_force(found.model, part))) ** 2)) for part in found.rows)
+    without = sum(float(np.sum((part.target - force_of(found.model, part)) ** 2)) for part in found.rows)
     unexplained = min(left * best.residual.size / max(without, 1e-300), 1.0) if best.effect else 0.0
     share = max(share, _LEAST_FORM**2)
     return Errors(noise, constant, share, max(memory, 1.0), power, spectrum, unexplained)
 
 
-def _force(model: DamperModel, part: Rows) -> np.ndarray:
-    return np.nan_to_num(model.force(part.measurement.kinematics.block))
+def force_of(model: DamperModel, part: Rows) -> np.ndarray:
+    """(r,) N of a model in the rows of a recording."""
+    return part.of(np.nan_to_num(model.force(part.measurement.kinematics.block)))
 
 
 def _over_force(force: np.ndarray, squared: np.ndarray) -> tuple[float, float]:

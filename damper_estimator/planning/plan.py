@@ -15,7 +15,7 @@ from damper_estimator.planning.expected_error import Errors, errors_of
 from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.result import REST, SURE, Curve, Plan, Sharpened, sentence_of
 from damper_estimator.planning.rig import Rig
-from damper_estimator.planning.rivals import criterion
+from damper_estimator.planning.rivals import criterion, simulable
 from damper_estimator.planning.search import Choice, Report, chosen, repeated_one
 from damper_estimator.planning.sharpening import sharpening
 from damper_estimator.planning.simulated import Simulated, simulated
@@ -29,6 +29,7 @@ LONGEST = 10.0  # minutes, where none are asked for
 _PATIENCE = 10  # steps that may add next to nothing
 _PROGRESS = 0.005  # least gain over them, of the probability and of the search's score
 _NEARLY = 0.97  # of the probability and the score that are reached: a test that gets so far is long enough
+_ALSO, _MOST_ALSO = 0.03, 2  # probability from which others count as rivals, and how many at most
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ def plan(
         phenomena: two or more tied ones, or none.
         rig: with its limits.
         probable: probability of each phenomenon, as the diagnosis of these recordings has it; None where it is unknown.
+            Others that are nearly as probable as a tie count as rivals: a new motion may bring them back.
         minutes: length of the test; None for the shortest that is sure.
         longest: minutes that this one may take.
         alternatives: whether to look for limits to widen where the test is not sure, which takes as long as the plan.
@@ -79,10 +81,12 @@ def plan(
     if minutes is not None and not 0.2 <= minutes <= 120.0:
         raise InputError(f"{minutes:g} minutes: a test lasts from 0.2 to 120 minutes")
     report("fitting the hypotheses", 0.0)
-    found = explanations(model, measurements, phenomena)
+    is_known = probable is not None and all(probable.get(name, 0.0) > 0.0 for name in phenomena)
+    phenomena = (*phenomena, *_near(phenomena, probable)) if probable and is_known else tuple(phenomena)
+    found = simulable(explanations(model, measurements, phenomena))
     report("simulating steps", 0.3)
     stage = _stage(found, rig, limits_of(rig, found.ranges, measurements[0].band), measurements[0])
-    if probable is not None and all(probable.get(name, 0.0) > 0.0 for name in phenomena):
+    if probable and is_known:
         stage = replace(stage, probable={name: probable[name] for name in phenomena})
     if not phenomena:
         return _sharpening(stage, measurements, minutes, report)
@@ -93,6 +97,12 @@ def plan(
         found_plan = replace(found_plan, would=_would(stage, errors, most, found_plan.chances.right))
     report("done", 1.0)
     return found_plan
+
+
+def _near(phenomena: Sequence[str], probable: Mapping[str, float]) -> list[str]:
+    """Phenomena that are not quite tied with these, the most probable first; none without any that are."""
+    others = [name for name, share in probable.items() if name not in phenomena and share >= _ALSO]
+    return sorted(others, key=lambda name: -probable[name])[:_MOST_ALSO] if phenomena else []
 
 
 def _stage(found: Explanations, rig: Rig, limits: Limits, like: Measurement) -> _Stage:

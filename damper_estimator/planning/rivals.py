@@ -8,14 +8,16 @@ import numpy as np
 
 from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
 from damper_estimator.effects.discovery import all_effects
+from damper_estimator.errors import InputError
 from damper_estimator.planning.criterion import Criterion, Pair, ratio, sharpness
-from damper_estimator.planning.expected_error import Errors
+from damper_estimator.planning.expected_error import Errors, force_of
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
 
 DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
 _REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
 _FREE = 1e-9  # the gauge's zero is held by nothing
+_EXPLAINS = 0.98  # of the squared error without any effect: an explanation leaves less
 _STANDING = 0.5  # of the logarithm of r: how far apart tied phenomena may stand before the test
 
 
@@ -93,6 +95,29 @@ def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, rows: float
                  for part in on.slices]  # fmt: skip
         found[k] = added * (expected[k] + rows * np.array(shown))
     return found
+
+
+def simulable(found: Explanations) -> Explanations:
+    """Without hypotheses that leave as much on the old recordings as the model alone: their fit does not carry over to
+    a simulation (a channel's skew behind a compliance, which the model runs sample by sample), and no test can be
+    planned by them.
+
+    Raises:
+        InputError: if fewer than two of the tied phenomena are left.
+    """
+    if len({one.phenomenon for one in found.fitted}) < 2:
+        return found
+    without = sum(float(np.sum((part.target - force_of(found.model, part)) ** 2)) for part in found.rows)
+    kept = tuple(one for one in found.fitted if float(np.sum(one.residual**2)) < _EXPLAINS * without)
+    names = {one.phenomenon for one in kept}
+    lost = {one.effect: one.phenomenon for one in found.fitted if one.phenomenon not in names}
+    if len(names) < 2:
+        raise InputError(
+            f"{', '.join(dict.fromkeys(lost.values()))}: cannot be simulated with this model, so no test can be "
+            "planned; the diagnosis names a test to separate"
+        )
+    why = "its fit does not carry over to a simulation with this model"
+    return replace(found, fitted=kept, untestable={**found.untestable, **dict.fromkeys(lost, why)})
 
 
 def information(hypothesis: FittedExplanation, variance: float) -> np.ndarray:

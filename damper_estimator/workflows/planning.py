@@ -32,7 +32,7 @@ class Tie:
 
     Attributes:
         group: tied phenomena; empty if the model's parameters are to become more certain.
-        probable: probability of each in the diagnosis; None if unknown.
+        probable: probability of each phenomenon that the diagnosis tried; None if unknown.
     """
 
     group: tuple[str, ...]
@@ -187,7 +187,7 @@ def _ties(groups: Sequence[tuple[str, ...]], probabilities: Mapping[str, float])
     for number, group in enumerate(groups):
         is_known = not number and all(probabilities.get(name, 0.0) > 0.0 for name in group)
         if len(group) > 1:
-            found.append(Tie(group, {name: probabilities[name] for name in group} if is_known else None))
+            found.append(Tie(group, dict(probabilities) if is_known else None))
     return found
 
 
