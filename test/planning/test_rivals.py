@@ -1,0 +1,46 @@
+"""What is compared: explanations that can be simulated, and others that are nearly as probable as a tie."""
+
+from dataclasses import replace
+
+import pytest
+
+import damper_estimator as de
+from damper_estimator.diagnosis import explanations
+from damper_estimator.planning.plan import _near
+from damper_estimator.planning.rivals import simulable
+
+TIED = ("gas_spring", "spring_rate_error")
+
+
+@pytest.fixture(scope="module")
+def found(fitted, old):
+    return explanations(fitted, old.measurements["damper"], TIED)
+
+
+def useless(found, phenomenon):
+    """The explanations, those of one phenomenon with ten times the residual."""
+    return replace(found, fitted=tuple(
+        replace(one, residual=10.0 * one.residual) if one.phenomenon == phenomenon else one for one in found.fitted
+    ))  # fmt: skip
+
+
+def test_explanations_that_explain_are_kept(found):
+    assert simulable(found) == found
+
+
+def test_no_test_is_planned_by_an_explanation_whose_fit_is_lost(found):
+    with pytest.raises(de.InputError, match="spring_rate_error: cannot be simulated"):
+        simulable(useless(found, "spring_rate_error"))
+
+
+def test_one_lost_explanation_of_three_is_named(found):
+    other = replace(found.fitted[0], phenomenon="end_stop", effect="end_stop")
+    left = simulable(useless(replace(found, fitted=(*found.fitted, other)), "spring_rate_error"))
+    assert {one.phenomenon for one in left.fitted} == {"gas_spring", "end_stop"}
+    assert "does not carry over" in left.untestable["spring_rate_error"]
+
+
+def test_phenomena_that_are_nearly_tied_count_as_rivals():
+    probable = {"a": 0.5, "b": 0.3, "c": 0.02, "d": 0.04, "e": 0.08, "f": 0.06}
+    assert _near(("a", "b"), probable) == ["e", "f"]
+    assert not _near((), probable)
