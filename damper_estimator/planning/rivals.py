@@ -8,7 +8,6 @@ import numpy as np
 
 from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
 from damper_estimator.effects.discovery import all_effects
-from damper_estimator.errors import InputError
 from damper_estimator.planning.criterion import Criterion, Pair, ratio, sharpness
 from damper_estimator.planning.expected_error import Errors, force_of
 from damper_estimator.planning.simulated import Simulated
@@ -17,7 +16,8 @@ from damper_estimator.planning.steps import Step
 DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
 _REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
 _FREE = 1e-9  # the gauge's zero is held by nothing
-_EXPLAINS = 0.98  # of the squared error without any effect: an explanation leaves less
+_WORSE = 1.05  # times the squared error without any effect: an explanation never leaves more
+_SILENT = 1e-9  # of it: a change by less is none
 _STANDING = 0.5  # of the logarithm of r: how far apart tied phenomena may stand before the test
 
 
@@ -98,26 +98,29 @@ def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, rows: float
 
 
 def simulable(found: Explanations) -> Explanations:
-    """Without hypotheses that leave as much on the old recordings as the model alone: their fit does not carry over to
-    a simulation (a channel's skew behind a compliance, which the model runs sample by sample), and no test can be
-    planned by them.
+    """Without hypotheses that leave more on the old recordings than the model alone: their fit does not carry over to a
+    simulation (a channel's skew behind a compliance, which the model runs sample by sample).
 
-    Raises:
-        InputError: if fewer than two of the tied phenomena are left.
+    They are named among what is untestable. If fewer than two phenomena would be left, all stay, and the predicted
+    probabilities mean nothing.
     """
     if len({one.phenomenon for one in found.fitted}) < 2:
         return found
     without = sum(float(np.sum((part.target - force_of(found.model, part)) ** 2)) for part in found.rows)
-    kept = tuple(one for one in found.fitted if float(np.sum(one.residual**2)) < _EXPLAINS * without)
+    kept = tuple(one for one in found.fitted if not _is_lost(one, without))
     names = {one.phenomenon for one in kept}
-    lost = {one.effect: one.phenomenon for one in found.fitted if one.phenomenon not in names}
-    if len(names) < 2:
-        raise InputError(
-            f"{', '.join(dict.fromkeys(lost.values()))}: cannot be simulated with this model, so no test can be "
-            "planned; the diagnosis names a test to separate"
-        )
+    lost = [one.effect for one in found.fitted if one.phenomenon not in names]
     why = "its fit does not carry over to a simulation with this model"
+    if len(names) < 2:
+        kept, why = found.fitted, f"{why}, so the predicted probabilities mean nothing"
     return replace(found, fitted=kept, untestable={**found.untestable, **dict.fromkeys(lost, why)})
+
+
+def _is_lost(one: FittedExplanation, without: float) -> bool:
+    """Whether a hypothesis leaves more than the squared error ``without`` it, or is a channel's and changes nothing."""
+    left = float(np.sum(one.residual**2))
+    is_silent = all_effects()[one.effect].kind == "channel" and abs(left - without) <= _SILENT * without
+    return is_silent or left > _WORSE * without
 
 
 def information(hypothesis: FittedExplanation, variance: float) -> np.ndarray:
