@@ -93,7 +93,7 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
             effects = (name for name, effect in all_effects().items() if effect.phenomenon == phenomenon)
             why = next((untestable[name] for name in effects if name in untestable), "no effect stands for it")
             raise InputError(f"{measurements[0].recording}: cannot show {phenomenon} ({why}); plan without it")
-        ends = [(trial_fit(bare, hypothesis), hypothesis) for hypothesis in hypotheses]
+        ends = [(trial_fit(bare, hypothesis, in_any_case=True), hypothesis) for hypothesis in hypotheses]
         left = np.array([float(np.sum((bare.residual_fit + one.change_fit) ** 2)) for one, _ in ends])
         for i in np.argsort(left, kind="stable")[:_FORMS]:
             one, hypothesis = ends[i]

@@ -49,17 +49,18 @@ class TrialFit:
     hidden: bool
 
 
-def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0) -> TrialFit:
+def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in_any_case: bool = False) -> TrialFit:
     """Fits the parameters of a hypothesis, and computes what they change on both parts of the data.
 
     Args:
         worth: share of the squared error on the fit rows; what explains less gets no derivatives, and counts as it is.
+        in_any_case: also a hypothesis that the form-free tests rule out.
     """
-    if not baseline.suggests(hypothesis):
+    if not (in_any_case or baseline.suggests(hypothesis)):
         return _untried(baseline, hypothesis)
     if hypothesis.conditions:
         each = [hypothesis.under({}), *(hypothesis.under(settings) for settings in hypothesis.conditions)]
-        fits = [trial_fit(baseline, one, worth) for one in each]
+        fits = [trial_fit(baseline, one, worth, in_any_case) for one in each]
         return min(fits, key=lambda fit: float(np.sum((baseline.residual_fit + fit.change_fit) ** 2)))
     given, data = baseline.for_kind(hypothesis.effect.kind)
     problem = hypothesis.problem(given, data.fit)
