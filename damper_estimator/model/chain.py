@@ -29,7 +29,7 @@ from damper_estimator.model.deflection import (
 from damper_estimator.model.kernels import BLOCK_LOOP, SAMPLE_LOOP, by_address, call_kernel, part
 from damper_estimator.signals.layout import DT, A, V, X
 
-RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE = range(6)
+RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE, CHANNEL = range(7)
 # Columns of the table of operations: operation code, kernel, matching SERIES or SOLVE row, registers of the operation
 # and of its parent, and its range of the parameters, settings and states.
 CODE, KERNEL, PARTNER, MOTION, MOTION_UP, FORCE, FORCE_UP, P0, P1, S0, S1, Z0, Z1 = range(13)
@@ -53,7 +53,7 @@ def block_loop(functions, table, parameters, settings, kinematics, motions, forc
 def sample_loop(
     functions, the_table, the_parameters, the_settings, kinematics, motions, forces, the_state, the_solvers, trace
 ):
-    """``run`` with a series: sample by sample."""
+    """``run`` with a series: sample by sample; then effects of the measurement chain, which need the whole block."""
     rows = kinematics.shape[0]
     new_column, new_deflected, new_compliance = np.empty((rows, 1)), np.empty((rows, 1)), np.empty(1)
     new_inner, new_saved = np.empty((motions.shape[0], rows, 1)), np.empty_like(the_state)
@@ -75,12 +75,15 @@ def sample_loop(
                     functions, table, j, parameters, settings, column, inner, force, state, saved, solvers, mark,
                     deflected, compliance,
                 )  # fmt: skip
-            elif table[j, CODE] != SCALE:
+            elif table[j, CODE] != SCALE and table[j, CODE] != CHANNEL:
                 _operate(functions, table, j, parameters, settings, column, inner, force, state, mark)
             j += 1
         forces[0, i] = force[0, 0]
         for k in range(trace.shape[0]):
             trace[k, i] = mark[k, 0]
+    for j in range(table.shape[0]):
+        if table[j, CODE] == CHANNEL:
+            _run_kernel(functions, table, j, parameters, settings, kinematics, forces[0], state, trace)
     work[0][0, 0] = 0.0  # a use: the work space must live until here
 
 
@@ -170,18 +173,25 @@ def _operate(functions, table, j, parameters, settings, kinematics, motions, for
         for i in range(forces.shape[1]):
             forces[table[j, FORCE_UP], i] += forces[register, i]
     else:
-        if trace.shape[0] > 0:
-            for i in range(forces.shape[1]):
-                trace[j, i] = -forces[register, i]
         level = table[j, MOTION]
-        call_kernel(
-            functions, table[j, KERNEL],
-            part(parameters, table[j, P0], table[j, P1]), part(settings, table[j, S0], table[j, S1]),
-            kinematics if level == 0 else motions[level - 1], part(state, table[j, Z0], table[j, Z1]), forces[register],
-        )  # fmt: skip
-        if trace.shape[0] > 0:
-            for i in range(forces.shape[1]):
-                trace[j, i] += forces[register, i]
+        moving = kinematics if level == 0 else motions[level - 1]
+        _run_kernel(functions, table, j, parameters, settings, moving, forces[register], state, trace)
+
+
+@inlined
+def _run_kernel(functions, table, j, parameters, settings, kinematics, force, state, trace):
+    """The kernel of an operation on a force (n,), and what it changes."""
+    if trace.shape[0] > 0:
+        for i in range(force.size):
+            trace[j, i] = -force[i]
+    call_kernel(
+        functions, table[j, KERNEL],
+        part(parameters, table[j, P0], table[j, P1]), part(settings, table[j, S0], table[j, S1]),
+        kinematics, part(state, table[j, Z0], table[j, Z1]), force,
+    )  # fmt: skip
+    if trace.shape[0] > 0:
+        for i in range(force.size):
+            trace[j, i] += force[i]
 
 
 @inlined

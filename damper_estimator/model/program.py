@@ -79,7 +79,8 @@ class _Layout:
                 ]
                 continue
             if element.effect.kind not in ("path", "series"):
-                self.entry_rows.append(self.add(chain.RUN, motion, motion, force, force, element))
+                code = chain.CHANNEL if element.effect.kind == "channel" else chain.RUN
+                self.entry_rows.append(self.add(code, motion, motion, force, force, element))
                 continue
             series = element.effect.kind == "series"
             own_motion = self.new_motion() if series or changes_motion(element.path) else motion

@@ -250,3 +250,18 @@ def test_a_compliance_before_a_path_whose_force_falls_with_velocity_stays_finite
     force = model.force(sweep(600, seed))
     assert np.isfinite(force).all()
     assert np.abs(force).max() < 1e7  # N: it may be wrong, but is not without limit
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_effects_of_the_measurement_chain_act_on_a_whole_block_behind_a_compliance(moved):
+    block = sweep(400)
+    values = dict.fromkeys(("stiffness_rebound", "stiffness_compression"), 1e6)
+    before = (entry("velocity_delay", delay=0.002),) if moved else ()
+    spring = entry("oil_spring", (entry("linear_viscous"),), **values)
+    plain = DamperModel("m", "", (*before, spring))
+    late = DamperModel(
+        "m", "", (*before, spring, entry("channel_skew", skew=0.004), entry("force_gain_error", gain=0.1))
+    )
+    expected = 1.1 * np.interp(block[T] - 0.004, block[T], plain.force(block))
+    np.testing.assert_allclose(late.force(block), expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(sum(late.contributions(block).values()), expected, rtol=1e-9, atol=1e-9)
