@@ -62,6 +62,8 @@ def test_a_flood_is_answered_correctly_and_every_loss_is_counted(executor, start
     """The filter processes exactly the answered samples; those missing between two messages are counted."""
     count, slow = 20_000, 200
     asked = {"qos_reliability": "best_effort", "qos_depth": 5, "cutoff": 30.0, "executor": executor}
+    # The answers wait for this test, which hears them more slowly than the node sends them.
+    asked["qos_overrides./damper_estimator/force.publisher.depth"] = 5000
     start(model=identified("linear_viscous"), dampers="[left]", **asked)
     rig.wait(lambda: rig.values("output").get("subscribers", "0") != "0", "the node's forces")
     flood = subprocess.Popen([sys.executable, "-c", FLOOD, str(count), str(slow), str(START)], env=os.environ)
