@@ -107,7 +107,7 @@ def _varying(values: np.ndarray, ends: tuple[float, float] | None, least: float)
 
 
 def _without_gaps(values: np.ndarray) -> np.ndarray:
-    """(n,) with the first value before it, where a channel began later than the recording."""
+    """(n,) with the first known value where none is known: a channel may begin later than its recording."""
     finite = np.isfinite(values)
     return np.where(finite, values, values[np.argmax(finite)])
 
