@@ -15,6 +15,7 @@ from damper_estimator.diagnosis.diagnosis_data import force_rows, targets, weigh
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.fit_record import fit_record
+from damper_estimator.identification.methods.contract import MethodOptions
 from damper_estimator.identification.rows import Rows, split
 from damper_estimator.identification.ties import find_ties, tables
 from damper_estimator.model import DamperModel
@@ -22,6 +23,7 @@ from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step, standard_errors
 from damper_estimator.signals import Measurement
 
+_ENOUGH = 1e-5  # of the squared error: a step that promises less moves parameters by a third of a standard error
 _STEPS = 5
 _SHORTEST = 0.1  # of a step
 _LEAST = 1e-3  # of the squared error: a smaller gain ends it
@@ -46,8 +48,12 @@ def locally_fitted(
     """
     weight = [weights(model, m) for m in measurements]
     if not any(element.effect.kind == "series" for _, element in labels(model.effects)):
-        return identify(model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free).model
-    rows = [rows_of(m, w, zero_free=zero_free) for m, w in zip(measurements, weight, strict=True)]
+        options = MethodOptions(gain=_ENOUGH)
+        return identify(
+            model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free, method_options=options
+        ).model
+    # At the rate that the band asks for, as trial fits; the record states the error over all samples.
+    rows = [rows_of(m, w, zero_free=zero_free).thinned() for m, w in zip(measurements, weight, strict=True)]
     slots = list(free_slots(model, free, fix))
     return _recorded(*_descended(model, rows, slots), slots, rows)
 

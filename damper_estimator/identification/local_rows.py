@@ -5,6 +5,7 @@ changes.
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -163,8 +164,7 @@ class LocalSums:
         """Rows (m,) without the solved parameters, and per unit of each (m, p)."""
         values = self._values(searched)
         constant, columns = np.zeros(self._target.size), np.zeros((self._target.size, self._unknowns.solved.size))
-        for i, part in enumerate(self._parts):
-            part_constant, part_columns, places = self._part_at(i, part, values)
+        for part, (part_constant, part_columns, places) in zip(self._parts, self._parts_at(values), strict=True):
             constant[part.span] += part_constant
             columns[part.span, places] += part_columns
         return constant, columns
@@ -177,52 +177,72 @@ class LocalSums:
         """(m, q) one-sided differences of the rows by the searched parameters, the linear ones kept constant."""
         unknowns = self._unknowns
         values, start = unknowns.vector(place.searched, place.solved), self._values(place.searched)
-        before = []
-        for i, part in enumerate(self._parts):
-            constant, columns, places = self._part_at(i, part, start)
-            before.append(constant + columns @ place.solved[places])
-        derivative = np.zeros((self._target.size, unknowns.searched.size))
+        before = [constant + columns @ place.solved[places] for constant, columns, places in self._parts_at(start)]
+        runs: list[_Run] = []
+        changes: list[tuple[int, int, float]] = []  # part, place in ``searched``, step
         for j, slot in enumerate(unknowns.searched):
             changed, step = stepped(values, slot, place.size[j], unknowns.lower[slot], unknowns.upper[slot])
-            for part, force in zip(self._parts, before, strict=True):
+            for i, part in enumerate(self._parts):
                 if slot in part.searched:
-                    derivative[part.span, j] += (self._run(part, changed[part.slots]) - force) / step
+                    runs.append((part, changed[part.slots]))
+                    changes.append((i, j, step))
+        derivative = np.zeros((self._target.size, unknowns.searched.size))
+        for (i, j, step), force in zip(changes, self._forces(runs), strict=True):
+            derivative[self._parts[i].span, j] += (force - before[i]) / step
         return derivative
 
-    def _part_at(self, i: int, part: "_Part", values: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """A part's rows without its solved parameters (r,), per unit of each (r, k), and their places in ``solved``."""
-        key = values[part.searched].tobytes()
-        cache = self._columns[i]
-        if key in cache:
+    def _parts_at(self, values: np.ndarray) -> "list[_PartRows]":
+        """Every part's rows without its solved parameters (r,), per unit of each (r, k), and their places in
+        ``solved``; those that are not remembered are run together.
+        """
+        keys = [values[part.searched].tobytes() for part in self._parts]
+        missing = [i for i, key in enumerate(keys) if key not in self._columns[i]]
+        plans = [self._plan(self._parts[i], values[self._parts[i].slots]) for i in missing]
+        forces = iter(self._forces([run for plan in plans for run in plan.runs]))
+        for i, plan in zip(missing, plans, strict=True):
+            size = self._parts[i].span.stop - self._parts[i].span.start
+            constant = next(forces) if plan.still else np.zeros(size)
+            columns = [next(forces) for _ in plan.places]
+            self._columns[i][keys[i]] = constant, np.reshape(columns, (-1, size)).T, plan.places
+        for key, cache in zip(keys, self._columns, strict=True):
             cache.move_to_end(key)
-            return cache[key]
-        slot_values = values[part.slots]
+            while len(cache) > _KEPT:
+                cache.popitem(last=False)
+        return [cache[key] for key, cache in zip(keys, self._columns, strict=True)]
+
+    def _plan(self, part: "_Part", slot_values: np.ndarray) -> "_Plan":
+        """What has to be run for a part with the values (s,) of its slots."""
         order = {slot: k for k, slot in enumerate(part.slots.tolist())}
         solved = self._unknowns.solved
         places = [k for k, slot in enumerate(solved.tolist()) if slot in part.linear]
         linear = [order[slot] for slot in part.linear]
         solved_slots = [order[int(solved[k])] for k in places]
-        slot_values[solved_slots] = 0.0
-        size = part.span.stop - part.span.start
+        without = slot_values.copy()
+        without[solved_slots] = 0.0
         # A term with nothing but solved parameters is zero without them.
-        still = not linear or slot_values[linear].any()
-        constant = self._run(part, slot_values) if still else np.zeros(size)
-        columns = np.empty((size, len(solved_slots)))
-        slot_values[linear] = 0.0
-        for k, slot in enumerate(solved_slots):
-            slot_values[slot] = 1.0
-            columns[:, k] = self._run(part, slot_values)
-            slot_values[slot] = 0.0
-        cache[key] = constant, columns, places
-        if len(cache) > _KEPT:
-            cache.popitem(last=False)
-        return cache[key]
+        still = not linear or bool(without[linear].any())
+        runs: list[_Run] = [(part, without)] if still else []
+        for slot in solved_slots:
+            unit = without.copy()
+            unit[linear] = 0.0
+            unit[slot] = 1.0
+            runs.append((part, unit))
+        return _Plan(runs, still, places)
 
-    def _run(self, part: "_Part", values: np.ndarray) -> np.ndarray:
-        """Rows of one part's force with the values of its slots."""
-        model = part.term.model.with_vector(values)
-        rows = [recording for recording in self._source.rows if recording.setting == part.setting]
-        return np.concatenate([recording.of(model.force(recording.measurement.kinematics.block)) for recording in rows])
+    def _forces(self, runs: "Sequence[_Run]") -> list[np.ndarray]:
+        """Rows of parts of the model, each with the values of its slots; those of one recording are filtered
+        together.
+        """
+        models = [part.term.model.with_vector(values) for part, values in runs]
+        found: list[list[np.ndarray]] = [[] for _ in runs]
+        for recording in self._source.rows:
+            here = [k for k, (part, _) in enumerate(runs) if part.setting == recording.setting]
+            if here:
+                block = recording.measurement.kinematics.block
+                rows = recording.of_columns(models[k].force(block) for k in here)
+                for k, column in zip(here, rows.T, strict=True):
+                    found[k].append(column)
+        return [np.concatenate(columns) for columns in found]
 
 
 class _Part:
@@ -241,3 +261,17 @@ class _Part:
         self.slots = places[list(term.slots)]
         self.searched = places[list(term.searched)]
         self.linear = tuple(places[list(term.linear)].tolist())
+
+
+_Run = tuple[_Part, np.ndarray]  # with the values of its slots
+_PartRows = tuple[np.ndarray, np.ndarray, list[int]]
+
+
+class _Plan(NamedTuple):
+    """What has to be run for a part: the part without its solved parameters if it is ``still`` a force then, and with
+    one of each alone, whose ``places`` in ``solved`` follow.
+    """
+
+    runs: list[_Run]
+    still: bool
+    places: list[int]

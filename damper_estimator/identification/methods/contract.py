@@ -47,6 +47,7 @@ class MethodOptions:
         groups: objectives by name, each the recordings that it judges; empty forms them from the recordings.
         pick: which point of a front becomes the model: ``knee``, a group's name, or a number.
         front: points found before, among which one is picked without a search.
+        gain: share of the cost; a local search ends where a step promises less. None for the method's default.
         generations, population: of evolutionary methods; None for the method's default.
     """
 
@@ -55,6 +56,7 @@ class MethodOptions:
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     pick: str = "knee"
     front: Front | None = None
+    gain: float | None = None
     generations: int | None = None
     population: int | None = None
 

@@ -49,10 +49,10 @@ def search(
     start = best_start(sketch, candidates, size, lambda text: report(text, _USUAL))
     near = released(thinned, start, candidates[0])
     if thinned is not problem:
-        near = refine(thinned, near, size, gain=_THINNED_GAIN)[0].searched
+        near = refine(thinned, near, size, gain=method_options.gain or _THINNED_GAIN)[0].searched
     if problem.point(near).cost > problem.point(start).cost:
         near = start  # the samples between the thinned ones decide
-    gain = _GAIN if thinned is problem else _THINNED_GAIN
+    gain = method_options.gain or (_GAIN if thinned is problem else _THINNED_GAIN)
 
     def finish(begin: np.ndarray) -> tuple[Point, bool]:
         return refine(
