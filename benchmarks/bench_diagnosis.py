@@ -3,6 +3,7 @@
     python benchmarks/bench_diagnosis.py                       # 150 new cases; continues an interrupted run
     python benchmarks/bench_diagnosis.py --seed 7              # the cases of another run again
     python benchmarks/bench_diagnosis.py --seed 7 --again      # judge them again with the saved recordings and models
+    python benchmarks/bench_diagnosis.py --seed 7 8            # several runs in one set of tables
     python benchmarks/bench_diagnosis.py --only friction --cases 10 --no-improve
 
 Dampers, effects, drives, sensors and users' models are drawn at random (benchmarks/population). Every case runs in a
@@ -15,6 +16,7 @@ import os
 import secrets
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from page_tables import write_tables
 from population.case_processes import Order, done, results
@@ -38,22 +40,40 @@ def chosen(seed: int, arguments: argparse.Namespace) -> list[Card]:
     return list(islice((card for card in deck(seed, there()) if fits(card)), arguments.cases))
 
 
-def seed_of(arguments: argparse.Namespace) -> int:
-    """The given seed, that of an interrupted run, or a new one."""
+def seeds_of(arguments: argparse.Namespace) -> list[int]:
+    """The given seeds, that of an interrupted run, or a new one."""
     unfinished = arguments.out / "unfinished.txt"
-    if arguments.seed is not None:
+    if arguments.seed:
         return arguments.seed
     if unfinished.exists():
-        return int(unfinished.read_text())
-    return secrets.randbelow(1_000_000)
+        return [int(unfinished.read_text())]
+    return [secrets.randbelow(1_000_000)]
+
+
+def run(seed: int, arguments: argparse.Namespace) -> list[dict[str, Any]]:
+    """The records of all selected cases of a seed; those that are missing are judged."""
+    folder = arguments.out / str(seed)
+    folder.mkdir(parents=True, exist_ok=True)
+    (arguments.out / "unfinished.txt").write_text(str(seed))
+    place = folder / "results.jsonl"
+    cards = chosen(seed, arguments)
+    print(f"seed {seed}: {len(cards)} cases in {folder}", flush=True)
+    known = {} if arguments.again else done(place)
+    records = {card.name: known[card.name] for card in cards if card.name in known}
+    order = Order(seed, folder / "cases", not arguments.no_improve, arguments.limit)
+    for record in results([card for card in cards if card.name not in records], order, arguments.workers, place):
+        records[record["name"]] = record
+        print(f"{len(records)}/{len(cards)} {line(record)}", flush=True)
+    (arguments.out / "unfinished.txt").unlink(missing_ok=True)
+    return [records[card.name] for card in cards]
 
 
 def main() -> None:
     """Runs the remaining cases and prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     full = os.environ.get("FULL", "") not in ("", "0")
-    parser.add_argument("--cases", type=int, default=FULL_CASES if full else CASES, metavar="N")
-    parser.add_argument("--seed", type=int)
+    parser.add_argument("--cases", type=int, default=FULL_CASES if full else CASES, metavar="N", help="of each seed")
+    parser.add_argument("--seed", type=int, nargs="+", metavar="N")
     parser.add_argument("--only", nargs="+", choices=PHENOMENA, default=[], metavar="PHENOMENON")
     parser.add_argument("--kind", nargs="+", choices=("hidden", "nothing", "pair", "real"),
                         default=("hidden", "nothing", "pair", "real"))  # fmt: skip
@@ -64,24 +84,11 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT, help="folder of cases and results")
     parser.add_argument("-o", "--output", type=Path, metavar="PAGE", help="page to write the tables to")
     arguments = parser.parse_args()
-    seed = seed_of(arguments)
-    folder = arguments.out / str(seed)
-    folder.mkdir(parents=True, exist_ok=True)
-    (arguments.out / "unfinished.txt").write_text(str(seed))
-    place = folder / "results.jsonl"
-    cards = chosen(seed, arguments)
-    print(f"seed {seed}: {len(cards)} cases in {folder}", flush=True)
     if not there():
         print("no real recordings (DAMPER_SHARED_DATA): their cases are skipped", flush=True)
-    known = {} if arguments.again else done(place)
-    records = {card.name: known[card.name] for card in cards if card.name in known}
-    order = Order(seed, folder / "cases", not arguments.no_improve, arguments.limit)
-    for record in results([card for card in cards if card.name not in records], order, arguments.workers, place):
-        records[record["name"]] = record
-        print(f"{len(records)}/{len(cards)} {line(record)}", flush=True)
-    (arguments.out / "unfinished.txt").unlink(missing_ok=True)
-    text = report([records[card.name] for card in cards], seed)
-    (folder / "tables.md").write_text(text + "\n")
+    seeds = seeds_of(arguments)
+    text = report([record for seed in seeds for record in run(seed, arguments)], seeds)
+    (arguments.out / str(seeds[-1]) / "tables.md").write_text(text + "\n")
     print(text)
     if arguments.output:
         write_tables(arguments.output, text)

@@ -50,13 +50,14 @@ def number(values: Sequence[float], figure: Callable = np.median, digits: int = 
     return "–" if np.isnan(middle) else f"{middle:.{digits}f} ({low:.{digits}f}-{high:.{digits}f})"
 
 
-def report(records: Sequence[Record], seed: int) -> str:
+def report(records: Sequence[Record], seeds: Sequence[int]) -> str:
     """All tables."""
     done = [one for one in records if "failed" not in one]
     failed = [one for one in records if "failed" in one]
     kinds = Counter(one["kind"] for one in done)
     counts = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-    head = f"{len(done)} cases ({counts}), seed {seed}; figures in brackets are 90 % intervals."
+    which = f"seed{'s' * (len(seeds) > 1)} {', '.join(map(str, seeds))}"
+    head = f"{len(done)} cases ({counts}), {which}; figures in brackets are 90 % intervals."
     head += "".join(f"\n- failed: {one['name']}: {one['failed']}" for one in failed)
     hidden = [one for one in done if one["kind"] == "hidden"]
     fair = [one for one in hidden if not rough(one)]

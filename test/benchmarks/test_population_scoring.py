@@ -143,7 +143,7 @@ def test_the_report_contains_every_section_and_every_failure():
         record(hidden=()),
         {"name": "broken", "kind": "hidden", "hidden": ["friction"], "level": "weak", "failed": "ValueError: no"},
     ]
-    text = result_tables.report(records, 7)
+    text = result_tables.report(records, [7])
     for part in ("seed 7", "broken: ValueError: no", "1 of 2: 50 %", "friction + inertia", "calibration error"):
         assert part in text
     assert all("FAILED" in result_tables.line(one) or "N" in result_tables.line(one) for one in records)
