@@ -71,7 +71,7 @@ class FormFree:
         yield from ((column, 0.0) for column in plays)
         yield from ((x * column, -np.inf) for column in coarse)
         if self.command is not None:
-            for level in hats(_share(block[COMMAND], self.command), np.array([-1.0, 0.0, 1.0]))[1:]:
+            for level in self._levels(block):
                 yield from ((level * column, -np.inf) for column in coarse)
                 yield from ((level * column, 0.0) for column in plays)
         if self.temperature is not None:
@@ -79,6 +79,40 @@ class FormFree:
             yield from ((share * column, -np.inf) for column in coarse)
         if self.with_acceleration:
             yield from ((block[A] * column, -np.inf) for column in coarse)
+
+    def shape(self, block: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The force at every sample as a function of velocity and plays, for a velocity that is not the block's.
+
+        Returns:
+            knots (k,) m/s of piecewise linear curves, their heights (n, k) N, half widths (p,) m of the plays, what
+            they hold (n, p) N, and the rest (n,) N. Acceleration is left out.
+        """
+        x = block[X] - self.middle
+        fine, coarse = speed_knots(self.speed, FINE_SHARES), speed_knots(self.speed, COARSE_SHARES)
+        knots, widths = np.union1d(fine, coarse), np.array(self.plays, float)
+        weights = iter(self.weights)
+
+        def curve(own: np.ndarray) -> np.ndarray:
+            return np.interp(knots, own, [next(weights) for _ in own])
+
+        def plays() -> np.ndarray:
+            return np.array([next(weights) for _ in self.plays])
+
+        base, static = curve(fine), next(weights) * x + next(weights) * x**2 * np.sign(x)
+        held = np.tile(plays(), (x.size, 1))
+        heights = base + np.outer(x, curve(coarse))
+        if self.command is not None:
+            for level in self._levels(block):
+                heights += np.outer(level, curve(coarse))
+                held += np.outer(level, plays())
+        if self.temperature is not None:
+            heights += np.outer(_share(block[TEMPERATURE], self.temperature), curve(coarse))
+        return knots, heights, widths, held, static
+
+    def _levels(self, block: np.ndarray) -> list[np.ndarray]:
+        """Two hat functions (n,) of the command: at its middle and its upper end."""
+        assert self.command is not None
+        return hats(_share(block[COMMAND], self.command), np.array([-1.0, 0.0, 1.0]))[1:]
 
 
 def form_free(measurements: Sequence[Measurement], with_acceleration: bool = True, finest: float = 0.0) -> FormFree:

@@ -5,23 +5,29 @@ Noise is white, and quantised. Its density comes from the part of a channel that
 each sample less the cubic through two on either side, at the times of their stamps, so that neither motion nor uneven
 sampling nor a lost sample counts. Motion and force at such high frequencies are excluded in two ways: by the quietest
 second, and by the lowest part of the spectrum above a fifth of the rate, over the gain of the cubic; the smaller result
-is used.
+is used. A quantised channel that stands still for a second has less noise than would move it.
 
-Both channels are then simulated: noise and quantisation are added to the signal without them. Those of the gauge are
-carried through filter and band, those of the displacement through filter, the form-free regression of the force
-(``form_free``), and band. Quantisation coarser than the noise is not white; its error follows the signal.
+Both channels are then simulated: noise and quantisation are added to the signal without them (``denoised``). Those of
+the gauge are carried through filter and band, those of the displacement through filter, a form-free damper behind a
+spring (``sprung``), and band. Without the spring, which is the compliance of oil and mount, steep curves would carry
+too much. Quantisation coarser than the noise is not white; its error follows the signal.
+
+While a damper moves, this is the error of the perfect model. At rest it depends on how its friction is held, which no
+motion shows; there it may be wrong by a multiple.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import signal
+from scipy.special import ndtri
 
 from damper_estimator.signals import Measurement
-from damper_estimator.signals.butterworth import STATE_SIZE, differentiate, low_pass_zero_phase
+from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
 from damper_estimator.signals.layout import A, V, X
 from damper_estimator.signals.rest import quantum
-from damper_estimator.validation.form_free import form_free
+from damper_estimator.validation.denoised import denoised
+from damper_estimator.validation.sprung import Sprung, sprung
 
 _LEAST_SAMPLES = 100
 _MOST_SAMPLES = 100_000  # more take longer without a better result
@@ -34,19 +40,19 @@ _QUIET = 1.0  # s
 _DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
 _ALIKE = 2.0  # variances of quiet seconds over that of the quietest
 _COARSE = 2.0  # quantum over noise above which the signal is reconstructed from the moments of its changes
-_VISIBLE = 8.0  # standard deviations of the displacement's error: narrower pre-sliding is not seen
+_SETTLED = 0.1  # s after a restart without noise: the perfect model starts in the damper's state
+_LEAST_RATE = 400.0  # Hz, of the samples that the damper is fitted to, if there are as many
 _SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that is tried then
 
 
 def noise_floor(measurement: Measurement) -> float:
     """RMS error in N at the comparison's bandwidth; NaN where the recording is too short."""
     measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
-    judged = measurement.judged
-    through_gauge, through_damper = _gauge_error(measurement), _damper_error(measurement)
-    if through_gauge is None or through_damper is None or not judged.any():
+    if not measurement.judged.any():
         return float("nan")
-    error = measurement.in_band(through_damper - through_gauge)
-    return float(np.sqrt(np.mean(error[judged] ** 2)))
+    # The errors are independent, so their squares add up.
+    squares = [_gauge_square(measurement), _damper_square(measurement)]
+    return float(np.sqrt(sum(squares)))
 
 
 def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
@@ -151,7 +157,7 @@ class _Channel:
         return self.disturbed(seed) - self.smooth
 
 
-def _channel(stamp: np.ndarray, value: np.ndarray, band: float) -> _Channel | None:
+def _channel(stamp: np.ndarray, value: np.ndarray) -> _Channel | None:
     """The parts of a channel; None where too little is known of it."""
     density = noise_density(stamp, value)
     if not np.isfinite(density):
@@ -161,9 +167,8 @@ def _channel(stamp: np.ndarray, value: np.ndarray, band: float) -> _Channel | No
     per_density = 0.5e9 / float(np.median(np.diff(stamp)))
     deviation = float(np.sqrt(max(per_density * density - step**2 / 12.0, 0.0)))
     if step <= _COARSE * deviation:
-        return _Channel(value, deviation, step, float(value[0]))
-    smooth = _without_steps(value)
-    smooth = low_pass_zero_phase(band, np.diff(stamp, prepend=stamp[0]) / 1e9, smooth)
+        return _Channel(denoised(stamp, value, density), deviation, step, float(value[0]))
+    smooth = denoised(stamp, _without_steps(value), density)
     # Coarse steps are not white: search for the noise that reproduces the measured density.
     tried = step * np.array(_SHARES)
     level = float(value[0])
@@ -181,32 +186,39 @@ def _without_steps(value: np.ndarray) -> np.ndarray:
     return np.interp(np.arange(value.size), changed + 0.5, 0.5 * (value[changed] + value[changed + 1]))
 
 
-def _gauge_error(m: Measurement) -> np.ndarray | None:
-    """(n,) N, error of the filtered force due to noise and quantisation of the gauge."""
+def _gauge_square(m: Measurement) -> float:
+    """N^2, mean square in band of the filtered force's error due to noise and quantisation of the gauge."""
     displacement_stamp = m.kinematics.stamp
     stamp = displacement_stamp if m.gauge_stamp is None else m.gauge_stamp
     inside = slice(*np.searchsorted(stamp, [displacement_stamp[0], displacement_stamp[-1] + 1]).tolist())
-    channel = _channel(stamp[inside], m.gauge[inside], m.band)
+    channel = _channel(stamp[inside], m.gauge[inside])
     if channel is None:
-        return None
+        return float("nan")
     error = np.zeros(stamp.size)
     error[inside] = channel.error(0)
-    return m.as_gauge(error)
+    return _square(m, m.as_gauge(error))
 
 
-def _damper_error(m: Measurement) -> np.ndarray | None:
-    """(n,) N, error of the force of a perfect model due to noise and quantisation of the displacement."""
+def _damper_square(m: Measurement) -> float:
+    """N^2, mean square in band of a perfect model's error due to noise and quantisation of the displacement."""
     k = m.kinematics
-    channel = _channel(k.stamp, m.raw_displacement, m.band)
-    if channel is None or not m.judged.any():
-        return None
-    error = _filtered(m, channel.error(1), 0.0)
-    damper = form_free([m], with_acceleration=False, finest=_VISIBLE * float(np.std(error[0][m.judged])))
-    block = k.block.copy()
-    block[[X, V, A]] = [m.in_band(values) for values in _filtered(m, channel.smooth, channel.smooth[0])]
-    still = damper.force(block)
-    block[[X, V, A]] += error
-    return damper.force(block) - still
+    channel = _channel(k.stamp, m.raw_displacement)
+    if channel is None:
+        return float("nan")
+    smooth, error = channel.smooth, channel.error(1)
+    for part in k.stretches():
+        error[part][k.time[part] < k.time[part.start] + _SETTLED] = 0.0
+    clean, noisy = k.block.copy(), k.block.copy()
+    clean[[X, V, A]] = _filtered(m, smooth, smooth[0])
+    noisy[[X, V, A]] = clean[[X, V, A]] + _filtered(m, error, 0.0)
+    stride = max(int(k.rate / _LEAST_RATE), 1)
+    seen, shaken = (replace(m, kinematics=replace(k, block=block)).thinned(stride) for block in (clean, noisy))
+    damper: Sprung = sprung(seen)
+    return _square(seen, damper.force(shaken.kinematics.block) - damper.force(seen.kinematics.block))
+
+
+def _square(m: Measurement, error: np.ndarray) -> float:
+    return float(np.mean(m.in_band(error)[m.judged] ** 2))
 
 
 def _filtered(m: Measurement, raw: np.ndarray, start: float) -> np.ndarray:

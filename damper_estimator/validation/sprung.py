@@ -1,0 +1,142 @@
+"""A form-free damper behind a spring: the regression of ``form_free`` at the motion that is left after the compliance.
+
+Oil and mount yield in series with the damper, so fast small motion does not reach it. The spring's deflection is the
+measured force over its stiffness, so a given stiffness keeps the regression linear. The stiffness is chosen by the
+error of the simulated force, which has to find its deflection itself.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.compiled import compiled
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import DT, V, X
+from damper_estimator.validation.form_free import FormFree, form_free
+
+_STIFFNESS = (np.inf, 1.6e7, 8e6, 4e6, 2e6, 1e6, 5e5)  # N/m
+_FIRST = 3
+_LONGEST = 2e-3  # s, step of the simulation
+_RIGID = 1e15  # N/m
+_ITERATIONS = 30
+_CLOSE = 1e-4  # N
+_FAR = 1e5  # N, more than any force changes in a step
+
+
+@dataclass(frozen=True)
+class Sprung:
+    """A regression behind a spring of ``stiffness`` in N/m, infinite for none."""
+
+    damper: FormFree
+    stiffness: float
+
+    def force(self, block: np.ndarray) -> np.ndarray:
+        """(n,) N on a sample block."""
+        damper, out = self.damper, np.empty(block.shape[1])
+        knots, heights, widths, held, static = damper.shape(block)
+        stiffness = min(self.stiffness, _RIGID)
+        dt = np.ascontiguousarray(block[DT])
+        inside = dt[dt > 0.0]
+        parts = int(np.ceil(np.median(inside) / _LONGEST - 1e-6)) if inside.size and np.isfinite(self.stiffness) else 1
+        x, v = (np.ascontiguousarray(block[row]) for row in (X, V))
+        _simulate(dt, x, v, knots, heights, widths, held, static, stiffness, max(parts, 1), out)
+        return out
+
+
+def sprung(measurement: Measurement) -> Sprung:
+    """The regression behind the spring with which it reproduces the force of a recording best."""
+    tried: dict[int, tuple[float, Sprung]] = {}
+
+    def error(place: int) -> float:
+        if place not in tried:
+            tried[place] = _fitted(measurement, _STIFFNESS[place])
+        return tried[place][0]
+
+    best = _FIRST
+    for step in (1, -1):
+        while 0 <= best + step < len(_STIFFNESS) and error(best + step) < error(best):
+            best += step
+    return tried[best][1]
+
+
+def _fitted(m: Measurement, stiffness: float) -> tuple[float, Sprung]:
+    """RMS error in N of the simulated force, and the damper."""
+    k, force = m.kinematics, np.asarray(m.force)
+    known = np.isfinite(force)
+    force = np.interp(k.time, k.time[known], force[known]) if known.any() else np.zeros(len(k))
+    block = k.block.copy()
+    block[X] -= force / stiffness
+    for part in k.stretches():
+        if part.stop - part.start > 1:
+            block[V, part] -= np.gradient(force[part], k.time[part]) / stiffness
+    damper = form_free([replace(m, kinematics=replace(k, block=block))], with_acceleration=False)
+    found = Sprung(damper, stiffness)
+    left = m.in_band(found.force(k.block) - force)[m.judged & known]
+    error = float(np.sqrt(np.mean(left**2))) if left.size else float("inf")
+    return error if np.isfinite(error) else float("inf"), found
+
+
+@compiled
+def _yielded(i, x, v, since, step, before, force, heights, knots, held, widths, plays, stiffness):
+    """Force in N of the damper that is left to move, and its slope over the spring's force (>= 0)."""
+    speed = v - (force - before) / (stiffness * step)
+    total, slope = heights[i, 0], 0.0
+    last = knots.size - 1
+    if speed >= knots[last]:
+        total = heights[i, last]
+    elif speed > knots[0]:
+        k = 1
+        while knots[k] < speed:
+            k += 1
+        rise = (heights[i, k] - heights[i, k - 1]) / (knots[k] - knots[k - 1])
+        total = heights[i, k - 1] + rise * (speed - knots[k - 1])
+        slope = max(rise, 0.0) / (stiffness * step)
+    moved = x - force / stiffness - since
+    for j in range(widths.size):
+        z = plays[j] + moved
+        if abs(z) < widths[j]:
+            slope += held[i, j] / (widths[j] * stiffness)
+        total += held[i, j] * min(max(z / widths[j], -1.0), 1.0)
+    return total, slope
+
+
+@compiled
+def _simulate(dt, x, v, knots, heights, widths, held, static, stiffness, parts, out):
+    """Implicit steps: Newton's method, between bounds, for the force that damper and spring share."""
+    plays = np.zeros(widths.size)
+    before, since = 0.0, 0.0
+    for i in range(x.size):
+        if i == 0 or dt[i] <= 0.0:
+            plays[:] = 0.0
+            before = static[i] + np.interp(v[i], knots, heights[i])
+            since = x[i] - before / stiffness
+            out[i] = before
+            continue
+        step = dt[i] / parts
+        for part in range(1, parts + 1):
+            s = part / parts  # cubic between samples
+            travel = (1.0 + 2.0 * s) * (1.0 - s) ** 2 * x[i - 1] + s * s * (3.0 - 2.0 * s) * x[i]
+            travel += s * (1.0 - s) * ((1.0 - s) * v[i - 1] - s * v[i]) * dt[i]
+            speed = v[i - 1] + s * (v[i] - v[i - 1])
+            force, low, high = before, before - _FAR, before + _FAR
+            for _ in range(_ITERATIONS):
+                total, slope = _yielded(
+                    i, travel, speed, since, step, before, force, heights, knots, held, widths, plays, stiffness
+                )
+                left = force - total - static[i]
+                if left > 0.0:
+                    high = force
+                else:
+                    low = force
+                moved = force - left / (1.0 + slope)
+                if moved <= low or moved >= high:
+                    moved = 0.5 * (low + high)
+                done = abs(moved - force) < _CLOSE
+                force = moved
+                if done:
+                    break
+            rod = travel - force / stiffness
+            for j in range(widths.size):
+                plays[j] = min(max(plays[j] + rod - since, -widths[j]), widths[j])
+            since, before = rod, force
+        out[i] = before
