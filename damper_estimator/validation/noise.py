@@ -16,6 +16,7 @@ While a damper moves, this is the error of the perfect model. At rest it depends
 motion shows; there it may be wrong by a multiple.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,9 +26,10 @@ from scipy.special import ndtri
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
 from damper_estimator.signals.layout import A, V, X
-from damper_estimator.signals.rest import quantum
+from damper_estimator.signals.rest import Rest, find_rests, quantum
 from damper_estimator.validation.denoised import denoised
-from damper_estimator.validation.sprung import Sprung, sprung
+from damper_estimator.validation.rest_density import rest_density
+from damper_estimator.validation.sprung import sprung
 
 _LEAST_SAMPLES = 100
 _MOST_SAMPLES = 100_000  # more take longer without a better result
@@ -36,7 +38,7 @@ _SEGMENT = 512
 _CUBIC = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0  # evenly sampled
 _LOWEST, _HIGHEST, _PARTS = 0.2, 0.49, 6  # of the rate
 _FAR = 3.0  # neighbours whose steps are longer than this many ordinary ones are no neighbours
-_QUIET = 1.0  # s
+_QUIET = 0.4  # s
 _DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
 _ALIKE = 2.0  # variances of quiet seconds over that of the quietest
 _COARSE = 2.0  # quantum over noise above which the signal is reconstructed from the moments of its changes
@@ -51,7 +53,8 @@ def noise_floor(measurement: Measurement) -> float:
     if not measurement.judged.any():
         return float("nan")
     # The errors are independent, so their squares add up.
-    squares = [_gauge_square(measurement), _damper_square(measurement)]
+    rests = find_rests(measurement.kinematics.stamp, measurement.raw_displacement, *_gauge(measurement))
+    squares = [_gauge_square(measurement, rests), _damper_square(measurement, rests)]
     return float(np.sqrt(sum(squares)))
 
 
@@ -72,8 +75,9 @@ def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
     residual, whole = _unpredicted(time, value, period)
     if np.count_nonzero(whole) < _LEAST_SAMPLES:
         return float("nan")
-    changes = (value[2:-2] != value[1:-3])[whole]
-    return min(_lowest_part(residual[whole], 1.0 / period), _quietest(residual[whole], changes, 1.0 / period))
+    changes, rate = (value[2:-2] != value[1:-3])[whole], 1.0 / period
+    found = min(_lowest_part(residual[whole], rate), _quietest(residual[whole], changes, rate))
+    return min(found, _of_still_steps(changes, quantum(value), rate))
 
 
 def _unpredicted(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
@@ -92,13 +96,37 @@ def _unpredicted(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np
 
 
 def _lowest_part(residual: np.ndarray, rate: float) -> float:
+    """From the part of the spectrum with the lowest density; corrected for chance by white noise of the same length."""
     size = min(_SEGMENT, residual.size)
-    frequency, density = signal.welch(residual, rate, nperseg=size, window="hann", detrend=False, average="median")
-    angle = 2.0 * np.pi * frequency / rate
+    angle = 2.0 * np.pi * np.fft.rfftfreq(size)
     gain = 1.0 - (4.0 * np.cos(angle) - np.cos(2.0 * angle)) / 3.0
-    edges = np.linspace(_LOWEST * rate, _HIGHEST * rate, _PARTS + 1)
-    parts = [(frequency >= low) & (frequency < high) for low, high in zip(edges, edges[1:], strict=False)]
-    return float(min(np.mean(density[part] / gain[part] ** 2) for part in parts if part.any()))
+    edges = np.linspace(_LOWEST, _HIGHEST, _PARTS + 1) * 2.0 * np.pi
+    parts = [(angle >= low) & (angle < high) for low, high in zip(edges, edges[1:], strict=False)]
+
+    def lowest(values: np.ndarray) -> float:
+        density = signal.welch(values, rate, nperseg=size, window="hann", detrend=False, average="median")[1]
+        return float(min(np.mean(density[part] / gain[part] ** 2) for part in parts if part.any()))
+
+    return 2.0 / rate * lowest(residual) / lowest(_white(residual.size))
+
+
+def _white(size: int) -> np.ndarray:
+    """(size,) white noise less its prediction."""
+    return np.convolve(np.random.default_rng(0).standard_normal(size + 4), _CUBIC, mode="valid")
+
+
+def _of_still_steps(changes: np.ndarray, step: float, rate: float) -> float:
+    """The most noise with which a quantised value half-way between two edges changes as seldom as in some second."""
+    size = max(round(_QUIET * rate), 64)
+    if step <= 0.0 or changes.size < 2 * size:
+        return float("inf")
+    sums = np.concatenate([[0], np.cumsum(changes)])
+    share = max(float((sums[size:] - sums[:-size]).min()), 1.0) / size
+    if share >= _DITHERED:
+        return float("inf")
+    # Each sample beyond an edge makes two changes, and there are two edges.
+    deviation = -0.5 * step / float(ndtri(0.25 * share))
+    return 2.0 / rate * (deviation**2 + step**2 / 12.0)
 
 
 def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
@@ -115,8 +143,7 @@ def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
     chosen = means(changes.astype(float)) >= _DITHERED
     if not chosen.any():
         return float("inf")
-    white = np.convolve(np.random.default_rng(0).standard_normal(residual.size + 4), _CUBIC, mode="valid")
-    variance, chance = means(residual**2)[chosen], means(white**2)
+    variance, chance = means(residual**2)[chosen], means(_white(residual.size) ** 2)
     quiet = np.sort(variance)[: np.count_nonzero(variance <= _ALIKE * variance.min())]
     # Of so many quiet seconds in a row the mean is known; chance picked the lowest of all.
     alike = float(np.mean(chance[: quiet.size][chance[: quiet.size] <= _ALIKE * chance[: quiet.size].min()]))
@@ -157,11 +184,13 @@ class _Channel:
         return self.disturbed(seed) - self.smooth
 
 
-def _channel(stamp: np.ndarray, value: np.ndarray) -> _Channel | None:
+def _channel(m: Measurement, rests: Sequence[Rest], stamp: np.ndarray, value: np.ndarray) -> _Channel | None:
     """The parts of a channel; None where too little is known of it."""
     density = noise_density(stamp, value)
     if not np.isfinite(density):
         return None
+    time = (stamp - m.kinematics.stamp[0]) / 1e9
+    density = rest_density(rests, time, value, m.band or 0.5 * m.kinematics.rate, density)
     step = quantum(value)
     # One-sided density times half the rate.
     per_density = 0.5e9 / float(np.median(np.diff(stamp)))
@@ -186,23 +215,32 @@ def _without_steps(value: np.ndarray) -> np.ndarray:
     return np.interp(np.arange(value.size), changed + 0.5, 0.5 * (value[changed] + value[changed + 1]))
 
 
-def _gauge_square(m: Measurement) -> float:
-    """N^2, mean square in band of the filtered force's error due to noise and quantisation of the gauge."""
+def _gauge(m: Measurement) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps (k,) ns and values (k,) N of the gauge while there is displacement."""
+    inside = _during(m)
+    return (m.kinematics.stamp if m.gauge_stamp is None else m.gauge_stamp)[inside], m.gauge[inside]
+
+
+def _during(m: Measurement) -> slice:
     displacement_stamp = m.kinematics.stamp
     stamp = displacement_stamp if m.gauge_stamp is None else m.gauge_stamp
-    inside = slice(*np.searchsorted(stamp, [displacement_stamp[0], displacement_stamp[-1] + 1]).tolist())
-    channel = _channel(stamp[inside], m.gauge[inside])
+    return slice(*np.searchsorted(stamp, [displacement_stamp[0], displacement_stamp[-1] + 1]).tolist())
+
+
+def _gauge_square(m: Measurement, rests: Sequence[Rest]) -> float:
+    """N^2, mean square in band of the filtered force's error due to noise and quantisation of the gauge."""
+    channel = _channel(m, rests, *_gauge(m))
     if channel is None:
         return float("nan")
-    error = np.zeros(stamp.size)
-    error[inside] = channel.error(0)
+    error = np.zeros(m.gauge.size)
+    error[_during(m)] = channel.error(0)
     return _square(m, m.as_gauge(error))
 
 
-def _damper_square(m: Measurement) -> float:
+def _damper_square(m: Measurement, rests: Sequence[Rest]) -> float:
     """N^2, mean square in band of a perfect model's error due to noise and quantisation of the displacement."""
     k = m.kinematics
-    channel = _channel(k.stamp, m.raw_displacement)
+    channel = _channel(m, rests, k.stamp, m.raw_displacement)
     if channel is None:
         return float("nan")
     smooth, error = channel.smooth, channel.error(1)
@@ -213,7 +251,7 @@ def _damper_square(m: Measurement) -> float:
     noisy[[X, V, A]] = clean[[X, V, A]] + _filtered(m, error, 0.0)
     stride = max(int(k.rate / _LEAST_RATE), 1)
     seen, shaken = (replace(m, kinematics=replace(k, block=block)).thinned(stride) for block in (clean, noisy))
-    damper: Sprung = sprung(seen)
+    damper = sprung(seen)
     return _square(seen, damper.force(shaken.kinematics.block) - damper.force(seen.kinematics.block))
 
 

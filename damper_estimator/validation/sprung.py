@@ -34,6 +34,8 @@ class Sprung:
         """(n,) N on a sample block."""
         damper, out = self.damper, np.empty(block.shape[1])
         knots, heights, widths, held, static = damper.shape(block)
+        if np.isfinite(self.stiffness):
+            heights = np.maximum.accumulate(heights, axis=1)  # behind a spring a falling curve would jump
         stiffness = min(self.stiffness, _RIGID)
         dt = np.ascontiguousarray(block[DT])
         inside = dt[dt > 0.0]
