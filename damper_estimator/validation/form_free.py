@@ -40,6 +40,7 @@ class FormFree:
         command, temperature: centre and half range; None if it did not vary.
         with_acceleration: whether it has columns with acceleration.
         plays: m, half widths of pre-sliding.
+        rising: whether the curve over velocity is a sum of steps upwards, which keeps its slope from being negative.
     """
 
     speed: float
@@ -49,6 +50,7 @@ class FormFree:
     with_acceleration: bool
     plays: tuple[float, ...]
     weights: np.ndarray
+    rising: bool = False
 
     def force(self, block: np.ndarray) -> np.ndarray:
         """(n,) N on a sample block."""
@@ -65,9 +67,13 @@ class FormFree:
         x, v = block[X] - self.middle, block[V]
         coarse = hats(v, speed_knots(self.speed, COARSE_SHARES))
         plays = [play(block[X], block[DT], width) for width in self.plays]
-        yield from (
-            (column, -np.inf) for column in (*hats(v, speed_knots(self.speed, FINE_SHARES)), x, x**2 * np.sign(x))
-        )
+        fine = speed_knots(self.speed, FINE_SHARES)
+        if self.rising:
+            yield np.ones(v.size), -np.inf
+            yield from ((column, 0.0) for column in _ramps(v, fine))
+        else:
+            yield from ((column, -np.inf) for column in hats(v, fine))
+        yield from ((column, -np.inf) for column in (x, x**2 * np.sign(x)))
         yield from ((column, 0.0) for column in plays)
         yield from ((x * column, -np.inf) for column in coarse)
         if self.command is not None:
@@ -92,13 +98,15 @@ class FormFree:
         knots, widths = np.union1d(fine, coarse), np.array(self.plays, float)
         weights = iter(self.weights)
 
-        def curve(own: np.ndarray) -> np.ndarray:
-            return np.interp(knots, own, [next(weights) for _ in own])
+        def curve(own: np.ndarray, summed: bool = False) -> np.ndarray:
+            values = np.array([next(weights) for _ in own])
+            return np.interp(knots, own, np.cumsum(values) if summed else values)
 
         def plays() -> np.ndarray:
             return np.array([next(weights) for _ in self.plays])
 
-        base, static = curve(fine), next(weights) * x + next(weights) * x**2 * np.sign(x)
+        base = curve(fine, self.rising)
+        static = next(weights) * x + next(weights) * x**2 * np.sign(x)
         held = np.tile(plays(), (x.size, 1))
         heights = base + np.outer(x, curve(coarse))
         if self.command is not None:
@@ -115,13 +123,13 @@ class FormFree:
         return hats(_share(block[COMMAND], self.command), np.array([-1.0, 0.0, 1.0]))[1:]
 
 
-def form_free(measurements: Sequence[Measurement], with_acceleration: bool = True, finest: float = 0.0) -> FormFree:
+def form_free(measurements: Sequence[Measurement], with_acceleration: bool = True, rising: bool = False) -> FormFree:
     """The regression on recordings of one damper, pooled.
 
     Args:
-        finest: m, smallest half width of pre-sliding that the displacement's noise leaves visible.
+        rising: whether the curve over velocity may not fall.
     """
-    empty = unfitted(measurements, with_acceleration, finest)
+    empty = unfitted(measurements, with_acceleration, rising)
     every = max(sum(int(m.judged.sum()) for m in measurements) // _MOST_SAMPLES, 1)
     least = [lower for _, lower in empty.columns(measurements[0].kinematics.block[:, :1])]
     rows, forces = [], []
@@ -137,7 +145,7 @@ def form_free(measurements: Sequence[Measurement], with_acceleration: bool = Tru
     return replace(empty, weights=_solved(shown[known], force[known], np.array(least)))
 
 
-def unfitted(measurements: Sequence[Measurement], with_acceleration: bool = True, finest: float = 0.0) -> FormFree:
+def unfitted(measurements: Sequence[Measurement], with_acceleration: bool = True, rising: bool = False) -> FormFree:
     """The regression without weights: its columns, laid out over the motion of the recordings. Arguments as in
     ``form_free``.
     """
@@ -152,8 +160,9 @@ def unfitted(measurements: Sequence[Measurement], with_acceleration: bool = True
         command=_range(pooled(COMMAND), _LEAST_COMMAND),
         temperature=_range(pooled(TEMPERATURE), _LEAST_KELVIN),
         with_acceleration=with_acceleration,
-        plays=tuple(width for width in _PLAYS if width >= finest),
+        plays=_PLAYS,
         weights=np.zeros(0),
+        rising=rising,
     )
 
 
@@ -182,6 +191,11 @@ def _range(values: np.ndarray, least: float) -> tuple[float, float] | None:
         return None
     low, high = float(values.min()), float(values.max())
     return (0.5 * (low + high), 0.5 * (high - low)) if high - low >= least else None
+
+
+def _ramps(values: np.ndarray, knots: np.ndarray) -> list[np.ndarray]:
+    """(n,) from 0 at or below a knot to 1 at or above the next one."""
+    return [np.clip((values - low) / (high - low), 0.0, 1.0) for low, high in zip(knots, knots[1:], strict=False)]
 
 
 def _share(values: np.ndarray, ends: tuple[float, float]) -> np.ndarray:

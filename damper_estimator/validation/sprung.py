@@ -71,7 +71,7 @@ def _fitted(m: Measurement, stiffness: float) -> tuple[float, Sprung]:
     for part in k.stretches():
         if part.stop - part.start > 1:
             block[V, part] -= np.gradient(force[part], k.time[part]) / stiffness
-    damper = form_free([replace(m, kinematics=replace(k, block=block))], with_acceleration=False)
+    damper = form_free([replace(m, kinematics=replace(k, block=block))], with_acceleration=False, rising=True)
     found = Sprung(damper, stiffness)
     left = m.in_band(found.force(k.block) - force)[m.judged & known]
     error = float(np.sqrt(np.mean(left**2))) if left.size else float("inf")
