@@ -42,7 +42,6 @@ _QUIET = 0.4  # s
 _DITHERED = 0.3  # share of samples that must change in a quiet second: else its quantisation hides the noise
 _ALIKE = 2.0  # variances of quiet seconds over that of the quietest
 _COARSE = 2.0  # quantum over noise above which the signal is reconstructed from the moments of its changes
-_SETTLED = 0.1  # s after a restart without noise: the perfect model starts in the damper's state
 _LEAST_RATE = 400.0  # Hz, of the samples that the damper is fitted to, if there are as many
 _SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that is tried then
 
@@ -65,6 +64,20 @@ def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
         stamp: (n,) int64 ns, rising.
         value: (n,).
     """
+    found = _moving_density(stamp, value)
+    if not np.isfinite(found):
+        return found
+    step, rate = quantum(value), _rate(stamp)
+    return min(found, 2.0 / rate * (_held(value, rate) ** 2 + step**2 / 12.0))
+
+
+def _rate(stamp: np.ndarray) -> float:
+    steps = np.diff(stamp)
+    return 1e9 / float(np.median(steps[steps > 0]))
+
+
+def _moving_density(stamp: np.ndarray, value: np.ndarray) -> float:
+    """As ``noise_density``, but for what a quantised value shows by keeping still."""
     step = np.diff(stamp)
     good = np.concatenate([[True], step > 0])
     stamp, value = stamp[good], value[good]
@@ -76,8 +89,7 @@ def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
     if np.count_nonzero(whole) < _LEAST_SAMPLES:
         return float("nan")
     changes, rate = (value[2:-2] != value[1:-3])[whole], 1.0 / period
-    found = min(_lowest_part(residual[whole], rate), _quietest(residual[whole], changes, rate))
-    return min(found, _of_still_steps(changes, quantum(value), rate))
+    return min(_lowest_part(residual[whole], rate), _quietest(residual[whole], changes, rate))
 
 
 def _unpredicted(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
@@ -115,18 +127,18 @@ def _white(size: int) -> np.ndarray:
     return np.convolve(np.random.default_rng(0).standard_normal(size + 4), _CUBIC, mode="valid")
 
 
-def _of_still_steps(changes: np.ndarray, step: float, rate: float) -> float:
-    """The most noise with which a quantised value half-way between two edges changes as seldom as in some second."""
-    size = max(round(_QUIET * rate), 64)
+def _held(value: np.ndarray, rate: float) -> float:
+    """Most noise (standard deviation) with which a quantised value half-way between two edges changes as seldom as in
+    some part of a second; infinite if it never keeps still.
+    """
+    size, step = max(round(_QUIET * rate), 64), quantum(value)
+    changes = np.diff(value) != 0.0
     if step <= 0.0 or changes.size < 2 * size:
         return float("inf")
     sums = np.concatenate([[0], np.cumsum(changes)])
     share = max(float((sums[size:] - sums[:-size]).min()), 1.0) / size
-    if share >= _DITHERED:
-        return float("inf")
     # Each sample beyond an edge makes two changes, and there are two edges.
-    deviation = -0.5 * step / float(ndtri(0.25 * share))
-    return 2.0 / rate * (deviation**2 + step**2 / 12.0)
+    return -0.5 * step / float(ndtri(0.25 * share)) if share < _DITHERED else float("inf")
 
 
 def _quietest(residual: np.ndarray, changes: np.ndarray, rate: float) -> float:
@@ -202,9 +214,10 @@ def _channel(m: Measurement, rests: Sequence[Rest], stamp: np.ndarray, value: np
     tried = step * np.array(_SHARES)
     level = float(value[0])
     made = [
-        noise_density(stamp, _Channel(smooth, tried_deviation, step, level).disturbed(2)) for tried_deviation in tried
+        _moving_density(stamp, _Channel(smooth, tried_deviation, step, level).disturbed(2)) for tried_deviation in tried
     ]
-    return _Channel(smooth, float(np.interp(density, np.maximum.accumulate(made), tried)), step, level)
+    searched = np.interp(_moving_density(stamp, value), np.maximum.accumulate(made), tried)
+    return _Channel(smooth, min(float(searched), _held(value, _rate(stamp))), step, level)
 
 
 def _without_steps(value: np.ndarray) -> np.ndarray:
@@ -244,8 +257,10 @@ def _damper_square(m: Measurement, rests: Sequence[Rest]) -> float:
     if channel is None:
         return float("nan")
     smooth, error = channel.smooth, channel.error(1)
-    for part in k.stretches():
-        error[part][k.time[part] < k.time[part.start] + _SETTLED] = 0.0
+    if channel.step <= _COARSE * channel.deviation:
+        # Friction remembers where it started, and the error of that sample is known.
+        starts = [part.start for part in k.stretches()]
+        error[starts] = (m.raw_displacement - smooth)[starts]
     clean, noisy = k.block.copy(), k.block.copy()
     clean[[X, V, A]] = _filtered(m, smooth, smooth[0])
     noisy[[X, V, A]] = clean[[X, V, A]] + _filtered(m, error, 0.0)
