@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
 
 from damper_estimator.plant import simulate
 from damper_estimator.signals import low_pass
@@ -107,6 +108,23 @@ def test_of_a_made_recording_it_is_the_error_that_compare_shows(viscous, motion,
     c = compare(viscous, m)
     assert c.noise_floor_n == pytest.approx(c.measures.rmse_n, rel=0.15)
     assert c.regions == ()
+
+
+@settings(deadline=None, max_examples=12)
+@given(seed=st.integers(0, 10**6), damping=st.floats(1e3, 2e4), delay=st.floats(0.0, 0.01), size=st.floats(3e-6, 5e-5))
+def test_a_spring_in_series_keeps_fast_noise_from_the_damper(motion, measured, seed, damping, delay, size):
+    """Whatever the stiffness (damping over delay): the perfect model of a damper behind a spring shows the floor."""
+    time, x = motion(40.0, seed=seed)
+    keep = np.exp(-2e-3 / delay) if delay > 1e-6 else 0.0
+
+    def force_of(travel):  # exact for displacements that are linear between samples
+        return lfilter([damping * (1.0 - keep)], [1.0, -keep], np.diff(travel, prepend=travel[0]) * 500.0)
+
+    noisy = x + size * np.random.default_rng(seed).standard_normal(x.size)
+    clean = force_of(x)
+    m = measured(time, noisy, lambda k: low_pass(60.0, k.dt, clean), gauge=clean)
+    error = m.in_band(force_of(m.kinematics.displacement) - force_of(low_pass(60.0, m.kinematics.dt, x)))
+    assert noise_floor(m) == pytest.approx(float(np.sqrt(np.mean(error[m.judged] ** 2))), rel=0.2)
 
 
 @settings(deadline=None, max_examples=30)
