@@ -18,6 +18,7 @@ motion shows; there it may be wrong by a multiple.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy import signal
@@ -109,17 +110,23 @@ def _unpredicted(time: np.ndarray, value: np.ndarray, period: float) -> tuple[np
 
 def _lowest_part(residual: np.ndarray, rate: float) -> float:
     """From the part of the spectrum with the lowest density; corrected for chance by white noise of the same length."""
+    return 2.0 / rate * _lowest(residual) / _lowest_of_white(residual.size)
+
+
+@lru_cache(maxsize=64)
+def _lowest_of_white(size: int) -> float:
+    return _lowest(_white(size))
+
+
+def _lowest(residual: np.ndarray) -> float:
+    """Density at a rate of 1."""
     size = min(_SEGMENT, residual.size)
+    density = signal.welch(residual, 1.0, nperseg=size, window="hann", detrend=False, average="median")[1]
     angle = 2.0 * np.pi * np.fft.rfftfreq(size)
     gain = 1.0 - (4.0 * np.cos(angle) - np.cos(2.0 * angle)) / 3.0
     edges = np.linspace(_LOWEST, _HIGHEST, _PARTS + 1) * 2.0 * np.pi
     parts = [(angle >= low) & (angle < high) for low, high in zip(edges, edges[1:], strict=False)]
-
-    def lowest(values: np.ndarray) -> float:
-        density = signal.welch(values, rate, nperseg=size, window="hann", detrend=False, average="median")[1]
-        return float(min(np.mean(density[part] / gain[part] ** 2) for part in parts if part.any()))
-
-    return 2.0 / rate * lowest(residual) / lowest(_white(residual.size))
+    return float(min(np.mean(density[part] / gain[part] ** 2) for part in parts if part.any()))
 
 
 def _white(size: int) -> np.ndarray:

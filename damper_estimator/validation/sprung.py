@@ -16,7 +16,8 @@ from damper_estimator.validation.form_free import FormFree, form_free
 
 _STIFFNESS = (np.inf, 1.6e7, 8e6, 4e6, 2e6, 1e6, 5e5)  # N/m
 _FIRST = 3
-_LONGEST = 2e-3  # s, step of the simulation
+_SEARCHED = 10_000  # samples in the middle of a recording; they show the stiffness as well as all
+_LONGEST = 2e-3  # s, step (a tenth longer will do) of the simulation
 _RIGID = 1e15  # N/m
 _ITERATIONS = 30
 _CLOSE = 1e-4  # N
@@ -39,7 +40,7 @@ class Sprung:
         stiffness = min(self.stiffness, _RIGID)
         dt = np.ascontiguousarray(block[DT])
         inside = dt[dt > 0.0]
-        parts = int(np.ceil(np.median(inside) / _LONGEST - 1e-6)) if inside.size and np.isfinite(self.stiffness) else 1
+        parts = round(float(np.median(inside)) / _LONGEST + 0.4) if inside.size and np.isfinite(self.stiffness) else 1
         x, v = (np.ascontiguousarray(block[row]) for row in (X, V))
         _simulate(dt, x, v, knots, heights, widths, held, static, stiffness, max(parts, 1), out)
         return out
@@ -47,18 +48,20 @@ class Sprung:
 
 def sprung(measurement: Measurement) -> Sprung:
     """The regression behind the spring with which it reproduces the force of a recording best."""
+    first = max(len(measurement.kinematics) - _SEARCHED, 0) // 2
+    middle = measurement.part(first, first + _SEARCHED) if first else measurement
     tried: dict[int, tuple[float, Sprung]] = {}
 
     def error(place: int) -> float:
         if place not in tried:
-            tried[place] = _fitted(measurement, _STIFFNESS[place])
+            tried[place] = _fitted(middle, _STIFFNESS[place])
         return tried[place][0]
 
     best = _FIRST
     for step in (1, -1):
         while 0 <= best + step < len(_STIFFNESS) and error(best + step) < error(best):
             best += step
-    return tried[best][1]
+    return _fitted(measurement, _STIFFNESS[best])[1] if first else tried[best][1]
 
 
 def _fitted(m: Measurement, stiffness: float) -> tuple[float, Sprung]:
