@@ -12,6 +12,7 @@ from damper_estimator.report.plots import AFTER, BEFORE, CARD, FOUND, GREY, INK,
 
 _LOWEST, _HIGHEST = -15.0, 104.0  # %, what of a gain is worth the space
 _NOTABLE, _MOST_ROWS = 0.03, 8  # of the squared error; rows of the atlas
+_NAME = 28  # characters of a name after which it wraps, on a phone
 _ROOM = 1.32  # of the longest bar: the axis, with what the bar reaches behind it
 _FILES = 18  # px, of the menu in the corner
 _APART = 0.17  # of a row, between the two ways of judging
@@ -74,7 +75,7 @@ def _marked(floor_n: float, reference_n: float, names: Sequence[str], ends: np.n
     return {"shapes": shapes, "annotations": [*reached, *([name] if known else [])]}
 
 
-def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = 80) -> Figure:
+def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = _NAME) -> Figure:
     """Share of the squared error on unseen data that depends on each kind of variable, with 5 and 95 % whiskers.
 
     Args:
@@ -96,12 +97,12 @@ def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: 
         "hovertemplate": "%{y}: %{x:.3g} %<br>shows: %{customdata}<extra></extra>",
     }
     layout = {
-        "xaxis": axis("share of squared error in %", range=[0.0, _HIGHEST], nticks=6),
+        "xaxis": axis("squared error in %", range=[0.0, _HIGHEST], nticks=6),
         "yaxis": axis(autorange="reversed", ticks="", showgrid=False, automargin=True),
         "bargap": 0.35,
         "showlegend": False,
     }
-    return {"data": [bars], "layout": layout, "height": 80 + round(12 * len(rows) + 28 * lines), "plain": True}
+    return {"data": [bars], "layout": layout, "height": 80 + round(12 * len(rows) + 31 * lines), "plain": True}
 
 
 def ranked(ranking: Sequence[RankedEffect], findings: Sequence[Finding]) -> list[RankedEffect]:

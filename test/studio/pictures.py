@@ -100,7 +100,7 @@ def learn(user: StudioPage, camera: Camera) -> None:
     user.until(lambda: "oil compressibility" in user.text_of("findings"))
     user.page.mouse.move(5, 300)
     camera.shot(user, "diagnosis")
-    user.page.locator("#curves-left-out").scroll_into_view_if_needed()
+    user.page.locator("#curves").evaluate("figure => figure.scrollIntoView({ block: 'center' })")
     camera.shot(user, "curves")
     user.page.locator("#candidates li").first.hover()
     user.until(lambda: user.text_of("equation"))

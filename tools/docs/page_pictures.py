@@ -1,7 +1,8 @@
 """A picture of the top of a page, as a reader with a mouse sees it.
 
-    python tools/docs/page_pictures.py PAGE.html PICTURE.png WIDTH HEIGHT
+    python tools/docs/page_pictures.py PAGE.html PICTURE.png WIDTH HEIGHT [BUTTON]
 
+BUTTON is pressed before, by its text.
 Chromium's own --screenshot draws a page before its figures fit their elements, with their tools as on a touch screen.
 """
 
@@ -23,6 +24,9 @@ def main() -> None:
         shown = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light")
         shown.goto(page.resolve().as_uri())
         shown.wait_for_selector(".js-plotly-plot .main-svg")
+        for button in sys.argv[5:]:
+            shown.get_by_role("button", name=button, exact=True).click()
+            shown.mouse.move(0, 0)
         shown.wait_for_timeout(REST)
         shown.screenshot(path=picture)
         browser.close()
