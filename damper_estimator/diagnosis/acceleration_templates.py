@@ -36,30 +36,36 @@ class Template:
 
 
 def templates_of(
-    whole: Regression, own: np.ndarray, scale: np.ndarray, knots: np.ndarray, seen: Sequence[View]
+    whole: Regression,
+    own: np.ndarray,
+    beside: np.ndarray,
+    scale: np.ndarray,
+    knots: np.ndarray,
+    seen: Sequence[View],
 ) -> tuple[Template, ...]:
     """The templates of the coefficient of acceleration, the one that explains most first.
 
     Args:
         whole: the regression with all columns (c,).
         own: (c,) bool, the columns of that coefficient.
+        beside: (c,) bool, the columns beside which a template counts.
         scale: (c,) kg per coefficient of a column.
         knots: (k,) m/s.
         seen: the fitted recordings.
     """
     columns = np.eye(own.size)
-    others = whole.mixed(columns[:, ~own])
+    others = whole.mixed(columns[:, beside])
     used = scale[own] > 0.0
     best: dict[str, tuple[float, Template]] = {}
     for name, shape, size in _shapes(knots, seen):
         mix = columns[:, own][:, used] @ (shape[used] / scale[own][used, None])
         sizes = np.sqrt(np.maximum(np.diag(whole.fit.mixed(mix).normal), 1e-300) / whole.fit.normal.max())
-        trial = whole.mixed(np.hstack([columns[:, ~own], mix / sizes]))
+        trial, counted = (whole.mixed(np.hstack([columns[:, those], mix / sizes])) for those in (~own, beside))
         factors = trial.solved()[0][-sizes.size :] / sizes
         known = {"mass": float(factors[0]), "shift": -float(factors[0])}.get(name, size)
-        template = Template(name, tuple((shape @ factors).tolist()), known, others.gain(trial.left))
-        if name not in best or trial.left_fit < best[name][0]:
-            best[name] = trial.left_fit, template
+        template = Template(name, tuple((shape @ factors).tolist()), known, others.gain(counted.left))
+        if name not in best or counted.left_fit < best[name][0]:
+            best[name] = counted.left_fit, template
     return tuple(sorted((template for _, template in best.values()), key=lambda one: -one.explains))
 
 

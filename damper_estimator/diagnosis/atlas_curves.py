@@ -1,13 +1,16 @@
 """The atlas as curves: by how much a damper's force differs from a model's, over each variable given the others.
 
-    F_measured - F_model = dF(v) + h(x) + p(x) F_model + g(v) (T - T_0) + b(v) (I - I_0) + m(v) a + rest
+    F_measured - F_model = dF(v) + h(x) + p(x) F_model + g(v) (T - T_0) + b(v) (I - I_0) + m(v) a
+                           + o(v) sign(v a) / 2 + r(way since the last reversal) sign(v) + rest
 
 All curves are piecewise linear and solved for together on the fitted rows, so that each holds given the others. Their
 covariance allows for the memory of the rest; as in the form-free tests, the only regularisation limits the share of
-one column to the order of the force.
+one column to the order of the force. The last two curves, of memory, have the columns of the form-free tests that are
+called like them. They and the others imitate each other in part, so that they count only by what they explain beyond
+these, and are left out where that is nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from statistics import NormalDist
 
@@ -38,10 +41,13 @@ class AtlasCurve:
         name: ``velocity``: change of the force over velocity, N over m/s, about its mean near rest. ``displacement``:
             of the force over displacement, N over m, about its mean. ``position``: the same as a share of the model's
             force. ``temperature``, ``command``: change of the force per kelvin or ampere, over velocity.
-            ``acceleration``: coefficient of acceleration over velocity, kg.
+            ``acceleration``: coefficient of acceleration over velocity, kg. ``history``: force at rising less that at
+            falling speed, N over m/s. ``memory``: force in the direction of motion after a reversal less that after a
+            long way, N over m of the way since then.
         at: (k,) values of its variable; straight lines connect the points.
         value, low, high: (k,) with the ends of its band, 5 and 95 %; NaN where too little was driven.
-        explains: share of the squared error on unseen data that all other curves leave and it explains.
+        explains: share of the squared error on unseen data that all other curves leave and it explains. Curves of
+            memory are no others for the rest, which loses to them what they explain better.
         is_clear: whether it differs from zero by more than chance.
         templates: what it may be, the one that explains most first.
     """
@@ -60,42 +66,105 @@ class AtlasCurve:
         """Whether it says something: it differs from zero and explains some of the error."""
         return self.is_clear and self.explains >= _WORTH
 
+    @property
+    def is_memory(self) -> bool:
+        """Whether it is a curve of memory, which counts only by what it explains beyond the others."""
+        return self.name in ("history", "memory")
+
     def record(self) -> dict[str, object]:
         """For JSON; None where nothing is known."""
         return plain(asdict(self))
 
 
+@dataclass(frozen=True)
+class _Together:
+    """All curves in one regression.
+
+    Attributes:
+        panel_of: (c,) int, the panel of each column.
+        whole: the regression by all columns, each scaled to the rms of the force.
+        columns, missing: (r, c) the same on the fitted rows, and (r,) what they are to explain.
+        mixed: (c, c) points of the curves per coefficient.
+        scale: (c,) the factor of each column; 0 where it is left out.
+    """
+
+    panels: Sequence[Panel]
+    panel_of: np.ndarray
+    whole: Regression
+    columns: np.ndarray
+    missing: np.ndarray
+    mixed: np.ndarray
+    scale: np.ndarray
+    rows: Sequence[Rows]
+    seen: Sequence[View]
+
+    def without(self, dropped: np.ndarray) -> "_Together":
+        """With some columns (c,) bool left out."""
+        return replace(
+            self, whole=self.whole.mixed(np.diag((~dropped).astype(float))), scale=np.where(dropped, 0.0, self.scale)
+        )
+
+    def of_panels(self, chosen: Callable[[Panel], bool]) -> np.ndarray:
+        """(c,) bool, the columns of the panels that are chosen."""
+        return np.array([chosen(self.panels[index]) for index in self.panel_of])
+
+    def curves(self) -> list[AtlasCurve]:
+        """All that have columns."""
+        solution, values, deviations = self._solution()
+        memory, found = self.of_panels(lambda panel: panel.is_memory), []
+        for index, panel in enumerate(self.panels):
+            own = self.panel_of == index
+            if not self.scale[own].any():
+                continue
+            value = np.where(self.scale[own] > 0.0, values[own], np.nan)
+            beside = ~own if panel.is_memory else ~own & ~memory
+            gain, drawn = _explained(self.whole, solution, own, beside)
+            curve = _curve(panel, value, deviations[own], drawn * gain)
+            if panel.name == "acceleration":
+                templates = templates_of(self.whole, own, beside, self.scale, panel.at, self.seen)
+                curve = replace(curve, templates=tuple(replace(t, explains=drawn * t.explains) for t in templates))
+            found.append(curve)
+        return found
+
+    def _solution(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Coefficients (c,), the points (c,) of all curves, and the standard errors of these."""
+        solution, inverse = self.whole.solved()
+        scores = self.columns @ (inverse @ self.mixed.T)
+        left, rows = self.missing - self.columns @ solution, self.rows
+        covariance, effective = score_covariance(split(rows, left), split(rows, scores), [part.rate for part in rows])
+        spent = effective / max(effective - np.count_nonzero(self.scale), _LEAST_LEFT * effective)
+        return solution, self.mixed @ solution, np.sqrt(np.diag(covariance) * spent)
+
+
 def atlas_curves(baseline: Baseline) -> tuple[AtlasCurve, ...]:
     """All curves that the recordings allow, with the model's parameters kept; none where its force runs away."""
+    together = _together(baseline)
+    if not together.whole.is_finite:
+        return ()
+    together = together.without(_harmful(together))
+    curves = {curve.name: curve for curve in together.curves()}
+    # A curve of memory that says nothing would only take from the others what it can imitate.
+    quiet = {name for name, curve in curves.items() if curve.is_memory and not curve.is_notable}
+    if quiet:
+        again = together.without(together.of_panels(lambda panel: panel.name in quiet))
+        curves |= {curve.name: curve for curve in again.curves()}
+    return tuple(curves.values())
+
+
+def _together(baseline: Baseline) -> _Together:
     data, missing = baseline.data, -baseline.residual_fit
     seen, judged = (views(baseline.model, rows, data.ranges) for rows in (data.fit, data.unseen))
     panels = panels_of(seen, judged, data.ranges)
-    mixed = _about_means([panel.mean(seen) for panel in panels])
+    mixed = _about_means([panel.mean for panel in panels])
     columns, unseen = (_rows(rows, of, panels) for rows, of in ((data.fit, seen), (data.unseen, judged)))
-    panel_of = np.repeat(np.arange(len(panels)), [panel.knots.size for panel in panels])
+    panel_of = np.repeat(np.arange(len(panels)), [panel.at.size for panel in panels])
     scale = _scales(columns @ mixed, panel_of, float(np.sqrt(np.mean(targets(data.fit) ** 2))))
     mixed = mixed * scale
     columns, unseen = columns @ mixed, unseen @ mixed
     whole = Regression(
         Moments.of(columns, missing), Moments.of(unseen, -baseline.residual_unseen), float(np.mean(missing**2))
     )
-    if not whole.is_finite:
-        return ()
-    kept = ~_harmful(whole, panels, panel_of)
-    whole, scale = whole.mixed(np.diag(kept.astype(float))), scale * kept
-    values, deviations = _solution(whole, columns, missing, mixed, data.fit)
-    found = []
-    for index, panel in enumerate(panels):
-        own = panel_of == index
-        if not scale[own].any():
-            continue
-        value = np.where(scale[own] > 0.0, values[own], np.nan)
-        gain = whole.mixed(np.eye(own.size)[:, ~own]).gain(whole.left)
-        curve = _curve(panel, value, deviations[own], gain)
-        if panel.name == "acceleration":
-            curve = replace(curve, templates=templates_of(whole, own, scale, panel.knots, seen))
-        found.append(curve)
-    return tuple(found)
+    return _Together(panels, panel_of, whole, columns, missing, mixed, scale, data.fit, seen)
 
 
 def _rows(rows: Sequence[Rows], seen: Sequence[View], panels: Sequence[Panel]) -> np.ndarray:
@@ -111,11 +180,11 @@ def _scales(rows: np.ndarray, panel_of: np.ndarray, size: float) -> np.ndarray:
     return np.where(rms > _LEAST_SEEN * largest, size / np.maximum(rms, 1e-300), 0.0)
 
 
-def _harmful(whole: Regression, panels: Sequence[Panel], panel_of: np.ndarray) -> np.ndarray:
+def _harmful(together: _Together) -> np.ndarray:
     """(c,) bool: columns of slow variables that do harm, as where the unseen part is warmer than the fitted one."""
-    found = np.zeros(panel_of.size, bool)
-    for index, panel in enumerate(panels):
-        own = panel_of == index
+    found, whole = np.zeros(together.panel_of.size, bool), together.whole
+    for index, panel in enumerate(together.panels):
+        own = together.panel_of == index
         if panel.is_slow and whole.mixed(np.eye(own.size)[:, ~own]).left < whole.left:
             found |= own
     return found
@@ -127,16 +196,15 @@ def _about_means(means: Sequence[np.ndarray]) -> np.ndarray:
     return np.eye(owner.size) - (owner[:, None] == owner) * np.concatenate(means)
 
 
-def _solution(
-    whole: Regression, columns: np.ndarray, missing: np.ndarray, mixed: np.ndarray, rows: Sequence[Rows]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points (c,) of all curves, and their standard errors."""
-    solution, inverse = whole.solved()
-    scores = columns @ (inverse @ mixed.T)
-    left = missing - columns @ solution
-    covariance, effective = score_covariance(split(rows, left), split(rows, scores), [part.rate for part in rows])
-    spent = effective / max(effective - solution.size, _LEAST_LEFT * effective)
-    return mixed @ solution, np.sqrt(np.diag(covariance) * spent)
+def _explained(whole: Regression, solution: np.ndarray, own: np.ndarray, beside: np.ndarray) -> tuple[float, float]:
+    """What a curve, columns ``own`` (c,) bool, explains beside some others, and how much of it the curve still has
+    where all are found together: a curve of memory takes away what it explains better.
+    """
+    columns = np.eye(own.size)
+    without = whole.mixed(columns[:, beside | own])
+    alone = columns[:, beside | own] @ without.solved()[0]
+    before, after = (whole.power_of(found * own) for found in (alone, solution))
+    return whole.mixed(columns[:, beside]).gain(without.left), min(after / max(before, 1e-300), 1.0)
 
 
 def _curve(panel: Panel, value: np.ndarray, deviation: np.ndarray, explains: float) -> AtlasCurve:

@@ -23,6 +23,7 @@ _OPENINGS = (0.15, 0.3, 0.5, 0.7)  # of the driven speed, at which a valve may o
 _PLACES = 8  # knots over the driven stroke
 _STOPS = 0.75  # of the half stroke: beyond, an end stop may be touched
 _PLAYS, _LONG_PLAYS = (1e-4, 4e-4), (1.5e-3, 5e-3)  # m, half widths of the travel before sliding, and longer ones
+PLAYS = (*_PLAYS, *_LONG_PLAYS)
 _STEPS = (0.01, 0.05)  # of the driven speed: widths of a step at rest
 _LEAST_KELVIN = 1.0
 _LEAST_COMMAND = 0.02  # A: less than this is a standing current
@@ -97,6 +98,11 @@ def view_of(model: DamperModel, measurement: Measurement, ranges: Ranges) -> Vie
         force_rate=rate,
         ranges=ranges,
     )
+
+
+def opening(view: View) -> np.ndarray:
+    """(n,) 1 where the speed rises, as valves open, and 0 where it falls."""
+    return (view.v * view.a > 0.0).astype(float)
 
 
 def _varying(values: np.ndarray, ends: tuple[float, float] | None, least: float) -> np.ndarray | None:
@@ -222,9 +228,9 @@ def _lags(view: View) -> Columns:
 
 def _history(view: View) -> Columns:
     """Acceleration over velocity, different on opening and on closing, with the force that is lost meanwhile."""
-    opening = (view.v * view.a > 0.0).astype(float)
+    rising = opening(view)
     curve = _coarse(view)
-    return [*_times(curve, view.a * opening, view.a * (1.0 - opening)), *_times(curve, opening)]
+    return [*_times(curve, view.a * rising, view.a * (1.0 - rising)), *_times(curve, rising)]
 
 
 _ELASTIC = ("mass", "shift", "series", "valve")

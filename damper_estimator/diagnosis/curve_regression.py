@@ -82,3 +82,7 @@ class Regression:
         """
         before = max(self.unseen.square, 1e-300)
         return min(self.left / before, 1.0) - left / before
+
+    def power_of(self, solution: np.ndarray) -> float:
+        """Sum of squares of the unseen force that a solution (c,) gives."""
+        return float(solution @ self.unseen.normal @ solution)

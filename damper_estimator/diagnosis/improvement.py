@@ -72,4 +72,5 @@ class Improvement:
             "noise_floor_n": self.noise_floor_n,
             "reference_n": self.reference_n,
             "rejected": [ranked.record() for ranked in self.rejected],
+            "atlas_curves": [curve.record() for curve in self.final.curves],
         }

@@ -119,10 +119,11 @@ def cloud_figure(shown: BeforeAfter, over: str) -> Figure:
 def _side_by_side(both: bool, x: str, y: str) -> Figure:
     if not both:
         return {"xaxis": axis(x), "yaxis": axis(y)}
+    narrow = x.replace(" in ", "<br>in ")  # both fit a phone
     return {
-        "xaxis": axis(x, domain=_LEFT),
+        "xaxis": axis(narrow, domain=_LEFT),
         "yaxis": axis(y),
-        "xaxis2": axis(x, domain=_RIGHT, anchor="y2", matches="x"),
+        "xaxis2": axis(narrow, domain=_RIGHT, anchor="y2", matches="x"),
         "yaxis2": axis(matches="y", anchor="x2", showticklabels=False),
     }
 

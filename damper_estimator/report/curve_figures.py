@@ -24,6 +24,8 @@ _TITLES = {
     "temperature": "Force per kelvin, over velocity",
     "command": "Force per unit of the command, over velocity",
     "acceleration": "Force that goes with acceleration, over velocity",
+    "history": "Force at rising less force at falling speed, over velocity",
+    "memory": "Force in the direction of motion, over the way since its last reversal",
 }
 _VARIABLES = {
     "velocity": "a change of the curve over velocity",
@@ -32,8 +34,13 @@ _VARIABLES = {
     "temperature": "temperature",
     "command": "the command",
     "acceleration": "acceleration",
+    "history": "whether the speed rises or falls",
+    "memory": "the way since the last reversal",
 }
-_OVER = {"displacement": (1e3, "displacement in mm", "mm"), "position": (1e3, "displacement in mm", "mm")}
+_OVER = {
+    "displacement": (1e3, "displacement in mm", "mm"), "position": (1e3, "displacement in mm", "mm"),
+    "memory": (1e3, "way since the last reversal in mm", "mm"),
+}  # fmt: skip
 _VELOCITY = (1.0, "velocity in m/s", "m/s")
 
 
@@ -44,7 +51,8 @@ def notable(curves: Sequence[AtlasCurve]) -> list[AtlasCurve]:
 
 def curve_title(curve: AtlasCurve) -> str:
     """What a curve shows, and how much of the error it explains."""
-    return f"{_TITLES[curve.name]}: explains {100.0 * curve.explains:.0f} %"
+    beyond = " beyond the others" if curve.is_memory else ""
+    return f"{_TITLES[curve.name]}: explains {100.0 * curve.explains:.0f} %{beyond}"
 
 
 def command_unit(found: Diagnosis) -> str:
@@ -117,6 +125,7 @@ def _quantity(curve: AtlasCurve, unit: str) -> tuple[float, str]:
         "temperature": (1.0, "change in N/K"),
         "command": (1.0, f"change in N/{unit}"),
         "acceleration": (1.0, "force per acceleration in kg"),
+        "history": (1.0, "difference of the force in N"),
     }.get(curve.name, (1.0, "change of the force in N"))
 
 
@@ -142,15 +151,15 @@ def _range(value: np.ndarray, low: np.ndarray, high: np.ndarray) -> list[float]:
     return short([lowest - pad, highest + pad])
 
 
-def curve_figures(found: Diagnosis) -> dict[str, Figure]:
-    """The figures of the curves that say something, by the name in the page."""
+def curve_figures(found: Diagnosis, key: str = "curve") -> dict[str, Figure]:
+    """The figures of the curves that say something, by the name in the page, which begins with ``key``."""
     unit = command_unit(found)
-    return {f"curve_{curve.name}": curve_figure(curve, unit) for curve in notable(found.curves)}
+    return {f"{key}_{curve.name}": curve_figure(curve, unit) for curve in notable(found.curves)}
 
 
-def curve_text(found: Diagnosis) -> dict[str, object]:
+def curve_text(found: Diagnosis, key: str = "curve") -> dict[str, object]:
     """The words that go with ``curve_figures``."""
-    titles = [(f"curve_{curve.name}", curve_title(curve)) for curve in notable(found.curves)]
+    titles = [(f"{key}_{curve.name}", curve_title(curve)) for curve in notable(found.curves)]
     return {"curves": titles, "left_out": left_out(found.curves)}
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import before_after, first_diagnosis
+from damper_estimator.report.curve_figures import curve_figures, curve_text
 from damper_estimator.report.diagnosis_page import (
     SCRIPT,
     STYLES,
@@ -33,12 +34,17 @@ def improvement_section(damper: str, found: Improvement) -> DiagnosisSection:
     shown = before_after(found)
     kept = _kept(found)
     figures = force_figures(shown, kept) | {"waterfall": waterfall_figure(found)}
+    figures |= curve_figures(found.final)
     if found.final.stretches:
         figures["stretches"] = stretches_figure(found.final)
     for index, diagnosis in enumerate([*_searches(found), found.final]):
         if diagnosis is not None:
             figures[f"tried{index}"] = ranking_figure(diagnosis.ranking, diagnosis.findings, tied_notes(diagnosis))
-    text = force_text(shown, kept, figures) | {
+    text = force_text(shown, kept, figures) | curve_text(found.final)
+    if found.first is not found.final:
+        figures |= curve_figures(found.first, "first_curve")
+        text["first_curves"] = curve_text(found.first, "first_curve")
+    text |= {
         "damper": damper,
         "headline": found.sentence,
         "steps": _steps(found),

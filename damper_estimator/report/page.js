@@ -63,7 +63,9 @@
       const { time, residual } = this.recording;
       let worst = 0;
       residual[0].forEach((value, i) => { if (!(Math.abs(value) <= Math.abs(residual[0][worst]))) if (!Number.isNaN(value)) worst = i; });
-      return [time[worst] - seconds / 2, time[worst] + seconds / 2];
+      // Within the recording: beside its ends there is nothing to see.
+      const last = time[time.length - 1], start = Math.max(Math.min(time[worst] - seconds / 2, last - seconds), time[0]);
+      return [start, Math.min(start + seconds, last)];
     }
 
     span() {

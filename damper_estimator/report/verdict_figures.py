@@ -8,10 +8,13 @@ import numpy as np
 from damper_estimator.diagnosis import AtlasRow, EvaluationSummary, Finding, Improvement, Moved, RankedEffect
 from damper_estimator.numbers import number
 from damper_estimator.report.diagnosis_wording import plain_name, step_name
-from damper_estimator.report.plots import AFTER, BEFORE, FOUND, GREY, INK, SOFT, Figure, axis, note, short
+from damper_estimator.report.plots import AFTER, BEFORE, CARD, FOUND, GREY, INK, SOFT, Figure, axis, note, short
 
 _LOWEST, _HIGHEST = -15.0, 104.0  # %, what of a gain is worth the space
 _NOTABLE, _MOST_ROWS = 0.03, 8  # of the squared error; rows of the atlas
+_NAME = 28  # characters of a name after which it wraps, on a phone
+_ROOM = 1.32  # of the longest bar: the axis, with what the bar reaches behind it
+_FILES = 18  # px, of the menu in the corner
 _APART = 0.17  # of a row, between the two ways of judging
 
 
@@ -32,28 +35,28 @@ def error_bars(
         "orientation": "h",
         "y": names,
         "x": short(values),
-        "text": [f"<b>{number(v)} N</b><br>{number(100.0 * v / force_n, 2)} %" for v in values],
-        "textposition": "outside",
-        "cliponaxis": False,
         "marker": {"color": [BEFORE, *[AFTER] * (len(levels) - 1)]},
         "hovertemplate": "%{y}: %{x:.4g} N<extra></extra>",
     }
     layout = {
-        "xaxis": axis("rms error on unseen data in N", range=[0.0, 1.32 * most], nticks=6),
+        "xaxis": axis("rms error on unseen data in N", range=[0.0, _ROOM * most], nticks=6),
         "yaxis": axis(autorange="reversed", ticks="", showgrid=False),
         "bargap": 0.35,
         "showlegend": False,
     }
+    words = [f"<b>{number(v)} N</b><br>{number(100.0 * v / force_n, 2)} %" for v in values]
     return {
         "data": [bars],
-        "layout": layout | _lines(floor_n, reference_n),
+        "layout": layout | _marked(floor_n, reference_n, names, values, words),
         "height": 110 + 42 * len(levels),
         "plain": True,
     }
 
 
-def _lines(floor_n: float, reference_n: float) -> Figure:
-    """Lines at the noise floor (dashed) and at the form-free reference (dotted), with their names above the figure."""
+def _marked(floor_n: float, reference_n: float, names: Sequence[str], ends: np.ndarray, words: Sequence[str]) -> Figure:
+    """What the bars reach, and lines at the noise floor (dashed) and at the form-free reference (dotted), with their
+    names above the figure. Words cover the lines, which would strike them out.
+    """
     lines = [(floor_n, "noise floor", "dash"), (reference_n, "form-free reference", "dot")]
     known = [line for line in lines if np.isfinite(line[0])]
     shapes = [
@@ -62,13 +65,17 @@ def _lines(floor_n: float, reference_n: float) -> Figure:
         for value, _, dash in known
     ]  # fmt: skip
     name = note(
-        ", ".join(f"{name} {number(value)} N" for value, name, _ in known), 1.0, 1.0, xanchor="right",
+        ", ".join(f"{name} {number(value)} N" for value, name, _ in known), 1.0, 1.0, xanchor="right", xshift=-_FILES,
         yanchor="bottom", font={"color": SOFT, "size": 12},
     )  # fmt: skip
-    return {"shapes": shapes, "annotations": [name]} if known else {}
+    reached = [
+        note(text, end, bar, xref="x", yref="y", xanchor="left", xshift=3, bgcolor=CARD, align="left")
+        for text, bar, end in zip(words, names, short(ends), strict=True)
+    ]
+    return {"shapes": shapes, "annotations": [*reached, *([name] if known else [])]}
 
 
-def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = 80) -> Figure:
+def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: int = _NAME) -> Figure:
     """Share of the squared error on unseen data that depends on each kind of variable, with 5 and 95 % whiskers.
 
     Args:
@@ -90,12 +97,12 @@ def atlas_figure(atlas: Sequence[AtlasRow], findings: Sequence[Finding], width: 
         "hovertemplate": "%{y}: %{x:.3g} %<br>shows: %{customdata}<extra></extra>",
     }
     layout = {
-        "xaxis": axis("share of squared error in %", range=[0.0, _HIGHEST], nticks=6),
+        "xaxis": axis("squared error in %", range=[0.0, _HIGHEST], nticks=6),
         "yaxis": axis(autorange="reversed", ticks="", showgrid=False, automargin=True),
         "bargap": 0.35,
         "showlegend": False,
     }
-    return {"data": [bars], "layout": layout, "height": 80 + round(12 * len(rows) + 28 * lines), "plain": True}
+    return {"data": [bars], "layout": layout, "height": 80 + round(12 * len(rows) + 31 * lines), "plain": True}
 
 
 def ranked(ranking: Sequence[RankedEffect], findings: Sequence[Finding]) -> list[RankedEffect]:
@@ -136,7 +143,7 @@ def ranking_figure(ranking: Sequence[RankedEffect], findings: Sequence[Finding],
     ]
     names = [_emphasised(judged, found, tied) for judged in rows]
     layout = {
-        "xaxis": axis("squared error that it explains on unseen data in %", range=[_LOWEST, _HIGHEST], nticks=8),
+        "xaxis": axis("explained squared error in %", range=[_LOWEST, _HIGHEST], nticks=8),
         "yaxis": axis(tickvals=list(range(len(rows))), ticktext=names, range=[len(rows) - 0.4, -0.6], zeroline=False),
         "showlegend": True,
         "margin": {"l": 50, "r": 46, "t": 24, "b": 40},
@@ -254,18 +261,15 @@ def waterfall_figure(found: Improvement) -> Figure:
         "base": short(low),
         "x": short(high - low),
         "marker": {"color": paint},
-        "text": words,
-        "textposition": "outside",
-        "cliponaxis": False,
         "customdata": short([*errors, errors[-1]]),
         "hovertemplate": "%{y}: %{customdata:.4g} N on unseen data<extra></extra>",
     }
     most = float(np.nanmax([*errors, found.reference_n]))
     layout = {
-        "xaxis": axis("rms error on unseen data in N", range=[0.0, 1.18 * most]),
+        "xaxis": axis("rms error on unseen data in N", range=[0.0, _ROOM * most]),
         "yaxis": axis(autorange="reversed", showgrid=False),
         "bargap": 0.3,
-        **_lines(floor, found.reference_n),
+        **_marked(floor, found.reference_n, names, high, words),
     }
     return {"data": [bars], "layout": layout, "height": 120 + 34 * len(names), "plain": True}
 

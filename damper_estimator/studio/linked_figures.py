@@ -152,7 +152,7 @@ def time_figure(scene: Scene) -> Figure:
         note(TRACE_NAMES[name], 0.0, domain[1], xanchor="left", yanchor="bottom", font={"color": SOFT})
         for name, domain in zip(scene.further, domains[2:], strict=True)
     ]
-    titles = ["force in N", "residual<br>in N", *units]
+    titles = ["force<br>in N", "residual<br>in N", *units]
     axes = {
         f"yaxis{k + 1 if k else ''}": axis(title, domain=domain, fixedrange=True, nticks=6 if k else 0)
         for k, (title, domain) in enumerate(zip(titles, domains, strict=True))

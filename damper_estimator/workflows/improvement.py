@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from damper_estimator.diagnosis import Improvement, Step
 from damper_estimator.diagnosis import improve as improved
@@ -17,6 +17,9 @@ from damper_estimator.workflows.fitting import output_paths
 from damper_estimator.workflows.model_arguments import HoldsModels, ModelLike
 from damper_estimator.workflows.recording import Recording, in_words
 from damper_estimator.workflows.results import Results
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -72,6 +75,17 @@ class ImprovementResults(Results[Improvement], HoldsModels):
         for damper, result in self.by_damper.items():
             corrected = corrected.with_entry(damper, result.signals)
         return corrected
+
+    def curves_figure(self, damper: str | None = None) -> Figure:
+        """What the improved model still lacks, as ``DiagnosisResults.curves_figure`` draws it.
+
+        Raises:
+            InputError: if there are several dampers and none is named, or the name is unknown.
+        """
+        from damper_estimator.report import command_unit, curves_figure, plotly_figure
+
+        final = self._of(damper).final
+        return plotly_figure(curves_figure(final.curves, command_unit(final)))
 
     def page(self) -> str:
         """One self-contained HTML page: error over the steps, effects tried at each, forces before and after."""

@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 
 from damper_estimator.diagnosis import AtlasCurve, Template
-from damper_estimator.report import curves_figure, diagnosis_page, diagnosis_section, plotly_figure
-from damper_estimator.report.curve_figures import curve_figure, left_out, template_words
+from damper_estimator.report import (
+    curves_figure,
+    diagnosis_page,
+    diagnosis_section,
+    improvement_page,
+    improvement_section,
+    plotly_figure,
+)
+from damper_estimator.report.curve_figures import curve_figure, curve_title, left_out, template_words
 
 AT = (-0.5, 0.0, 0.5)
 MASS = AtlasCurve(
@@ -40,10 +47,22 @@ def test_a_curve_is_drawn_over_its_band_in_the_units_of_its_axes():
         ("temperature", "change in N/K"),
         ("command", "change in N/V"),
         ("acceleration", "force per acceleration in kg"),
+        ("history", "difference of the force in N"),
+        ("memory", "change of the force in N"),
     ],
 )
 def test_every_curve_names_its_unit(name, text):
     assert curve_figure(replace(NOTHING, name=name), "V")["layout"]["yaxis"]["title"]["text"] == text
+
+
+def test_a_curve_of_memory_is_drawn_over_its_own_variable_and_says_beside_what_it_counts():
+    way = replace(SPRING, name="memory", at=(0.0, 0.001, 0.01))
+    drawn = curve_figure(way, "A")
+    assert drawn["layout"]["xaxis"]["title"]["text"] == "way since the last reversal in mm"
+    assert drawn["data"][-1]["x"] == [0.0, 1.0]
+    assert curve_figure(replace(MASS, name="history"), "A")["layout"]["xaxis"]["title"]["text"] == "velocity in m/s"
+    assert curve_title(way).endswith("explains 6 % beyond the others") and curve_title(SPRING).endswith("explains 6 %")
+    assert left_out([replace(NOTHING, name="memory")]).endswith("the way since the last reversal.")
 
 
 def test_templates_are_dashed_named_in_words_and_the_best_comes_first():
@@ -78,6 +97,29 @@ def test_the_page_shows_the_curves_next_to_the_evidence(found):
     page = diagnosis_page([section], "title")
     assert "curve by curve" in page and 'data-name="curve_acceleration"' in page and "next to nothing" in page
     assert "curve by curve" not in diagnosis_page([diagnosis_section("left", replace(found, curves=()))], "title")
+
+
+def test_the_page_of_improve_shows_what_is_left_and_what_was_missing_at_first(improved):
+    final, first = (replace(improved.final, curves=(SPRING, NOTHING)), replace(improved.first, curves=(MASS,)))
+    section = improvement_section("left", replace(improved, final=final, first=first))
+    assert {"curve_displacement", "first_curve_acceleration"} <= set(section.figures)
+    assert not {"curve_acceleration", "curve_velocity", "first_curve_displacement"} & set(section.figures)
+    page = improvement_page([section], "title")
+    left, _, before = page.partition("the improved model lacks")[2].partition("the model as given lacked")
+    assert 'data-name="curve_displacement"' in left and "next to nothing" in left
+    assert 'data-name="first_curve_acceleration"' in before
+
+
+def test_the_page_of_improve_shows_the_curves_once_where_nothing_was_added(improved):
+    final = replace(improved.final, curves=(SPRING,))
+    section = improvement_section("left", replace(improved, final=final, first=final))
+    assert "curve_displacement" in section.figures and not any(name.startswith("first") for name in section.figures)
+    assert "the model as given lacked" not in improvement_page([section], "title")
+
+
+def test_the_record_of_improve_has_the_curves_of_what_is_left(improved):
+    final = replace(improved.final, curves=(SPRING,))
+    assert replace(improved, final=final).record()["atlas_curves"] == [SPRING.record()]
 
 
 def test_friction_shows_in_the_curve_over_velocity(found):

@@ -187,6 +187,21 @@ def test_the_waterfall_falls_from_the_first_error_to_the_last(improved):
         assert ends == pytest.approx(sorted(errors[k - 1 : k + 1]), rel=2e-3, abs=1e-3)
 
 
+def test_what_a_bar_reaches_is_written_behind_its_end_and_covers_the_lines(improved):
+    drawn = waterfall_figure(improved)
+    (bars,) = drawn["data"]
+    words = [words for words in drawn["layout"]["annotations"] if words["xref"] == "x"]
+    assert [word["y"] for word in words] == bars["y"] and all(word["bgcolor"] for word in words)
+    ends = np.array(bars["base"]) + np.array(bars["x"])
+    assert [word["x"] for word in words] == pytest.approx(list(ends), rel=2e-3, abs=1e-2)
+    assert max(ends) < 0.8 * drawn["layout"]["xaxis"]["range"][1]
+
+
+def test_the_names_of_the_atlas_leave_half_of_a_phone_to_the_bars(found):
+    (bars,) = atlas_figure(found.atlas, found.findings)["data"]
+    assert max(len(line) for name in bars["y"] for line in name.split("<br>")) <= 28
+
+
 def test_every_step_is_listed_with_what_was_tried_before_it(improved):
     page = improvement_page([improvement_section("front_left", improved)], "title")
     text = words(page)

@@ -44,6 +44,13 @@ window.addEventListener("error", (event) => seen.push("error " + event.message))
   other.querySelectorAll(".over")[1].click(); await wait();
   seen.push("over " + other.querySelector(".map").layout.xaxis.type);
   seen.push("hidden " + one.hidden + " " + document.getElementById("damper1").querySelector(".time").data.length);
+  let inside = true;
+  for (const zoom of other.querySelectorAll(".zoom")) {
+    zoom.click(); await wait();
+    const [from, to] = other.querySelector(".time").layout.xaxis.range;
+    inside = inside && from >= 0 && to <= 20;
+  }
+  seen.push("within the recording " + inside);
   const before = document.documentElement.className;
   document.getElementById("theme").click(); await wait();
   seen.push("theme " + (before !== document.documentElement.className));
@@ -99,5 +106,6 @@ def test_the_page_can_be_walked_through(tmp_path):
         "map heatmap true",
         "over log",
         "hidden true 3",
+        "within the recording true",
         "theme true",
     ]

@@ -100,6 +100,8 @@ def learn(user: StudioPage, camera: Camera) -> None:
     user.until(lambda: "oil compressibility" in user.text_of("findings"))
     user.page.mouse.move(5, 300)
     camera.shot(user, "diagnosis")
+    user.page.locator("#curves").evaluate("figure => figure.scrollIntoView({ block: 'center' })")
+    camera.shot(user, "curves")
     user.page.locator("#candidates li").first.hover()
     user.until(lambda: user.text_of("equation"))
     camera.shot(user, "evidence")

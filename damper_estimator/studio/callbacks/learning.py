@@ -49,7 +49,6 @@ def connect(app: Dash, sessions: Sessions) -> None:
             hint = "Diagnose tries every physical effect on the model and judges it on data that it was not fitted to."
             return hint, *[no_update] * 7, "", True
         drawn = ranking_figure(found.ranking, found.findings, tied_notes(found))
-        drawn["layout"]["xaxis"]["title"]["text"] = "squared unseen error explained in %"  # the panel is narrow
         listed = panels.findings(found, found.model != session.model, session.diagnosed)
         atlas = atlas_figure(found.atlas, found.findings, _NARROW)
         curves = curves_figure(found.curves, command_unit(found))
