@@ -9,11 +9,11 @@ is used. A quantised channel that stands still for a second has less noise than 
 
 Both channels are then simulated: noise and quantisation are added to the signal without them (``denoised``). Those of
 the gauge are carried through filter and band, those of the displacement through filter, a form-free damper behind a
-spring (``sprung``), and band. Without the spring, which is the compliance of oil and mount, steep curves would carry
+spring (``sprung``), and band; without the spring, which is the compliance of oil and mount, steep curves would carry
 too much. Quantisation coarser than the noise is not white; its error follows the signal.
 
-While a damper moves, this is the error of the perfect model. At rest it depends on how its friction is held, which no
-motion shows; there it may be wrong by a multiple.
+While a damper moves, this is the perfect model's error; at rest it may be wrong by a multiple, for no motion shows how
+friction is held.
 """
 
 from collections.abc import Sequence
@@ -32,6 +32,7 @@ from damper_estimator.validation.denoised import denoised
 from damper_estimator.validation.rest_density import rest_density
 from damper_estimator.validation.sprung import sprung
 
+_KEPT = "_noise_floor"
 _LEAST_SAMPLES = 100
 _MOST_SAMPLES = 100_000  # more take longer without a better result
 _LONGEST = 400_000  # samples of a signal whose noise is estimated
@@ -49,6 +50,13 @@ _SHARES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7)  # noise over quantum that 
 
 def noise_floor(measurement: Measurement) -> float:
     """RMS error in N at the comparison's bandwidth; NaN where the recording is too short."""
+    kept = vars(measurement)  # every model that is compared with it asks again
+    if _KEPT not in kept:
+        kept[_KEPT] = _floor(measurement)
+    return kept[_KEPT]
+
+
+def _floor(measurement: Measurement) -> float:
     measurement = measurement.part(0, min(len(measurement.kinematics), _MOST_SAMPLES))
     if not measurement.judged.any():
         return float("nan")
