@@ -29,8 +29,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Stops begin in the outer fifths of the recorded stroke: damping that changes further inside is a groove."""
-    depth = 0.2 * ranges.stroke
+    """Stops begin in the outer thirds of the recorded stroke: damping that changes in the middle one is a groove."""
+    depth = ranges.stroke / 3.0
     if depth < 1e-3:
         raise Untestable("the stroke is too short to reach a stop")
     limits = {
