@@ -48,7 +48,8 @@ def scores_of(
     """
     best: dict[str, tuple[float, Hypothesis]] = {}
     for hypothesis in hypotheses:
-        left = hypothesis.score + limits().general_margin * hypothesis.effect.general
+        margin = min(limits().general_margin, limits().general_share * hypothesis.evaluation.error)
+        left = hypothesis.score + margin * hypothesis.effect.general
         if not hypothesis.exclusion and left < best.get(hypothesis.phenomenon, (np.inf,))[0]:
             best[hypothesis.phenomenon] = left, hypothesis
     found = []

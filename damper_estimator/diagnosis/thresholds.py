@@ -42,6 +42,12 @@ class Thresholds:
     general_margin: float = _threshold(
         0.05, _SQUARE, "what a general effect must explain more than a specific one", "it can take any shape"
     )
+    general_share: float = _threshold(
+        0.3,
+        "share of what is left",
+        "at most so much of it is asked for",
+        "where 2 % are left, nothing explains 5 % more",
+    )
     beyond: float = _threshold(
         0.2,
         "share of what the simpler explanation leaves",

@@ -89,11 +89,13 @@ def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, rows: float
     found = np.zeros(expected.shape)
     for k, one in enumerate(hypotheses):
         effect = all_effects()[one.effect]
-        added = (len(one.model.slots) - on.base_slots) * limits().penalty + limits().general_margin * effect.general
+        added = (len(one.model.slots) - on.base_slots) * limits().penalty
         change = on.force[k] - on.base
         shown = [float(np.sum((change[part] - change[part].mean()) ** 2)) if part.stop > part.start else 0.0
                  for part in on.slices]  # fmt: skip
-        found[k] = added * (expected[k] + rows * np.array(shown))
+        total = expected[k] + rows * np.array(shown)
+        margin = np.minimum(limits().general_margin * total, limits().general_share * expected[k])
+        found[k] = added * total + margin * effect.general
     return found
 
 
