@@ -26,8 +26,8 @@ from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.thresholds import limits, using
 
 RANKING = (
-    "gain", "least_force", "penalty", "at_bound", "general_margin", "general_share", "form_free", "sharpness", "form_right",
-    "form_share", "named", "tied",
+    "gain", "least_force", "penalty", "at_bound", "general_margin", "general_share", "form_free", "sharpness",
+    "form_right", "form_share", "named", "tied",
 )  # fmt: skip
 CHANGES = (0.7, 1.0, 1.3)
 

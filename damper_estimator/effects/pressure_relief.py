@@ -3,9 +3,9 @@
     F <- F - s_r (F - F_r)  for F > F_r,      F <- F + s_c (-F - F_c)  for F < -F_c
 
 F_r, F_c in N are the forces at which the blow-off valve opens, s without unit is the share of the further rise that it
-takes away. The knee is rounded over a tenth of the opening force. A valve opens on pressure: where the force has a yield
-or a memory of the way, that is not the same as a speed, at which ``relief`` opens. No state. Source: spring-loaded
-relief valves, Dixon 2008.
+takes away. The knee is rounded over a tenth of the opening force. A valve opens on pressure: where the force has a
+yield or a memory of the way, that is not the same as a speed, at which ``relief`` opens. No state. Source:
+spring-loaded relief valves, Dixon 2008.
 """
 
 from math import sqrt
