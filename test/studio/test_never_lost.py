@@ -57,17 +57,17 @@ def test_a_reload_a_restart_and_a_colleague_see_the_same(folder):
         )
         user.page.reload()
         user.done("opening")
-        assert state(user) == before
+        user.until(lambda: state(user) == before)
         user.until(lambda: user.seen() == pytest.approx(stretch, abs=1e-3))
 
         other = StudioPage(user.page.context.browser.new_context().new_page(), link)
         other.done("opening")
-        assert state(other) == before
+        other.until(lambda: state(other) == before)
         other.until(lambda: other.seen() == pytest.approx(stretch, abs=1e-3))
         moved(other, -400, 2)
         other.until(lambda: session_in(other.page.url) not in ("", session_in(link)))
         other.page.close()
-        assert state(user) == before
+        user.until(lambda: state(user) == before)
 
         port = re.search(r":(\d+)/", url).group(1)
         process.send_signal(signal.SIGKILL)
@@ -76,7 +76,8 @@ def test_a_reload_a_restart_and_a_colleague_see_the_same(folder):
         with served(folder, "--port", port):
             user.done("opening")  # the page goes on by itself
             user.until(lambda: user.rms() == before[0])
-            assert state(user) == before and user.page.locator("#gone").is_hidden()
+            user.until(lambda: state(user) == before)
+            assert user.page.locator("#gone").is_hidden()
             user.page.click("#redo")
             user.until(lambda: user.rms() != before[0])
 
@@ -98,7 +99,8 @@ def test_other_recordings_leave_the_steps_a_click_away(folder):
         user.page.locator("#earlier a").first.click()
         user.done("opening")
         user.until(lambda: user.rms() == before[0])
-        assert state(user) == before and not user.faults
+        user.until(lambda: state(user) == before)
+        assert not user.faults
 
 
 def test_undo_and_redo_work_wherever_the_focus_is(folder):
