@@ -16,6 +16,7 @@ from damper_estimator.diagnosis.improve import improve
 from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.misfit import with_misfit
+from damper_estimator.diagnosis.phenomenon_scores import general_margin
 from damper_estimator.diagnosis.result import (
     AtlasRow,
     Diagnosis,
@@ -48,6 +49,7 @@ __all__ = [
     "diagnose",
     "early",
     "explanations",
+    "general_margin",
     "improve",
     "in_yaml",
     "late",

@@ -48,8 +48,7 @@ def scores_of(
     """
     best: dict[str, tuple[float, Hypothesis]] = {}
     for hypothesis in hypotheses:
-        margin = min(limits().general_margin, limits().general_share * hypothesis.evaluation.error)
-        left = hypothesis.score + margin * hypothesis.effect.general
+        left = hypothesis.score + general_margin(hypothesis.evaluation.error) * hypothesis.effect.general
         if not hypothesis.exclusion and left < best.get(hypothesis.phenomenon, (np.inf,))[0]:
             best[hypothesis.phenomenon] = left, hypothesis
     found = []
@@ -61,6 +60,13 @@ def scores_of(
         free = (1.0, np.ones_like(drawn)) if test is None else (test.error, _drawn(test.gains, test.left_fit))
         found.append(PhenomenonScore(phenomenon, float(_blended(left, free[0])), _blended(drawn, free[1])))
     return sorted(found, key=lambda score: score.left)
+
+
+def general_margin(left: float | np.ndarray, whole: float | np.ndarray = 1.0) -> float | np.ndarray:
+    """What a general effect must explain more than a specific one, where it leaves ``left`` of the squared error
+    ``whole``, in the unit of both.
+    """
+    return np.minimum(limits().general_margin * whole, limits().general_share * left)
 
 
 def _drawn(gains: np.ndarray, left_fit: float) -> np.ndarray:

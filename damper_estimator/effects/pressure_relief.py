@@ -8,13 +8,11 @@ yield or a memory of the way, that is not the same as a speed, at which ``relief
 spring-loaded relief valves, Dixon 2008.
 """
 
-from math import sqrt
-
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.relief import beyond
 from damper_estimator.effects.trial import Ranges, Trial, spread
 
-_ROUND = 0.1  # of the opening force
 _EARLIEST = 0.2  # of the recorded force
 _NOTABLE = 0.03  # of the rise
 
@@ -24,12 +22,7 @@ def kernel(parameters, settings, kinematics, state, force):
     """F -= s max(|F| - F_o, 0) sgn F, rounded."""
     for i in range(force.size):
         k = 0 if force[i] > 0.0 else 2
-        opening = parameters[k + 1]
-        past = abs(force[i]) - opening
-        width = _ROUND * opening
-        # Half of (u + |u|) with the corner rounded, and zero without force.
-        rounded = 0.5 * (past + sqrt(past * past + width * width)) - 0.5 * (sqrt(opening**2 + width**2) - opening)
-        loss = parameters[k] * rounded
+        loss = parameters[k] * beyond(abs(force[i]), parameters[k + 1])
         force[i] -= loss if force[i] > 0.0 else -loss
 
 

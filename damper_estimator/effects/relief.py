@@ -15,8 +15,16 @@ from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import V
 
-_ROUND = 0.1  # of the opening speed
+_ROUND = 0.1  # of the opening value
 _EARLIEST = 0.06  # of the recorded speed
+
+
+@compiled
+def beyond(value, opening):
+    """How far a value (>= 0) is beyond its opening one: half of (u + |u|) with the corner rounded, and zero at zero."""
+    past = value - opening
+    width = _ROUND * opening
+    return 0.5 * (past + sqrt(past * past + width * width)) - 0.5 * (sqrt(opening**2 + width**2) - opening)
 
 
 @compiled
@@ -26,11 +34,7 @@ def kernel(parameters, settings, kinematics, state, force):
         v = kinematics[V, i]
         k = 0 if v > 0.0 else 2
         opening = parameters[k + 1]
-        past = abs(v) - opening
-        width = _ROUND * opening
-        # Half of (u + |u|) with the corner rounded, and zero at rest.
-        rounded = 0.5 * (past + sqrt(past * past + width * width)) - 0.5 * (sqrt(opening**2 + width**2) - opening)
-        loss = parameters[k] * opening * max(rounded / opening, 0.0) ** parameters[4]
+        loss = parameters[k] * opening * max(beyond(abs(v), opening) / opening, 0.0) ** parameters[4]
         force[i] -= loss if v > 0.0 else -loss
 
 

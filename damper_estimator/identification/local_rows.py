@@ -203,7 +203,7 @@ class LocalSums:
             size = self._parts[i].span.stop - self._parts[i].span.start
             constant = next(forces) if plan.still else np.zeros(size)
             columns = [next(forces) for _ in plan.places]
-            self._columns[i][keys[i]] = constant, np.reshape(columns, (-1, size)).T, plan.places
+            self._columns[i][keys[i]] = constant, np.reshape(columns, (len(columns), size)).T, plan.places
         for key, cache in zip(keys, self._columns, strict=True):
             cache.move_to_end(key)
             while len(cache) > _KEPT:

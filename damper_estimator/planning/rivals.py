@@ -6,7 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
-from damper_estimator.diagnosis import Explanations, FittedExplanation, limits
+from damper_estimator.diagnosis import Explanations, FittedExplanation, general_margin, limits
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.planning.criterion import Criterion, Pair, ratio, sharpness
 from damper_estimator.planning.expected_error import Errors, force_of
@@ -94,8 +94,7 @@ def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, rows: float
         shown = [float(np.sum((change[part] - change[part].mean()) ** 2)) if part.stop > part.start else 0.0
                  for part in on.slices]  # fmt: skip
         total = expected[k] + rows * np.array(shown)
-        margin = np.minimum(limits().general_margin * total, limits().general_share * expected[k])
-        found[k] = added * total + margin * effect.general
+        found[k] = added * total + general_margin(expected[k], total) * effect.general
     return found
 
 
