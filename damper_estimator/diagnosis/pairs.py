@@ -1,15 +1,16 @@
-"""Two effects that act against each other: alone neither explains much, together they do.
+"""Two effects at once: the best pair competes with the best single effect.
 
-Mass and skew are an example: m a and tau dF/dt cancel where the curve is straight. A pair is looked for where a
-form-free test leaves far less of the error than every single effect does. All pairs are compared to first order,
+The largest single effect takes what it can of both, with values, or a name, that are right for neither; and of two that
+act against each other, as m a and tau dF/dt where the curve is straight, neither explains much alone. All pairs are
+compared to first order, about the values that each effect has alone,
 
-    residual + C_1 s_1 + C_2 s_2 -> min,
+    residual + change_1 + change_2 + C_1 s_1 + C_2 s_2 -> min,
 
 the best of them are fitted, and then each place of the best pair goes to what explains most with the other one there.
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +18,7 @@ import numpy as np
 from damper_estimator.diagnosis.accepted import Accepted, accepted_in, fitted_together, positions
 from damper_estimator.diagnosis.baseline import baseline_of
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
-from damper_estimator.diagnosis.evaluation import Errors, errors
+from damper_estimator.diagnosis.evaluation import Errors, errors, rmse
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
@@ -28,14 +29,32 @@ from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step
 
 _FITTED = 6  # pairs
+_RIVALS = 1.5  # times what the pair leaves: what leaves more in a place of it cannot be tied
 _FAR = 10.0  # times what explains all of the error: steps are hardly damped
 
-Couple = tuple[tuple[Hypothesis, Hypothesis], tuple[np.ndarray, np.ndarray]]  # with steps from the start values
+
+@dataclass(frozen=True)
+class Couple:
+    """Two hypotheses to first order.
+
+    Attributes:
+        left: share of the squared error, with penalties.
+        effects: at the values that the steps begin at.
+        steps: of their parameters.
+    """
+
+    left: float
+    effects: tuple[Hypothesis, Hypothesis]
+    steps: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Of both effects."""
+        return self.effects[0].name, self.effects[1].name
 
 
 def paired(
     current: Round,
-    single: Hypothesis | None,
     tried: Sequence[Hypothesis],
     names: Collection[str],
     workers: int,
@@ -44,53 +63,82 @@ def paired(
     """Two effects that the data support together, and the model with them; None where there are none.
 
     Args:
-        single: the effect that the data support by itself, if any.
         names: of effects that were found before.
     """
-    most = limits().pair * single.score if single is not None else 1.0 - limits().gain
-    if min((test.error for test in current.tests), default=1.0) > most:
-        return None
-    data = current.baseline.data
-    best = min(
-        (_fitted(current, couple, names) for couple in _promising(current, tried)), key=lambda one: one[0], default=None
-    )
+    least, couples = _least(current), _couples(current)
+    most = min(limits().pair * least, least - limits().hint)
+    promising = [one for one in _best_of_phenomena(couples) if one.left < most][:_FITTED]
+    best = min((_fitted(current, one, names) for one in promising), key=lambda one: one[0], default=None)
     if best is None or best[0] > most:
         return None
-    _, model, (first, second) = best
-    other, alone = first, second
+    left, model, (other, alone) = best
+    data = current.baseline.data
     found: list[Accepted] = []
     for _ in range(2):
-        again = _round_without(current, tried, model, [*names, other], alone, workers, progress)
-        best = again.best
-        if best is None or again.reason_against(best, data.force_rms):
+        near = [one.names for one in couples if one.left < _RIVALS * left and other in one.names]
+        rivals = {alone, *(name for both in near for name in both)} - {*names, other}
+        among = [one for one in tried if one.name in rivals]
+        again = _round_without(current, among, model, [*names, other], alone, workers, progress)
+        best_one = again.best
+        if best_one is None or again.reason_against(best_one, data.force_rms):
             return None
-        found.append(accepted_in(again, best))
-        alone, other = other, best.name
-        changed = best.fitted_into(again.baseline.model)
+        found.append(accepted_in(again, best_one))
+        alone, other = other, best_one.name
+        changed = best_one.fitted_into(again.baseline.model)
         model = fitted_together(changed, [*names, alone, other], data, current.refits)
-    later, earlier = found
-    phenomena = [one.element.effect.phenomenon for one in (earlier, later)]
-    return [replace(earlier, partner=phenomena[1]), replace(later, partner=phenomena[0])], model
+    return _in_order(current, found), model
 
 
-def _promising(current: Round, tried: Sequence[Hypothesis]) -> list[Couple]:
-    """Pairs of different phenomena that leave least to first order, the best one of each two phenomena."""
-    terms = [(h, linearised(current.baseline, h)) for h in tried if h.effect.kind != "series"]
-    terms = [(hypothesis, one) for hypothesis, one in terms if one.sizes.any()]
-    alone = {hypothesis.name: _first_order(current, one)[0] for hypothesis, one in terms}
-    found: dict[tuple[str, str], tuple[float, Couple]] = {}
+def _in_order(current: Round, found: Sequence[Accepted]) -> list[Accepted]:
+    """First the one without which more is left, with what it takes away by itself; partners where that is little."""
+    whole = rmse(current.baseline, current.without)
+    first, second = sorted(found, key=lambda one: -one.before_n)
+    if second.before_n**2 <= (1.0 - limits().gain) * whole**2:
+        return [replace(first, before_n=whole, after_n=second.before_n), second]
+    phenomena = [one.element.effect.phenomenon for one in (first, second)]
+    return [replace(first, partner=phenomena[1]), replace(second, partner=phenomena[0])]
+
+
+def _least(current: Round) -> float:
+    """What the best single effect leaves."""
+    return min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
+
+
+def _couples(current: Round) -> list[Couple]:
+    """All pairs of different phenomena, the one that leaves least to first order first."""
+    terms = _terms(current)
+    couples = []
     for (a, one), (b, other) in combinations(terms, 2):
-        key = a.phenomenon, b.phenomenon
-        left, steps = _first_order(current, one, other)
-        needed = left < (1.0 - limits().beyond) * min(alone[a.name], alone[b.name])
-        left += _penalty((a, b))
-        if key[0] != key[1] and needed and left < found.get(key, (1.0,))[0]:
-            found[key] = left, ((a, b), (steps[0], steps[1]))
-    return [couple for _, couple in sorted(found.values(), key=lambda one: one[0])[:_FITTED]]
+        if a.phenomenon != b.phenomenon and not a.effect.kind == b.effect.kind == "series":
+            left, steps = _first_order(current, one, other)
+            couples.append(Couple(left + _penalty((a, b)), (a, b), (steps[0], steps[1])))
+    return sorted(couples, key=lambda one: one.left)
+
+
+def _terms(current: Round) -> list[tuple[Hypothesis, TrialFit]]:
+    """Effects to first order: where their fit ended; those that explain nothing alone at their start values, if a
+    form-free test leaves far less than every single effect does.
+    """
+    tried = [one for one in current.hypotheses if not one.exclusion]
+    fitted = [one for one in tried if one.fit.derivatives_fit.shape[1]]
+    terms = [(replace(one, element=one.fitted_element), one.fit) for one in fitted]
+    if min((test.error for test in current.tests), default=1.0) > limits().pair * _least(current):
+        return terms
+    begun = [one for one in tried if one not in fitted and one.effect.kind != "series"]
+    started = [(one, linearised(current.baseline, one)) for one in begun]
+    return terms + [(one, fit) for one, fit in started if fit.sizes.any()]
+
+
+def _best_of_phenomena(couples: Sequence[Couple]) -> list[Couple]:
+    """The first of each two phenomena."""
+    best: dict[frozenset[str], Couple] = {}
+    for one in couples:
+        best.setdefault(frozenset(effect.phenomenon for effect in one.effects), one)
+    return list(best.values())
 
 
 def _first_order(current: Round, *added: TrialFit) -> tuple[float, list[np.ndarray]]:
-    """What effects leave, and the steps of their parameters from the start values."""
+    """What effects leave, and the steps of their parameters."""
     baseline, residual, columns = current.baseline, [], []
     for part in ("fit", "unseen"):
         residual.append(getattr(baseline, f"residual_{part}") + sum(getattr(one, f"change_{part}") for one in added))
@@ -109,8 +157,8 @@ def _first_order(current: Round, *added: TrialFit) -> tuple[float, list[np.ndarr
 def _fitted(current: Round, couple: Couple, names: Collection[str]) -> tuple[float, DamperModel, tuple[str, str]]:
     """What a pair leaves, the model with it, and its names."""
     model, data = current.baseline.model, current.baseline.data
-    added = tuple(hypothesis.name for hypothesis in couple[0])
-    for hypothesis, step in zip(*couple, strict=True):
+    added = couple.names
+    for hypothesis, step in zip(couple.effects, couple.steps, strict=True):
         model, places = hypothesis.added_to(model)
         vector = np.array([slot.value for slot in model.slots])
         low, high = (np.array([getattr(model.slots[i].parameter, end) for i in places]) for end in ("lower", "upper"))
@@ -118,12 +166,12 @@ def _fitted(current: Round, couple: Couple, names: Collection[str]) -> tuple[flo
         model = model.with_vector(vector)
     model = fitted_together(model, [*names, *added], data, current.refits)
     rows = [force_rows(model, part) - targets(part) for part in (data.fit, data.unseen)]
-    left = _left(current, errors(data.blocks, *rows)) + _penalty(couple[0])
+    left = _left(current, errors(data.blocks, *rows)) + _penalty(couple.effects)
     return (left if np.isfinite(left) else np.inf), model, added
 
 
-def _penalty(couple: Sequence[Hypothesis]) -> float:
-    return limits().penalty * sum(hypothesis.size for hypothesis in couple)
+def _penalty(effects: Sequence[Hypothesis]) -> float:
+    return limits().penalty * sum(hypothesis.size for hypothesis in effects)
 
 
 def _left(current: Round, left: Errors) -> float:
@@ -145,5 +193,5 @@ def _round_without(
     less = model.without(label)
     base = None if current.refits else ()
     baseline = baseline_of(less, current.baseline.data, positions(less, others), base)
-    rivals = [replace(h, element=element) if h.name == name else h for h in tried if h.name not in others]
+    rivals = [replace(h, element=element) if h.name == name else h for h in tried]
     return round_of(baseline, all_fitted(baseline, rivals, 0.0, workers, progress), current.mode)

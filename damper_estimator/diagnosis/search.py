@@ -139,7 +139,7 @@ def _rounds(
         rounds.append(found)
         best = _supported(found, rounds[0])
         report = _report(progress, len(accepted), 2 * len(tried))
-        pair = paired(found, best, tried, names_of(accepted), workers, report)
+        pair = paired(found, tried, names_of(accepted), workers, report)
         if pair is not None:
             accepted, model = accepted + pair[0], pair[1]
         elif best is not None:

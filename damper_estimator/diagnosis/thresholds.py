@@ -128,7 +128,7 @@ class Thresholds:
         0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
     )
     pair: float = _threshold(
-        0.5,
+        0.6,
         "share of what the best single effect leaves",
         "two effects together must leave less to be preferred to it",
         "twice as good is more than a second parameter gives a wrong form",
