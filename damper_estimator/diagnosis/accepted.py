@@ -25,7 +25,8 @@ class Accepted:
         hypothesis: as the round evaluated it.
         element: the entry with its fitted values.
         gain: with its 5 and 95 % ends.
-        partner: phenomenon without which it explains little; "" where it explains something by itself.
+        partner: phenomenon that it was found together with; "" where it was found by itself.
+        needs: whether it explains little without it.
     """
 
     round: Round
@@ -37,6 +38,8 @@ class Accepted:
     before_n: float
     after_n: float
     partner: str = ""
+    needs: bool = False
+    needs: bool = False
 
 
 def accepted_in(current: Round, best: Hypothesis) -> Accepted:

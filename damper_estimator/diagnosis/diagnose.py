@@ -163,17 +163,33 @@ def _steps(
     unseen error without and with it, N.
     """
     steps: list[tuple[Accepted, ModelState, float, float]] = []
-    current, order = state, sorted(_together(found.accepted), key=lambda group: group[0].element.effect.correct is None)
+    current = state
+    order = sorted(_together(found.accepted), key=lambda group: all(one.element.effect.correct is None for one in group))
     for group in order:
         promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
         taken = _applied_together(current, group, mode, promised)
         before, after = current, taken[-1][1]
         if after.delivers(promised, before):
-            # Of a pair neither explains anything without the other: both have the error before and after the two.
-            steps += [(one, at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
+            steps += _with_errors(before, taken)
             current = after
         elif again is not None:  # it names how the parameters changed, with the errors of the evaluation
             steps += [(one, at, one.before_n, one.after_n) for one, at in taken]
+    return steps
+
+
+def _with_errors(
+    before: ModelState, taken: Sequence[tuple[Accepted, ModelState]]
+) -> list[tuple[Accepted, ModelState, float, float]]:
+    """The findings of a group with the errors without and with each; both with those before and after the two, if the
+    first does little without the second.
+    """
+    between, after = taken[0][1], taken[-1][1]
+    if len(taken) == 2 and between.fall_from(before) < limits().gain * after.fall_from(before):
+        return [(replace(one, needs=True), at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
+    steps, last = [], before
+    for one, at in taken:
+        steps.append((replace(one, needs=False), at, last.rmse_unseen_n, at.rmse_unseen_n))
+        last = at
     return steps
 
 
@@ -186,7 +202,7 @@ def _applied_together(
     all parameters, it may explain what it did not explain while they were kept.
     """
     taken, after = [], before
-    for one in group:
+    for one in sorted(group, key=lambda one: one.element.effect.correct is None):
         after = _applied(after, one, mode, promised)
         taken.append((one, after))
     if len(group) == 1:
@@ -198,7 +214,7 @@ def _applied_together(
     if not (harms or suffices):
         return taken
     one, state = first if suffices else best
-    return [(replace(one, partner=""), state)]
+    return [(replace(one, needs=False), state)]
 
 
 def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> ModelState:
@@ -213,7 +229,7 @@ def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> M
 
 
 def _together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
-    """Findings, those that only explain something together in one group."""
+    """Findings, those that were found together in one group."""
     groups: list[list[Accepted]] = []
     for one in accepted:
         last = groups[-1] if groups else []

@@ -50,7 +50,7 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
         remark=_remark(one, again),
         parameters=parameters_of(one.element, one.hypothesis.fit, current),
         is_channel=effect.kind == "channel",
-        partner=one.partner,
+        partner=one.partner if one.needs else "",
     )
 
 
@@ -60,7 +60,7 @@ def _remark(one: Accepted, again: Reidentified | None) -> str:
 
 
 def _acting_against(one: Accepted) -> str:
-    if not one.partner:
+    if not one.needs:
         return ""
     return f"It acts against {one.partner.replace('_', ' ')}: each explains little alone, the errors are those of both."
 

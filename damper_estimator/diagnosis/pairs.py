@@ -29,6 +29,7 @@ from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step
 
 _FITTED = 6  # pairs
+_INEXACT = 1.3  # times what a pair may leave: to first order it may leave so much
 _RIVALS = 1.5  # times what the pair leaves: what leaves more in a place of it cannot be tied
 _FAR = 10.0  # times what explains all of the error: steps are hardly damped
 
@@ -53,6 +54,16 @@ class Couple:
         return self.effects[0].name, self.effects[1].name
 
 
+@dataclass(frozen=True)
+class _Term:
+    """An effect to first order, with the lowest and highest steps (k,) of its parameters, in their sizes."""
+
+    effect: Hypothesis
+    fit: TrialFit
+    low: np.ndarray
+    high: np.ndarray
+
+
 def paired(
     current: Round,
     tried: Sequence[Hypothesis],
@@ -65,10 +76,9 @@ def paired(
     Args:
         names: of effects that were found before.
     """
-    least, couples = _least(current), _couples(current)
-    most = min(limits().pair * least, least - limits().hint)
-    promising = [one for one in _best_of_phenomena(couples) if one.left < most][:_FITTED]
-    best = min((_fitted(current, one, names) for one in promising), key=lambda one: one[0], default=None)
+    most, couples = _most(current), _couples(current)
+    fitted = [_fitted(current, one, names) for one in _promising(couples, most)]
+    best = min(fitted, key=lambda one: one[0], default=None)
     if best is None or best[0] > most:
         return None
     left, model, (other, alone) = best
@@ -90,67 +100,85 @@ def paired(
 
 
 def _in_order(current: Round, found: Sequence[Accepted]) -> list[Accepted]:
-    """First the one without which more is left, with what it takes away by itself; partners where that is little."""
+    """First the one without which more is left, with what it takes away by itself, if that is much."""
     whole = rmse(current.baseline, current.without)
     first, second = sorted(found, key=lambda one: -one.before_n)
-    if second.before_n**2 <= (1.0 - limits().gain) * whole**2:
-        return [replace(first, before_n=whole, after_n=second.before_n), second]
-    phenomena = [one.element.effect.phenomenon for one in (first, second)]
-    return [replace(first, partner=phenomena[1]), replace(second, partner=phenomena[0])]
+    names = [one.element.effect.phenomenon for one in (first, second)]
+    needs = second.before_n**2 > (1.0 - limits().gain) * whole**2
+    first, second = replace(first, partner=names[1], needs=needs), replace(second, partner=names[0], needs=needs)
+    return [first, second] if needs else [replace(first, before_n=whole, after_n=second.before_n), second]
 
 
-def _least(current: Round) -> float:
-    """What the best single effect leaves."""
-    return min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
+def _most(current: Round) -> float:
+    """What a pair may leave to be preferred to the best single effect, both beside what a wrong form leaves."""
+    single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
+    return limits().pair * (single + limits().second) - limits().second
 
 
 def _couples(current: Round) -> list[Couple]:
-    """All pairs of different phenomena, the one that leaves least to first order first."""
-    terms = _terms(current)
+    """All pairs of different phenomena, the one that leaves least to first order first.
+
+    Effects are taken where their fits ended. Of two that act against each other those say little; where a form-free
+    test leaves far less than every single effect does, all are taken at their start values as well.
+    """
+    tried = [one for one in current.hypotheses if not one.exclusion]
+    ended = [(replace(one, element=one.fitted_element), one.fit) for one in tried if one.fit.derivatives_fit.shape[1]]
+    begun: list[tuple[Hypothesis, TrialFit]] = []
+    if min((test.error for test in current.tests), default=1.0) <= _most(current):
+        begun = [(one, linearised(current.baseline, one)) for one in tried if one.effect.kind != "series"]
     couples = []
-    for (a, one), (b, other) in combinations(terms, 2):
-        if a.phenomenon != b.phenomenon and not a.effect.kind == b.effect.kind == "series":
-            left, steps = _first_order(current, one, other)
-            couples.append(Couple(left + _penalty((a, b)), (a, b), (steps[0], steps[1])))
+    for terms in (ended, [(one, fit) for one, fit in begun if fit.sizes.any()]):
+        for one, other in combinations([_Term(*term, *_bounds(current, *term)) for term in terms], 2):
+            effects = one.effect, other.effect
+            kinds = {effect.effect.kind for effect in effects}
+            if effects[0].phenomenon != effects[1].phenomenon and kinds != {"series"}:
+                left, steps = _first_order(current, one, other)
+                couples.append(Couple(left + _penalty(effects), effects, steps))
     return sorted(couples, key=lambda one: one.left)
 
 
-def _terms(current: Round) -> list[tuple[Hypothesis, TrialFit]]:
-    """Effects to first order: where their fit ended; those that explain nothing alone at their start values, if a
-    form-free test leaves far less than every single effect does.
-    """
-    tried = [one for one in current.hypotheses if not one.exclusion]
-    fitted = [one for one in tried if one.fit.derivatives_fit.shape[1]]
-    terms = [(replace(one, element=one.fitted_element), one.fit) for one in fitted]
-    if min((test.error for test in current.tests), default=1.0) > limits().pair * _least(current):
-        return terms
-    begun = [one for one in tried if one not in fitted and one.effect.kind != "series"]
-    started = [(one, linearised(current.baseline, one)) for one in begun]
-    return terms + [(one, fit) for one, fit in started if fit.sizes.any()]
+def _bounds(current: Round, hypothesis: Hypothesis, fit: TrialFit) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) lowest and highest steps of its parameters, in their sizes."""
+    model, places = hypothesis.added_to(current.baseline.model)
+    ends = []
+    for place in places:
+        slot = model.slots[place]
+        low, high = hypothesis.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
+        ends.append((low - slot.value, high - slot.value))
+    size = np.where(fit.sizes > 0.0, fit.sizes, 1.0)
+    low, high = np.array(ends).T / size
+    return np.minimum(low, 0.0), np.maximum(high, 0.0)
 
 
-def _best_of_phenomena(couples: Sequence[Couple]) -> list[Couple]:
-    """The first of each two phenomena."""
-    best: dict[frozenset[str], Couple] = {}
+def _promising(couples: Sequence[Couple], most: float) -> list[Couple]:
+    """The first of each two phenomena, with every effect in two at most: some are good to first order only."""
+    found: list[Couple] = []
     for one in couples:
-        best.setdefault(frozenset(effect.phenomenon for effect in one.effects), one)
-    return list(best.values())
+        if one.left >= _INEXACT * most or len(found) == _FITTED:
+            break
+        phenomena = {effect.phenomenon for effect in one.effects}
+        is_new = all({effect.phenomenon for effect in other.effects} != phenomena for other in found)
+        if is_new and all(sum(name in other.names for other in found) < 2 for name in one.names):
+            found.append(one)
+    return found
 
 
-def _first_order(current: Round, *added: TrialFit) -> tuple[float, list[np.ndarray]]:
-    """What effects leave, and the steps of their parameters."""
+def _first_order(current: Round, *terms: _Term) -> tuple[float, tuple[np.ndarray, np.ndarray]]:
+    """What effects leave, and the steps of their parameters, which end at their bounds."""
     baseline, residual, columns = current.baseline, [], []
     for part in ("fit", "unseen"):
-        residual.append(getattr(baseline, f"residual_{part}") + sum(getattr(one, f"change_{part}") for one in added))
+        fits = [one.fit for one in terms]
+        residual.append(getattr(baseline, f"residual_{part}") + sum(getattr(fit, f"change_{part}") for fit in fits))
         known = (
             getattr(baseline, f"found_{part}"),
             getattr(baseline, f"base_{part}")[:, : None if current.refits else 0],
         )
-        columns.append(np.hstack([*(getattr(one, f"derivatives_{part}") for one in added), *known]))
+        columns.append(np.hstack([*(getattr(fit, f"derivatives_{part}") for fit in fits), *known]))
     step = damped_step(columns[0], residual[0], _FAR)
+    first, both = terms[0].low.size, terms[0].low.size + terms[1].low.size
+    step[:both] = np.clip(step[:both], *(np.concatenate([getattr(one, end) for one in terms]) for end in ("low", "high")))
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
-    ends = np.cumsum([0, *(one.sizes.size for one in added)])
-    steps = [step[begin:end] * one.sizes for one, begin, end in zip(added, ends[:-1], ends[1:], strict=True)]
+    steps = step[:first] * terms[0].fit.sizes, step[first:both] * terms[1].fit.sizes
     return _left(current, errors(baseline.data.blocks, *after)), steps
 
 

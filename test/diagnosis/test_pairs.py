@@ -1,4 +1,4 @@
-"""Two effects that cancel where the curve is straight are found together, with their values."""
+"""Two effects at once: those that cancel where the curve is straight, and those that a third one resembles."""
 
 import numpy as np
 import pytest
@@ -22,3 +22,34 @@ def test_both_of_two_that_act_against_each_other_are_found(user_model, base, del
     assert values["inertia.mass"].value == pytest.approx(mass, rel=0.03)
     for finding in found.findings:  # neither is credited with what only both explain
         assert finding.rmse_before_n == pytest.approx(found.rmse_n) and finding.rmse_after_n < 0.4 * found.rmse_n
+
+
+@pytest.mark.parametrize(("delay", "friction"), [(0.002, 120.0), (0.003, 80.0)])
+def test_a_single_effect_that_resembles_two_does_not_take_their_place(user_model, base, delay, friction):
+    def stick(kinematics):
+        v = kinematics.velocity
+        return friction * v / np.sqrt(v**2 + 0.01**2)
+
+    # A hysteresis that is ahead of the velocity leaves a quarter of the error that friction or a skew leaves alone.
+    fit, unseen = halves(late(changed(base, stick), delay))
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.verdict == "missing"
+    assert {finding.phenomenon for finding in found.findings} == {"channel_skew", "friction"}
+    values = {fitted.name: fitted for finding in found.findings for fitted in finding.parameters}
+    assert abs(values["channel_skew.skew"].value) == pytest.approx(delay, abs=2e-4)
+    for finding in found.findings:  # each has its own share of the fall
+        assert not finding.partner
+    steps = sorted((finding.rmse_before_n, finding.rmse_after_n) for finding in found.findings)
+    assert steps[1][0] == pytest.approx(found.rmse_n)
+    assert steps[0][0] == pytest.approx(steps[1][1]) and steps[0][1] < 0.15 * found.rmse_n
+
+
+def test_one_effect_is_not_split_into_two(user_model, base):
+    def groove(kinematics):
+        x, v = kinematics.displacement, kinematics.velocity
+        return -150.0 * v * np.exp(-((x / 0.006) ** 2))
+
+    fit, unseen = halves(changed(base, groove))
+    found = diagnose(user_model, [fit], [unseen])
+    assert [finding.phenomenon for finding in found.findings][:1] == ["position_dependence"]
+    assert len(found.findings) == 1
