@@ -133,6 +133,7 @@ def judged(kept: saved_cases.Kept, improving: bool) -> dict[str, Any]:
         "left": {one.phenomenon: one.left for one in diagnosis.phenomena},
         "moved": [one.name for one in diagnosis.moved],
         "skew": _skew(diagnosis.signals) - _skew(signals.dampers[DAMPER]),
+        "found_error": diagnosis.steps[-1][1].rmse_unseen_n if diagnosis.steps else diagnosis.rmse_n,
         "before": user_models.error(kept.model, recordings["unseen"]),
         "base": kept.facts.get("whole") or user_models.error(kept.model, recordings["twin"]),
         "own_base": user_models.error(kept.model, recordings["base"]),

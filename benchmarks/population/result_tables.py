@@ -18,6 +18,7 @@ from population.scoring import (
     named,
     removed,
     renamed,
+    restored,
     rough,
     skew_found,
     tied,
@@ -117,6 +118,9 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
         "skew within 0.3 ms, or tied": share([skew_found(one) for one in skews]),
         "hidden in real recordings and first": share([first(one) for one in put]),
         "removed from the best model of real recordings and first": share([first(one) for one in taken]),
+        "... what was found instead leaves no larger error": share(
+            [restored(one) for one in taken if "found_error" in one]
+        ),
         "error of users' models made by improve, without the effect, share of the force, median": number(
             [one["base"] / one["force_rms"] for one in done if "improve" in one["model"]], digits=3
         ),

@@ -8,6 +8,7 @@ import numpy as np
 Record = dict[str, Any]
 Z = 1.6449  # 90 %, both sides
 SKEW_MARGIN = 3e-4  # s
+AS_GOOD = 1.05  # times an error: no worse
 
 
 def groups(record: Record) -> list[set[str]]:
@@ -76,6 +77,11 @@ def rough(record: Record) -> bool:
         return False
     # Two effects that act against each other change the force by less than either.
     return record["base"] > max(record["shown"], *record["strengths"]) * record["force_rms"]
+
+
+def restored(record: Record) -> bool:
+    """Whether a model without one of its effects is as good as the whole one with what was found instead."""
+    return bool(record["findings"]) and record["found_error"] <= AS_GOOD * record["base"]
 
 
 def unbiased(record: Record) -> bool:

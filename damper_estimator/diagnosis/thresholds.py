@@ -130,8 +130,8 @@ class Thresholds:
     pair: float = _threshold(
         0.6,
         "share of what the best single effect leaves",
-        "two effects together must leave less to be preferred to it",
-        "twice as good is more than a second parameter gives a wrong form",
+        "two effects together must leave less to be preferred to it, both beside what a wrong form leaves (second)",
+        "nearly all pairs on randomly drawn dampers with one hidden effect leave more, most with two less",
     )
     second: float = _threshold(
         0.05,
