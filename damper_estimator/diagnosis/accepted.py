@@ -39,7 +39,6 @@ class Accepted:
     after_n: float
     partner: str = ""
     needs: bool = False
-    needs: bool = False
 
 
 def accepted_in(current: Round, best: Hypothesis) -> Accepted:

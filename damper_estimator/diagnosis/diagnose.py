@@ -164,7 +164,9 @@ def _steps(
     """
     steps: list[tuple[Accepted, ModelState, float, float]] = []
     current = state
-    order = sorted(_together(found.accepted), key=lambda group: all(one.element.effect.correct is None for one in group))
+    order = sorted(
+        _together(found.accepted), key=lambda group: all(one.element.effect.correct is None for one in group)
+    )
     for group in order:
         promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
         taken = _applied_together(current, group, mode, promised)

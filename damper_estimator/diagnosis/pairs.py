@@ -76,7 +76,8 @@ def paired(
     Args:
         names: of effects that were found before.
     """
-    most, couples = _most(current), _couples(current)
+    most = _most(current)
+    couples = _couples(current, most) if most > 0.0 else []
     fitted = [_fitted(current, one, names) for one in _promising(couples, most)]
     best = min(fitted, key=lambda one: one[0], default=None)
     if best is None or best[0] > most:
@@ -115,26 +116,31 @@ def _most(current: Round) -> float:
     return limits().pair * (single + limits().second) - limits().second
 
 
-def _couples(current: Round) -> list[Couple]:
+def _couples(current: Round, most: float) -> list[Couple]:
     """All pairs of different phenomena, the one that leaves least to first order first.
 
     Effects are taken where their fits ended. Of two that act against each other those say little; where a form-free
-    test leaves far less than every single effect does, all are taken at their start values as well.
+    test leaves no more than a pair may, all are taken at their start values as well.
     """
     tried = [one for one in current.hypotheses if not one.exclusion]
     ended = [(replace(one, element=one.fitted_element), one.fit) for one in tried if one.fit.derivatives_fit.shape[1]]
-    begun: list[tuple[Hypothesis, TrialFit]] = []
-    if min((test.error for test in current.tests), default=1.0) <= _most(current):
+    couples = _combined(current, ended)
+    if min((test.error for test in current.tests), default=1.0) <= most:
         begun = [(one, linearised(current.baseline, one)) for one in tried if one.effect.kind != "series"]
-    couples = []
-    for terms in (ended, [(one, fit) for one, fit in begun if fit.sizes.any()]):
-        for one, other in combinations([_Term(*term, *_bounds(current, *term)) for term in terms], 2):
-            effects = one.effect, other.effect
-            kinds = {effect.effect.kind for effect in effects}
-            if effects[0].phenomenon != effects[1].phenomenon and kinds != {"series"}:
-                left, steps = _first_order(current, one, other)
-                couples.append(Couple(left + _penalty(effects), effects, steps))
+        couples += _combined(current, [(one, fit) for one, fit in begun if fit.sizes.any()])
     return sorted(couples, key=lambda one: one.left)
+
+
+def _combined(current: Round, fits: Sequence[tuple[Hypothesis, TrialFit]]) -> list[Couple]:
+    terms = [_Term(hypothesis, fit, *_bounds(current, hypothesis, fit)) for hypothesis, fit in fits]
+    couples = []
+    for one, other in combinations(terms, 2):
+        effects = one.effect, other.effect
+        is_one_spring = {effect.effect.kind for effect in effects} == {"series"}
+        if effects[0].phenomenon != effects[1].phenomenon and not is_one_spring:
+            left, steps = _first_order(current, one, other)
+            couples.append(Couple(left + _penalty(effects), effects, steps))
+    return couples
 
 
 def _bounds(current: Round, hypothesis: Hypothesis, fit: TrialFit) -> tuple[np.ndarray, np.ndarray]:
@@ -176,7 +182,9 @@ def _first_order(current: Round, *terms: _Term) -> tuple[float, tuple[np.ndarray
         columns.append(np.hstack([*(getattr(fit, f"derivatives_{part}") for fit in fits), *known]))
     step = damped_step(columns[0], residual[0], _FAR)
     first, both = terms[0].low.size, terms[0].low.size + terms[1].low.size
-    step[:both] = np.clip(step[:both], *(np.concatenate([getattr(one, end) for one in terms]) for end in ("low", "high")))
+    step[:both] = np.clip(
+        step[:both], *(np.concatenate([getattr(one, end) for one in terms]) for end in ("low", "high"))
+    )
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
     steps = step[:first] * terms[0].fit.sizes, step[first:both] * terms[1].fit.sizes
     return _left(current, errors(baseline.data.blocks, *after)), steps
