@@ -28,6 +28,7 @@ from damper_estimator.planning.steps import Step
 _LEAST_FORM = 0.01  # of the force: what no model's form gets right
 _BINS = 10  # of the force, over which the squared error is averaged
 _PASSES = 12  # of the fit of the squared error; its weights follow from it
+_LOWEST = 0.5  # Hz, end of the first octave
 _DRIVEN = 0.5  # of the error of the form, where a step drives the force; the rest spreads as on the recordings
 
 
@@ -42,6 +43,8 @@ class Errors:
         memory: rows after which the error is new.
         power: N^2, variance of the force on the recordings.
         spectrum: of the error on the recordings.
+        shares: (m,) Hz and (m,), squared error over squared force by frequency: a model of damping and springs errs most
+            where inertia, oil and valves come in.
         unexplained: q, share of the squared error that the best hypothesis leaves; 0 where none adds anything.
     """
 
@@ -52,6 +55,7 @@ class Errors:
     power: float
     spectrum: Spectrum
     unexplained: float = 0.0
+    shares: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def usual(self) -> float:
@@ -73,6 +77,15 @@ class Errors:
         usual = np.interp(driven.frequency, self.spectrum.frequency, self.spectrum.density)
         return Spectrum(driven.frequency, _DRIVEN * driven.density + (1.0 - _DRIVEN) * usual)
 
+    def by_frequency(self, force: np.ndarray, rate: float) -> np.ndarray:
+        """(h,) N^2, of the form's error if it is the same share of forces (h, r) at each frequency as recorded."""
+        if self.shares is None:
+            return np.zeros(len(force))
+        moving = force - force.mean(axis=1, keepdims=True)
+        power = np.abs(np.fft.rfft(moving, axis=1)) ** 2 * (2.0 / moving.shape[1] ** 2)
+        at = np.fft.rfftfreq(moving.shape[1], 1.0 / rate)
+        return power @ np.interp(at, *self.shares)
+
     def of_form(self, on: Simulated, ranges: Ranges) -> np.ndarray:
         """(h, s) N^2 of a row of each step."""
         kinematics, picks = on.rows.measurement.kinematics, on.rows.picks
@@ -82,6 +95,7 @@ class Errors:
         for k, part in enumerate(on.slices):
             if part.stop > part.start:
                 usual = self.constant + self.share * on.force[:, part].var(axis=1)
+                usual = np.maximum(usual, self.by_frequency(on.force[:, part], on.rows.rate))
                 usual *= max(1.0, float(beyond[part].max()))
                 added = (on.force[:, part] - on.base[part]).var(axis=1)
                 found[:, k] = np.sqrt(usual * (usual + self.unexplained * added))
@@ -102,12 +116,34 @@ def errors_of(found: Explanations, floor_n: float) -> Errors:
     noise = min(floor_n**2, left) if np.isfinite(floor_n) else 0.5 * left
     memory = long_run_variance(best.residual, found.rows[0].rate) / max(left, 1e-300)
     constant, share = _over_force(force, np.maximum(best.residual**2 - noise, 0.0))
-    ends = np.cumsum([part.target.size for part in found.rows])[:-1]
-    spectrum = spectrum_of(np.split(best.residual, ends), [part.rate for part in found.rows])
+    ends, rates = np.cumsum([part.target.size for part in found.rows])[:-1], [part.rate for part in found.rows]
+    spectrum = spectrum_of(np.split(best.residual, ends), rates)
     without = sum(float(np.sum((part.target - force_of(found.model, part)) ** 2)) for part in found.rows)
     unexplained = min(left * best.residual.size / max(without, 1e-300), 1.0) if best.effect else 0.0
     share = max(share, _LEAST_FORM**2)
-    return Errors(noise, constant, share, max(memory, 1.0), power, spectrum, unexplained)
+    shares = _over_frequency(spectrum, spectrum_of(_split(force, ends), rates), left, power, noise)
+    return Errors(noise, constant, share, max(memory, 1.0), power, spectrum, unexplained, shares)
+
+
+def _split(rows: np.ndarray, ends: np.ndarray) -> list[np.ndarray]:
+    return [part - part.mean() for part in np.split(rows, ends)]
+
+
+def _over_frequency(
+    error: Spectrum, force: Spectrum, left: float, power: float, noise: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Hz (m,), and squared error over squared force (m,) by octave, as ``Errors.shares``; noise is white."""
+    middles, shares = [], []
+    high = _LOWEST
+    while high < 2.0 * error.frequency[-1]:
+        inside = (error.frequency >= (0.5 * high if high > _LOWEST else 0.0)) & (error.frequency < high)
+        if inside.any():
+            middles.append(0.7 * high)
+            erring = max(left * float(error.density[inside].mean()) - noise, 0.0)
+            driven = power * float(np.interp(error.frequency[inside], force.frequency, force.density).mean())
+            shares.append(min(erring / max(driven, 1e-300), 1.0))
+        high *= 2.0
+    return np.array(middles), np.array(shares)
 
 
 def force_of(model: DamperModel, part: Rows) -> np.ndarray:

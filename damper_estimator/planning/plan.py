@@ -28,6 +28,7 @@ from damper_estimator.validation import compare
 LONGEST = 10.0  # minutes, where none are asked for
 _PATIENCE = 10  # steps that may add next to nothing
 _PROGRESS = 0.005  # least gain over them, of the probability and of the search's score
+_DIFFERENT = 4  # steps: what the form gets wrong on one motion must not decide
 _NEARLY = 0.97  # of the probability and the score that are reached: a test that gets so far is long enough
 _ALSO, _MOST_ALSO = 0.03, 2  # probability from which others count as rivals, and how many at most
 
@@ -142,10 +143,20 @@ def _separating(
     judge = criterion(stage.found, stage.on, stage.steps, errors, stage.probable)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or longest) - sum(REST)
-    choice = chosen(judge.score, seconds, most, _enough(judge, minutes), _scaled(report, 0.5, 0.7))
+    choice = chosen(
+        judge.score, seconds, most, _enough(judge, minutes), _scaled(report, 0.5, 0.7), different=_DIFFERENT
+    )
     if judge.chances(choice.counts(seconds.size)).right < SURE:
         first = repeated_one(judge.score, seconds, most)
-        other = chosen(judge.score, seconds, most, _enough(judge, minutes), _scaled(report, 0.7, 0.85), first=first)
+        other = chosen(
+            judge.score,
+            seconds,
+            most,
+            _enough(judge, minutes),
+            _scaled(report, 0.7, 0.85),
+            first=first,
+            different=_DIFFERENT,
+        )
         choice = max(choice, other, key=lambda one: judge.score(one.counts(seconds.size)) if one.order else 0.0)
     if not choice.order:
         choice = Choice((int(np.argmin(seconds)),) if choice.parts * seconds.min() <= most else (), choice.parts)
@@ -155,6 +166,8 @@ def _separating(
     if minutes is None:
         scores = [judge.score(choice.counts(seconds.size, first + 1)) for first in range(len(choice.order))]
         reached = (curve.right >= _NEARLY * curve.right[-1]) & (np.array(scores) >= _NEARLY * scores[-1])
+        different = [len(set(choice.order[: first + 1])) for first in range(len(choice.order))]
+        reached &= np.array(different) >= min(_DIFFERENT, different[-1])
         last = int(np.flatnonzero(reached)[0]) + 1
         choice, curve = Choice(choice.order[:last], choice.parts), curve.until(last)
     chances = judge.chances(choice.counts(seconds.size))

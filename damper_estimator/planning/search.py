@@ -40,6 +40,7 @@ def chosen(
     *,
     parts: int = 2,
     first: Sequence[int] = (),
+    different: int = 0,
 ) -> Choice:
     """Steps for a test of at most ``most`` seconds.
 
@@ -49,6 +50,7 @@ def chosen(
         enough: whether counts need nothing more; the search then ends early.
         parts: of the test, in each of which every chosen step is driven.
         first: steps to begin with.
+        different: so many steps are all different, before any of them is driven again and before the search may end.
     """
     seconds, order = parts * seconds, list(first)
     counts = Choice(tuple(order), parts).counts(seconds.size)
@@ -56,11 +58,14 @@ def chosen(
     alive = np.arange(seconds.size)
     while True:
         fits = alive[(spent + seconds[alive] <= most + 1e-9) & (counts[alive] < _MOST)]
-        if not fits.size or (order and enough(counts)):
+        is_narrow = np.count_nonzero(counts) < different and bool((counts[fits] == 0).any())
+        if is_narrow:
+            fits = fits[counts[fits] == 0]
+        if not fits.size or (order and enough(counts) and not is_narrow):
             break
         gains = np.array([score(_more(counts, i, parts)) - now for i in fits]) / seconds[fits]
         best = int(fits[int(np.argmax(gains))])
-        if gains.max() <= _STALLED / most:
+        if gains.max() <= _STALLED / most and not is_narrow:
             break
         if len(order) in (2, 6) and fits.size > _KEPT:  # what helps nothing early seldom helps late
             alive = np.union1d(fits[np.argsort(-gains, kind="stable")[:_KEPT]], np.unique(order))
