@@ -6,9 +6,11 @@ the best hypothesis left a share q of the squared error that it was to explain. 
 the squared error of a new recording lies between those of two rules, it stays as it was and it grows like what the
 effect adds, so their geometric mean is expected:
 
-    e^2 = sqrt(w (w + q |f - f_0|^2)),   w = (a + b |F|^2) d
+    e^2 = sqrt(w (w + q |f - f_0|^2)),   w = d max(a + b |F|^2, sum over frequency of c(f) |F(f)|^2)
 
-with d >= 1, by how far a step goes beyond the recorded strokes and speeds, and f_0 the force without the effect.
+with d >= 1, by how far a step goes beyond the recorded strokes and speeds, f_0 the force without the effect, and c(f)
+the squared error over the squared force at a frequency of the recordings. A road has little force at 20 Hz and a model
+may err there by half of it, which its error on the road as a whole does not show.
 """
 
 from collections.abc import Sequence
@@ -43,8 +45,8 @@ class Errors:
         memory: rows after which the error is new.
         power: N^2, variance of the force on the recordings.
         spectrum: of the error on the recordings.
-        shares: (m,) Hz and (m,), squared error over squared force by frequency: a model of damping and springs errs most
-            where inertia, oil and valves come in.
+        shares: (m,) Hz and (m,), squared error over squared force by frequency; a model of damping and springs errs
+            most where inertia, oil and valves come in.
         unexplained: q, share of the squared error that the best hypothesis leaves; 0 where none adds anything.
     """
 

@@ -74,7 +74,7 @@ def chosen(
         now = score(counts)
         report("choosing steps", min(spent / most, 1.0))
     if len(order) <= _MOST_EXCHANGED:
-        order = _exchanged(order, score, seconds, most, alive, parts)
+        order = _exchanged(order, score, seconds, most, alive, parts, different)
     return Choice(tuple(order), parts)
 
 
@@ -94,12 +94,18 @@ def repeated_one(score: Score, seconds: np.ndarray, most: float, *, parts: int =
 
 
 def _exchanged(
-    order: Sequence[int], score: Score, seconds: np.ndarray, most: float, alive: np.ndarray, parts: int
+    order: Sequence[int],
+    score: Score,
+    seconds: np.ndarray,
+    most: float,
+    alive: np.ndarray,
+    parts: int,
+    different: int,
 ) -> list[int]:
     """Each chosen step against every other one that fits into the time (Fedorov's exchange)."""
     order = list(order)
     counts = Choice(tuple(order), parts).counts(seconds.size)
-    now = score(counts)
+    now, different = score(counts), min(different, np.count_nonzero(counts))
     for _ in range(_EXCHANGES):
         before = now
         for place, step in enumerate(order):
@@ -108,6 +114,7 @@ def _exchanged(
             spent = float(less @ seconds) / parts
             # An exchange may not make the test longer: the shortest one counts as well.
             fits = [i for i in alive if seconds[i] <= seconds[step] + 1e-9 and spent + seconds[i] <= most + 1e-9]
+            fits = [i for i in fits if np.count_nonzero(_more(less, i, parts)) >= different]
             scores = [score(_more(less, i, parts)) for i in fits]
             if scores and max(scores) > now + _STALLED:
                 order[place] = int(fits[int(np.argmax(scores))])

@@ -133,6 +133,20 @@ def test_the_search_ends_where_nothing_more_is_needed():
     assert len(found.order) == 2
 
 
+def test_what_decides_is_driven_in_different_ways_first():
+    """However much better one step is, and although it alone would be enough."""
+    worth = np.array([100.0, 1.0, 0.5, 0.1, 0.0])
+
+    def score(counts):
+        return float(np.sum(worth * np.sqrt(counts)))
+
+    found = chosen(score, np.ones(5), 100.0, lambda counts: True, lambda text, share: None, different=3)
+    assert sorted(found.order) == [0, 1, 2]
+    assert (
+        len(set(chosen(score, np.ones(5), 8.0, lambda counts: False, lambda text, share: None, different=4).order)) == 4
+    )
+
+
 def test_a_test_that_nobody_splits_needs_no_halves():
     found = chosen(
         lambda counts: float(np.sum(np.sqrt(counts))), np.ones(3), 5.0, lambda counts: False, lambda text, share: None,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from damper_estimator.numerics import spectrum_of
-from damper_estimator.planning.expected_error import Errors, _over_force
+from damper_estimator.planning.expected_error import Errors, _over_force, _over_frequency
 
 RATE = 200.0
 
@@ -38,3 +38,32 @@ def test_half_of_the_error_lies_where_a_step_drives_the_force(rng):
     assert share == pytest.approx(0.5, abs=0.08)
     still = errors.spectrum_on(np.full(1200, 30.0), RATE)
     assert still is errors.spectrum
+
+
+def test_a_delay_that_a_road_hardly_shows_is_expected_on_a_fast_sine(rng):
+    """The squared error of a delay is (2 pi f delay)^2 of the squared force."""
+    delay, count = 0.002, 24000
+    frequency = np.fft.rfftfreq(count, 1.0 / RATE)
+    low = np.exp(2j * np.pi * rng.random(frequency.size)) / (1.0 + (frequency / 3.0) ** 3)
+    force = np.fft.irfft(low, count)
+    force *= 300.0 / force.std()
+    error = delay * np.gradient(force, 1.0 / RATE)
+    usual = float(np.mean(error**2) / np.mean(force**2))
+    spectra = spectrum_of([error], [RATE]), spectrum_of([force], [RATE])
+    shares = _over_frequency(*spectra, float(np.mean(error**2)), float(np.mean(force**2)), 0.0)
+    errors = Errors(0.0, 0.0, usual, 1.0, float(np.mean(force**2)), spectra[0], shares=shares)
+    assert errors.by_frequency(force[None], RATE)[0] == pytest.approx(np.mean(error**2), rel=0.2)
+    time = np.arange(1200) / RATE
+    for fast in (8.0, 16.0, 25.0):
+        sine = 40.0 * np.sin(2.0 * np.pi * fast * time)
+        true = (2.0 * np.pi * fast * delay) ** 2 * np.mean(sine**2)
+        assert errors.by_frequency(sine[None], RATE)[0] == pytest.approx(true, rel=0.5)
+        assert true > 3.0 * usual * np.mean(sine**2)  # the error of the road as a whole would promise far less
+
+
+def test_white_noise_is_no_error_of_the_form(rng):
+    force = np.cumsum(rng.standard_normal(12000))
+    noise = rng.standard_normal(12000)
+    spectra = spectrum_of([noise], [RATE]), spectrum_of([force - force.mean()], [RATE])
+    _, shares = _over_frequency(*spectra, 1.0, float(force.var()), 1.5)
+    assert not shares.any()
