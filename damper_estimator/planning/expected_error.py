@@ -88,8 +88,10 @@ class Errors:
         at = np.fft.rfftfreq(moving.shape[1], 1.0 / rate)
         return power @ np.interp(at, *self.shares)
 
-    def of_form(self, on: Simulated, ranges: Ranges) -> np.ndarray:
-        """(h, s) N^2 of a row of each step."""
+    def of_form(self, on: Simulated, ranges: Ranges, cautious: bool = True) -> np.ndarray:
+        """(h, s) N^2 of a row of each step; ``cautious`` takes the larger of both rules, because an error of the form
+        that is taken for a difference decides wrongly. A standard error needs what is right on average.
+        """
         kinematics, picks = on.rows.measurement.kinematics, on.rows.picks
         away = np.abs(kinematics.displacement[picks] - ranges.middle) / (0.5 * ranges.stroke)
         beyond = np.maximum(away, np.abs(kinematics.velocity[picks]) / ranges.speed)
@@ -97,7 +99,8 @@ class Errors:
         for k, part in enumerate(on.slices):
             if part.stop > part.start:
                 usual = self.constant + self.share * on.force[:, part].var(axis=1)
-                usual = np.maximum(usual, self.by_frequency(on.force[:, part], on.rows.rate))
+                if cautious:
+                    usual = np.maximum(usual, self.by_frequency(on.force[:, part], on.rows.rate))
                 usual *= max(1.0, float(beyond[part].max()))
                 added = (on.force[:, part] - on.base[part]).var(axis=1)
                 found[:, k] = np.sqrt(usual * (usual + self.unexplained * added))

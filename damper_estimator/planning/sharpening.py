@@ -57,7 +57,7 @@ def sharpening(found: Explanations, on: Simulated, steps: Sequence[Step], errors
     (hypothesis,) = found.fitted
     left = float(np.mean(hypothesis.residual**2))
     columns = on.sensitivity[0][:, :-1]  # a fit does not free the gauge's zero
-    form, rate = errors.of_form(on, found.ranges)[0], on.rows.rate
+    form, rate = errors.of_form(on, found.ranges, cautious=False)[0], on.rows.rate
     rows = found.rows[0].rate / rate  # of a recording, for one of a step
     each = rows * np.array([columns[part].T @ columns[part] for part in on.slices])
     spectra = [errors.spectrum_on(on.force[0, part], rate) for part in on.slices]
