@@ -169,7 +169,7 @@ def _steps(
     )
     for group in order:
         promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
-        taken = _applied_together(current, group, mode, promised)
+        taken = _applied_together(current, group, mode, promised, names_changes=again is not None)
         before, after = current, taken[-1][1]
         if after.delivers(promised, before):
             steps += _with_errors(before, taken)
@@ -196,18 +196,19 @@ def _with_errors(
 
 
 def _applied_together(
-    before: ModelState, group: Sequence[Accepted], mode: str, promised: float
+    before: ModelState, group: Sequence[Accepted], mode: str, promised: float, names_changes: bool
 ) -> list[tuple[Accepted, ModelState]]:
     """The findings of a group with the model after each.
 
     Of a pair only one, if the other does harm, or if the one that explains more does as well as both: identified with
-    all parameters, it may explain what it did not explain while they were kept.
+    all parameters, it may explain what it did not explain while they were kept. Both, if they name how parameters
+    changed.
     """
     taken, after = [], before
     for one in sorted(group, key=lambda one: one.element.effect.correct is None):
         after = _applied(after, one, mode, promised)
         taken.append((one, after))
-    if len(group) == 1:
+    if len(group) == 1 or names_changes:
         return taken
     alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
     best = min(alone, key=lambda pair: pair[1].rmse_unseen_n)

@@ -28,7 +28,7 @@ from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step
 
-_FITTED = 6  # pairs
+_FITTED = 4  # pairs of each kind
 _INEXACT = 1.3  # times what a pair may leave: to first order it may leave so much
 _RIVALS = 1.5  # times what the pair leaves: what leaves more in a place of it cannot be tied
 _FAR = 10.0  # times what explains all of the error: steps are hardly damped
@@ -56,12 +56,15 @@ class Couple:
 
 @dataclass(frozen=True)
 class _Term:
-    """An effect to first order, with the lowest and highest steps (k,) of its parameters, in their sizes."""
+    """An effect to first order, with the lowest and highest steps (k,) of its parameters, in their sizes.
+
+    About its start values steps are long, and end at bounds; those about its fit need none.
+    """
 
     effect: Hypothesis
     fit: TrialFit
-    low: np.ndarray
-    high: np.ndarray
+    low: np.ndarray | float
+    high: np.ndarray | float
 
 
 def paired(
@@ -77,8 +80,11 @@ def paired(
         names: of effects that were found before.
     """
     most = _most(current)
-    couples = _couples(current, most) if most > 0.0 else []
-    fitted = [_fitted(current, one, names) for one in _promising(couples, most)]
+    if most <= 0.0:
+        return None
+    about_fits, about_starts = _couples(current, most)
+    promising = [*_promising(about_fits, most), *_promising(about_starts, most)]
+    fitted = [_fitted(current, one, names) for one in promising]
     best = min(fitted, key=lambda one: one[0], default=None)
     if best is None or best[0] > most:
         return None
@@ -86,7 +92,8 @@ def paired(
     data = current.baseline.data
     found: list[Accepted] = []
     for _ in range(2):
-        near = [one.names for one in couples if one.left < _RIVALS * left and other in one.names]
+        within = max(_RIVALS * left, _INEXACT * most)
+        near = [one.names for one in (*about_fits, *about_starts) if one.left < within and other in one.names]
         rivals = {alone, *(name for both in near for name in both)} - {*names, other}
         among = [one for one in tried if one.name in rivals]
         again = _round_without(current, among, model, [*names, other], alone, workers, progress)
@@ -116,23 +123,26 @@ def _most(current: Round) -> float:
     return limits().pair * (single + limits().second) - limits().second
 
 
-def _couples(current: Round, most: float) -> list[Couple]:
-    """All pairs of different phenomena, the one that leaves least to first order first.
+def _couples(current: Round, most: float) -> tuple[list[Couple], list[Couple]]:
+    """All pairs of different phenomena, the one that leaves least to first order first: about the fits, and about the
+    start values.
 
-    Effects are taken where their fits ended. Of two that act against each other those say little; where a form-free
-    test leaves no more than a pair may, all are taken at their start values as well.
+    Of two that act against each other the fits say little. Starts are looked at where a form-free test leaves no more
+    than a pair may.
     """
     tried = [one for one in current.hypotheses if not one.exclusion]
     ended = [(replace(one, element=one.fitted_element), one.fit) for one in tried if one.fit.derivatives_fit.shape[1]]
-    couples = _combined(current, ended)
+    felt: list[tuple[Hypothesis, TrialFit]] = []
     if min((test.error for test in current.tests), default=1.0) <= most:
         begun = [(one, linearised(current.baseline, one)) for one in tried if one.effect.kind != "series"]
-        couples += _combined(current, [(one, fit) for one, fit in begun if fit.sizes.any()])
-    return sorted(couples, key=lambda one: one.left)
+        felt = [(one, fit) for one, fit in begun if fit.sizes.any()]
+    return (
+        _combined(current, [_Term(one, fit, -np.inf, np.inf) for one, fit in ended]),
+        _combined(current, [_Term(one, fit, *_bounds(current, one, fit)) for one, fit in felt]),
+    )
 
 
-def _combined(current: Round, fits: Sequence[tuple[Hypothesis, TrialFit]]) -> list[Couple]:
-    terms = [_Term(hypothesis, fit, *_bounds(current, hypothesis, fit)) for hypothesis, fit in fits]
+def _combined(current: Round, terms: Sequence[_Term]) -> list[Couple]:
     couples = []
     for one, other in combinations(terms, 2):
         effects = one.effect, other.effect
@@ -140,7 +150,7 @@ def _combined(current: Round, fits: Sequence[tuple[Hypothesis, TrialFit]]) -> li
         if effects[0].phenomenon != effects[1].phenomenon and not is_one_spring:
             left, steps = _first_order(current, one, other)
             couples.append(Couple(left + _penalty(effects), effects, steps))
-    return couples
+    return sorted(couples, key=lambda one: one.left)
 
 
 def _bounds(current: Round, hypothesis: Hypothesis, fit: TrialFit) -> tuple[np.ndarray, np.ndarray]:
@@ -181,10 +191,9 @@ def _first_order(current: Round, *terms: _Term) -> tuple[float, tuple[np.ndarray
         )
         columns.append(np.hstack([*(getattr(fit, f"derivatives_{part}") for fit in fits), *known]))
     step = damped_step(columns[0], residual[0], _FAR)
-    first, both = terms[0].low.size, terms[0].low.size + terms[1].low.size
-    step[:both] = np.clip(
-        step[:both], *(np.concatenate([getattr(one, end) for one in terms]) for end in ("low", "high"))
-    )
+    first, both = np.cumsum([one.fit.sizes.size for one in terms])
+    for one, part in zip(terms, (slice(first), slice(first, both)), strict=True):
+        step[part] = np.clip(step[part], one.low, one.high)
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
     steps = step[:first] * terms[0].fit.sizes, step[first:both] * terms[1].fit.sizes
     return _left(current, errors(baseline.data.blocks, *after)), steps
