@@ -61,6 +61,18 @@ def names_of(accepted: Sequence[Accepted]) -> list[str]:
     return [one.element.effect.name for one in accepted]
 
 
+def together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
+    """Findings, those that were found together in one group."""
+    groups: list[list[Accepted]] = []
+    for one in accepted:
+        last = groups[-1] if groups else []
+        if one.partner and len(last) == 1 and last[0].partner == one.element.effect.phenomenon:
+            last.append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
 def entry_of(model: DamperModel, effect: str) -> Element:
     """The entry that was added: an effect's last."""
     return [element for element in walk(model.effects) if element.effect.name == effect][-1]

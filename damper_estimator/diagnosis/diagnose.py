@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from damper_estimator.diagnosis.accepted import Accepted
+from damper_estimator.diagnosis.accepted import Accepted, together
 from damper_estimator.diagnosis.apply_finding import ModelState, applied, identified_first, state_of
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
 from damper_estimator.diagnosis.diagnosis_data import (
@@ -164,9 +164,7 @@ def _steps(
     """
     steps: list[tuple[Accepted, ModelState, float, float]] = []
     current = state
-    order = sorted(
-        _together(found.accepted), key=lambda group: all(one.element.effect.correct is None for one in group)
-    )
+    order = sorted(together(found.accepted), key=lambda group: all(one.element.effect.correct is None for one in group))
     for group in order:
         promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
         taken = _applied_together(current, group, mode, promised, names_changes=again is not None)
@@ -229,18 +227,6 @@ def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> M
         return after
     alone = applied(before, one.hypothesis.fitted_element, mode, promised)
     return min(after, alone, key=lambda state: state.rmse_unseen_n)
-
-
-def _together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
-    """Findings, those that were found together in one group."""
-    groups: list[list[Accepted]] = []
-    for one in accepted:
-        last = groups[-1] if groups else []
-        if one.partner and len(last) == 1 and last[0].partner == one.element.effect.phenomenon:
-            last.append(one)
-        else:
-            groups.append([one])
-    return groups
 
 
 def _diagnosis(

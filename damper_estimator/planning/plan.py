@@ -143,20 +143,14 @@ def _separating(
     judge = criterion(stage.found, stage.on, stage.steps, errors, stage.probable)
     seconds = np.array([step.seconds for step in stage.steps])
     most = 60.0 * (minutes or longest) - sum(REST)
-    choice = chosen(
-        judge.score, seconds, most, _enough(judge, minutes), _scaled(report, 0.5, 0.7), different=_DIFFERENT
-    )
+
+    def choose(begin: float, end: float, first: Sequence[int] = ()) -> Choice:
+        said = _scaled(report, begin, end)
+        return chosen(judge.score, seconds, most, _enough(judge, minutes), said, first=first, different=_DIFFERENT)
+
+    choice = choose(0.5, 0.7)
     if judge.chances(choice.counts(seconds.size)).right < SURE:
-        first = repeated_one(judge.score, seconds, most)
-        other = chosen(
-            judge.score,
-            seconds,
-            most,
-            _enough(judge, minutes),
-            _scaled(report, 0.7, 0.85),
-            first=first,
-            different=_DIFFERENT,
-        )
+        other = choose(0.7, 0.85, repeated_one(judge.score, seconds, most))
         choice = max(choice, other, key=lambda one: judge.score(one.counts(seconds.size)) if one.order else 0.0)
     if not choice.order:
         choice = Choice((int(np.argmin(seconds)),) if choice.parts * seconds.min() <= most else (), choice.parts)
