@@ -186,11 +186,11 @@ def _with_errors(
     between, after = taken[0][1], taken[-1][1]
     if len(taken) == 2 and between.fall_from(before) < limits().gain * after.fall_from(before):
         return [(replace(one, needs=True), at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
-    steps, last = [], before
-    for one, at in taken:
-        steps.append((replace(one, needs=False), at, last.rmse_unseen_n, at.rmse_unseen_n))
-        last = at
-    return steps
+    earlier = [before, *(at for _, at in taken)]
+    return [
+        (replace(one, needs=False), at, last.rmse_unseen_n, at.rmse_unseen_n)
+        for last, (one, at) in zip(earlier, taken, strict=False)
+    ]
 
 
 def _applied_together(

@@ -114,7 +114,7 @@ def _exchanged(
             spent = float(less @ seconds) / parts
             # An exchange may not make the test longer: the shortest one counts as well.
             fits = [i for i in alive if seconds[i] <= seconds[step] + 1e-9 and spent + seconds[i] <= most + 1e-9]
-            fits = [i for i in fits if np.count_nonzero(_more(less, i, parts)) >= different]
+            fits = [i for i in fits if np.count_nonzero(less) + (less[i] == 0) >= different]
             scores = [score(_more(less, i, parts)) for i in fits]
             if scores and max(scores) > now + _STALLED:
                 order[place] = int(fits[int(np.argmax(scores))])
