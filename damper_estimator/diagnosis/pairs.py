@@ -90,11 +90,11 @@ def paired(
         return None
     left, model, (other, alone) = best
     data = current.baseline.data
+    within = max(_RIVALS * left, _INEXACT * most)
+    near = [one.names for one in (*about_fits, *about_starts) if one.left < within]
     found: list[Accepted] = []
     for _ in range(2):
-        within = max(_RIVALS * left, _INEXACT * most)
-        near = [one.names for one in (*about_fits, *about_starts) if one.left < within and other in one.names]
-        rivals = {alone, *(name for both in near for name in both)} - {*names, other}
+        rivals = {alone, *(name for both in near if other in both for name in both)} - {*names, other}
         among = [one for one in tried if one.name in rivals]
         again = _round_without(current, among, model, [*names, other], alone, workers, progress)
         best_one = again.best
