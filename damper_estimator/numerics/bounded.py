@@ -34,7 +34,8 @@ def bounded_least_squares(
     # Solved for the step away from the reference, which the ridge then keeps small.
     step_target = np.concatenate([reduced[:, count] - reduced[:, :count] @ reference, np.zeros(count)])
     low, high = (lower - reference) * scale, (upper - reference) * scale
-    step = np.linalg.lstsq(matrix, step_target, rcond=None)[0]
+    solved = triangle(np.column_stack([matrix, step_target]))
+    step = np.linalg.solve(solved[:count, :count], solved[:count, count])
     if ((step < low) | (step > high)).any():
         step = _between(matrix, step_target, low, high)
     return np.clip(reference + step / scale, lower, upper)

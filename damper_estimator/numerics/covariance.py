@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import svd
 
 from damper_estimator.numerics.long_run import score_covariance
 from damper_estimator.numerics.triangle import triangle
@@ -55,7 +56,8 @@ def directions(jacobian: np.ndarray, noise: Noise) -> Directions:
         return Directions(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
     norms = np.linalg.norm(jacobian, axis=0)
     scale = np.where(norms > 0.0, norms, 1.0)
-    _, singular, vectors = np.linalg.svd(triangle(jacobian / scale))
+    # NumPy's divide-and-conquer method does not always converge where columns are alike.
+    _, singular, vectors = svd(triangle(jacobian / scale), lapack_driver="gesvd")
     singular = np.pad(singular, (0, count - singular.size))  # fewer rows than parameters
     known = singular > _SINGULAR * singular[0]
     weights = vectors[known].T / singular[known] ** 2 / scale[:, None]

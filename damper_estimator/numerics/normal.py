@@ -4,7 +4,7 @@ import numpy as np
 
 _PIECE = 64  # rows
 _RIDGE = 1e-9  # of the number of rows
-_CUTOFF = 1e-12  # of the largest singular value
+_CUTOFF = 1e-12  # of the trace: combinations of columns that count less have no influence
 
 
 def normal_equations(columns: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -48,5 +48,9 @@ def damped_step(columns: np.ndarray, residual: np.ndarray, reach: float) -> np.n
         normal, right = normal_equations(columns, residual)
     if not (np.isfinite(normal).all() and np.isfinite(right).all()):
         return np.zeros(columns.shape[1])
-    normal[np.diag_indices_from(normal)] += float(np.mean(residual**2)) / reach**2
-    return np.linalg.lstsq(normal, -right, rcond=_CUTOFF)[0]
+    # With columns that are alike, a decomposition into singular values does not always converge; a ridge always does.
+    damping = float(np.mean(residual**2)) / reach**2 + _CUTOFF * float(np.trace(normal))
+    if damping <= 0.0:
+        return np.zeros(columns.shape[1])
+    normal[np.diag_indices_from(normal)] += damping
+    return np.linalg.solve(normal, -right)

@@ -81,3 +81,16 @@ def test_a_damped_step_ends_at_the_solution(random):
     columns = 100.0 * random.standard_normal((300, 3))
     residual = columns @ [0.1, -0.05, 0.02]
     np.testing.assert_allclose(damped_step(columns, residual, 1.0), [-0.1, 0.05, -0.02], rtol=1e-3)
+
+
+def test_a_damped_step_is_found_with_many_columns_alike(random):
+    # Some versions of LAPACK's divide-and-conquer SVD do not converge on such matrices.
+    columns = np.repeat(random.standard_normal((300, 2)) * [1.0, 200.0], [3, 15], axis=1)
+    residual = random.standard_normal(300)
+    step = damped_step(columns, residual, 0.03)
+    # Columns that are alike share one step.
+    np.testing.assert_allclose(step, np.repeat(step[[0, 3]], [3, 15]), rtol=1e-6)
+    held = np.sqrt(np.mean(residual**2)) / 0.03
+    gradient = columns.T @ (residual + columns @ step) + held**2 * step
+    np.testing.assert_allclose(gradient, np.zeros(18), atol=1e-6 * np.abs(columns.T @ residual).max())
+    assert not damped_step(columns, np.zeros(300), 0.03).any()
