@@ -1,4 +1,4 @@
-"""Identifies a model from its present values.
+"""Identifies a model from its present values, at the rate that the band asks for.
 
 Without a compliance this is an ordinary fit. Behind a compliance, the derivative by every parameter of the path would
 cost a run of the implicit solver; the derivatives of the path alone are accurate enough, since each step is checked on
@@ -50,9 +50,10 @@ def locally_fitted(
     if not any(element.effect.kind == "series" for _, element in labels(model.effects)):
         options = MethodOptions(gain=_ENOUGH)
         return identify(
-            model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free, method_options=options
-        ).model
-    # At the rate that the band asks for, as trial fits; the record states the error over all samples.
+            model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free, thinned=True,
+            method_options=options,
+        ).model  # fmt: skip
+    # The record states the error over all samples.
     rows = [rows_of(m, w, zero_free=zero_free).thinned() for m, w in zip(measurements, weight, strict=True)]
     slots = list(free_slots(model, free, fix))
     return _recorded(*_descended(model, rows, slots), slots, rows)

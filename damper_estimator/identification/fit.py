@@ -94,6 +94,7 @@ def fit(
     method_options: MethodOptions = MethodOptions(),
     limits: Mapping[str, tuple[float, float]] | None = None,
     zero_free: bool = False,
+    thinned: bool = False,
 ) -> Fit:
     """Identifies a model's free parameters on all measurements together.
 
@@ -105,6 +106,7 @@ def fit(
         method_options: further settings of the method; its seed is ``seed``.
         limits: lowest and highest value by name, narrower than the declared bounds.
         zero_free: leave the gauge's zero and drift of each recording out of the comparison.
+        thinned: search at the rate that the band asks for only; the errors are those over all samples.
 
     Raises:
         InputError: no parameters or too few samples to fit, no force, a channel that the model needs and no
@@ -115,6 +117,7 @@ def fit(
     rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero_free=zero_free)
     placed = with_placed_knots(model, [recording.measurement for recording in rows])
     problem = Problem(placed, LocalRows(rows), free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
+    problem = problem.thinned() if thinned else problem
     solution, known = identified(problem, method, starts, replace(method_options, seed=seed))
     warnings = warnings_of(problem, model, solution, known, *lost_and_filters(rows, given))
     return result(model, problem, rows, solution, known, perf_counter() - began, warnings)
