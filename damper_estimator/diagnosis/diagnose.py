@@ -86,12 +86,16 @@ def diagnose(
     force, floor = dynamic_force(data), before.noise_floor_n
     judged = partial(verdict_on, again=again, force_n=force, floor_n=floor, is_identified_here=state.is_identified_here)
     verdict, picture = ("nothing_missing", None) if is_usual else judged(found)
-    if verdict == "parameters_changed" and not found.accepted:
-        found = replace(found, accepted=as_if_by(found.rounds[0]))
     report("adding what was found", 0.9)
-    steps = _steps(state, found, mode, again if verdict == "parameters_changed" else None)
-    if verdict == "missing" and not steps:
-        verdict, picture = judged(replace(found, accepted=()))
+    steps, named = [], found.accepted
+    if verdict == "missing":
+        steps = _steps(state, found, mode, None)
+        if not steps:
+            named = ()
+            verdict, picture = judged(replace(found, accepted=named))
+    if verdict == "parameters_changed":
+        found = replace(found, accepted=named or as_if_by(found.rounds[0]))
+        steps = _steps(state, found, mode, again)
     # Without a candidate only a large growth is news: errors on good recordings of one damper differ by up to two.
     share = max(state.rmse_fit_n, state.rmse_unseen_n) / force / np.sqrt(limits().growth)
     if verdict == "unexplained" and not state.is_identified_here and not has_grown(state.model, float(share)):

@@ -78,7 +78,7 @@ def _disagreement(one: Accepted, again: Reidentified | None) -> str:
         return ""
     if again is not None and again.enough:
         return (
-            "Re-identifying the parameters that are there explains it as well "
+            "Re-identifying the parameters that are there explains most of the error as well "
             f"(unseen error {again.rmse_n:.3g} N without the effect)."
         )
     left = one.hypothesis.evaluation.refitted.square / max(one.round.refitted.square, 1e-300)
@@ -144,12 +144,14 @@ _UNDELIVERED = "identified in the model, it does not lower the unseen error by w
 
 
 def ranking_of(found: Search, accepted: set[str]) -> tuple[RankedEffect, ...]:
-    """The first round's hypotheses, best first; ``accepted`` names those that lower the error."""
+    """The first round's hypotheses, those that the search found first, then the best; ``accepted`` names those that lower
+    the error.
+    """
     first = found.rounds[0]
     best = first.best
-    order = sorted(first.hypotheses, key=lambda hypothesis: hypothesis is not best)
     otherwise = "has always been missing: the error is not new" if found.is_survey else "another explains more"
     by_name = {one.element.effect.name: one for one in reversed(found.accepted)}
+    order = sorted(first.hypotheses, key=lambda one: (one.name not in by_name, one is not best))
     rows = [
         _ranked(first, hypothesis, accepted, _UNDELIVERED if hypothesis.name in by_name else otherwise)
         for hypothesis in order
