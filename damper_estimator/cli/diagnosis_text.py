@@ -63,7 +63,7 @@ def _table(findings: Sequence[Finding]) -> list[str]:
     wide = max(len("effect"), *(len(finding.effect) for finding in findings))
     lines = [f"  {'found':<{width}}  {'effect':<{wide}}  {'explains, 5 to 95 %':<21}  {'unseen error':<18}  confidence"]
     for finding in findings:
-        gain = f"{100 * finding.gain:.0f} % ({100 * finding.low:.0f} to {100 * finding.high:.0f} %)"
+        gain = f"{100 * finding.gain:.0f} % ({100 * finding.low:z.0f} to {100 * finding.high:z.0f} %)"
         errors = f"{number(finding.rmse_before_n)} -> {number(finding.rmse_after_n)} N"
         lines.append(
             f"  {finding.phenomenon:<{width}}  {finding.effect:<{wide}}  {gain:<21}  {errors:<18}  "

@@ -110,14 +110,15 @@ class Round:
                 f"{100.0 * required:.0f} % required"
             )
         if low <= 0.0:
-            return f"not sure: the gain's 5 % bound is {100.0 * low:.0f} %"
+            return f"not sure: the gain's 5 % bound is {100.0 * low:z.0f} %"
         worth = np.sqrt(max(before**2 - after**2, 0.0))
         if worth < limits().least_force * force_rms:
             return f"worth {worth:.3g} N only, less than {100.0 * limits().least_force:.3g} % of the force"
         confidence = self.confidence(hypothesis)
         if confidence < limits().named:
             return (
-                f"right with a probability of {100.0 * confidence:.0f} % only; {100.0 * limits().named:.0f} % required"
+                f"right with a probability of {_below(confidence, limits().named)} % only; "
+                f"{100.0 * limits().named:.0f} % required"
             )
         return ""
 

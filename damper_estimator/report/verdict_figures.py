@@ -193,7 +193,7 @@ def _whiskers(ends: Sequence[tuple[float, float, float]]) -> Figure:
 def _hover(judged: RankedEffect, way: EvaluationSummary, more: str) -> str:
     lines = [
         f"<b>{plain_name(judged.phenomenon)}</b> by {judged.effect}",
-        f"explains {100.0 * way.gain:.0f} % ({100.0 * way.low:.0f} to {100.0 * way.high:.0f} %), "
+        f"explains {100.0 * way.gain:z.0f} % ({100.0 * way.low:z.0f} to {100.0 * way.high:z.0f} %), "
         f"{number(way.rmse_n)} N left",
         judged.reason or "found",
         more,

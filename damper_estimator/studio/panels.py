@@ -173,7 +173,7 @@ def candidates(found: Diagnosis) -> Piece:
     rows = []
     for effect in ranked(found.ranking, found.findings):
         best = max((way for way in (effect.kept, effect.refitted) if way is not None), key=lambda way: way.gain)
-        gain = f"{100.0 * best.gain:.0f} % ({100.0 * best.low:.0f} to {100.0 * best.high:.0f})"
+        gain = f"{100.0 * best.gain:z.0f} % ({100.0 * best.low:z.0f} to {100.0 * best.high:z.0f})"
         button = html.Button(
             "add",
             id={"type": "add", "effect": effect.effect, "from": "ranking"},
