@@ -12,9 +12,11 @@ position-sensitive dampers, e.g. Lee and Moon 2005.
 from math import sqrt
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import V, X
+
+_LONGEST = 0.4  # of the stroke, half the length of a groove
 
 
 @compiled
@@ -29,19 +31,26 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The groove lies within the recorded stroke and is shorter than the stroke."""
+    """The groove lies within the recorded stroke and is shorter than the stroke. One that would be as long, with ports
+    that pass oil in one direction above all, changes the curve of that direction at any position.
+    """
     stroke, middle = ranges.stroke, ranges.middle
     limits = {
         "share": (0.0, 0.95),
         "middle": (ranges.compression, ranges.extension),
-        "half_length": (0.02 * stroke, 0.4 * stroke),
+        "half_length": (0.02 * stroke, _LONGEST * stroke),
         "opening": (0.01 * ranges.speed, 2.0 * ranges.speed),
     }
     values = {"share": 0.3, "middle": middle, "half_length": 0.1 * stroke, "opening": 0.2 * ranges.speed}
     places = (middle - 0.25 * stroke, middle + 0.25 * stroke, middle)
     starts = spread(middle=places, half_length=(0.06 * stroke, 0.2 * stroke))
     ports = spread(middle=places, half_length=(0.2 * stroke,), check=(-0.9, 0.9))
-    return Trial(values, limits, (*starts, *ports))
+
+    def exclusion(values: Values) -> str:
+        is_long = number(values, "half_length") > 0.95 * _LONGEST * stroke
+        return "as long as the stroke: a change of the curve" if is_long else ""
+
+    return Trial(values, limits, (*starts, *ports), exclusion)
 
 
 EFFECT = Effect(
