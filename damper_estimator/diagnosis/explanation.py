@@ -144,8 +144,8 @@ _UNDELIVERED = "identified in the model, it does not lower the unseen error by w
 
 
 def ranking_of(found: Search, accepted: set[str]) -> tuple[RankedEffect, ...]:
-    """The first round's hypotheses, those that the search found first, then the best; ``accepted`` names those that lower
-    the error.
+    """The first round's hypotheses: those that the search found, the best, the others; ``accepted`` names those that
+    lower the error.
     """
     first = found.rounds[0]
     best = first.best
