@@ -31,8 +31,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The groove lies within the recorded stroke and is shorter than the stroke. One that would be as long, with ports
-    that pass oil in one direction above all, changes the curve of that direction at any position.
+    """The groove lies within the recorded stroke and is shorter than the stroke. One that would be as long acts alike
+    at every position: it changes the curve, with ports that of one direction.
     """
     stroke, middle = ranges.stroke, ranges.middle
     limits = {

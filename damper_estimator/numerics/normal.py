@@ -4,7 +4,7 @@ import numpy as np
 
 _PIECE = 64  # rows
 _RIDGE = 1e-9  # of the number of rows
-_CUTOFF = 1e-12  # of the trace: combinations of columns that count less have no influence
+_LEAST_DAMPING = 1e-12  # of the trace
 
 
 def normal_equations(columns: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -49,7 +49,7 @@ def damped_step(columns: np.ndarray, residual: np.ndarray, reach: float) -> np.n
     if not (np.isfinite(normal).all() and np.isfinite(right).all()):
         return np.zeros(columns.shape[1])
     # With columns that are alike, a decomposition into singular values does not always converge; a ridge always does.
-    damping = float(np.mean(residual**2)) / reach**2 + _CUTOFF * float(np.trace(normal))
+    damping = float(np.mean(residual**2)) / reach**2 + _LEAST_DAMPING * float(np.trace(normal))
     if damping <= 0.0:
         return np.zeros(columns.shape[1])
     normal[np.diag_indices_from(normal)] += damping

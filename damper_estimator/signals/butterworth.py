@@ -84,7 +84,7 @@ def _filter_columns(cutoff, dt, values, backward):
     size, count = values.shape
     known_step = per_step = 0.0
     y0 = y1 = y2 = v0 = v1 = v2 = a0 = a1 = a2 = 0.0
-    y, v, a, last = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)  # y is less the raw value
+    y, v, a, last = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)  # y: output less raw value
     for r in range(size):
         i = size - 1 - r if backward else r
         step = dt[i] if not backward else dt[i + 1] if r > 0 else 0.0
@@ -127,8 +127,7 @@ def low_pass_zero_phase(cutoff: float, dt: np.ndarray, raw: np.ndarray) -> np.nd
     A cutoff of 0 leaves the signal unchanged. Shapes: (n,) in, (n,) out; or (n, k) in and out, a signal per column.
     """
     values = np.array(raw, float, order="C")
-    if cutoff > 0.0 and values.size:
-        _both_ways(cutoff, dt, values.reshape(values.shape[0], -1))
+    _both_ways(cutoff, dt, values[:, None] if values.ndim == 1 else values)
     return values
 
 
@@ -140,16 +139,16 @@ def columns_zero_phase(cutoff: float, dt: np.ndarray, columns: Iterable[np.ndarr
     columns, found = iter(columns), [np.zeros((picks.size, 0))]
     while some := list(islice(columns, _AT_A_TIME)):
         values = np.stack(some, axis=1)
-        if cutoff > 0.0 and values.size:
-            _both_ways(cutoff, dt, values)
+        _both_ways(cutoff, dt, values)
         found.append(values[picks])
     return np.hstack(found)
 
 
 def _both_ways(cutoff: float, dt: np.ndarray, values: np.ndarray) -> None:
     """Forward and backward over columns (n, k), in place; backward a stretch begins just before the next restart."""
-    _filter_columns(cutoff, dt, values, False)
-    _filter_columns(cutoff, dt, values, True)
+    if cutoff > 0.0:
+        _filter_columns(cutoff, dt, values, False)
+        _filter_columns(cutoff, dt, values, True)
 
 
 def delay_seconds(cutoff: float) -> float:
