@@ -1,12 +1,15 @@
-"""Yield that the command raises up to saturation, of many small parts that slip after different travels.
+"""Yield that the command raises up to saturation, of many small parts that slip after different travels and creep.
 
-    F = F_y (1 - exp(-|I| / I_s)) mean_k s_k,      tau dI/dt + I = M,
-    ds_k = dx / w_k  while |s_k| < 1,      w_k = w exp(g n_k),      n_k = -1 ... 1
+    F = F_y (1 - exp(-|I| / I_s)) s,      s = mean_k s_k,      tau dI/dt + I = M,
+    ds_k = du / w_k  while |s_k| < 1,     w_k = w exp(g n_k),      n_k = -1 ... 1,      du/dt = v - v_c s
 
 F_y in N (yield force of the saturated field), I_s in A, w in m the median travel before a part slips, g without unit
-the spread of the travels, tau in s; M the command in A. The lag is exact for a command held between samples, s_k for a
-step without reversal. Without a command the force is zero. States: s_k, the last displacement, I; first order in the
-step for a changing command. Source: Iwan 1966 as in ``elastic_slip``, saturation and lag as in ``command_yield``.
+the spread of the travels, tau in s, v_c in m/s the creep; M the command in A. Below the creep's speed the parts yield
+before they slip, F grows with the velocity: the force of a magneto-rheological damper rolls off there. The lag is exact
+for a command held between samples, s_k for a step without reversal and creep, which is implicit. Without a command the
+force is zero. States: s_k, the last displacement, I; first order in the step. Source: Iwan 1966 as in
+``elastic_slip``, saturation and lag as in ``command_yield``; the creep is the dashpot c_1 in series with the hysteresis
+of Spencer et al. 1997, eq. (12), with a rate that follows the yield force.
 """
 
 from math import exp
@@ -20,6 +23,45 @@ from damper_estimator.effects.trial import Ranges, Trial, changing_command, spre
 from damper_estimator.signals.layout import COMMAND, DT, X
 
 _CURRENT = PARTS + 1  # position in the state
+_STEPS = 40  # of the search for the travel: halving alone would need no more
+_EXACT = 1e-9  # of the median travel
+
+
+@compiled
+def share_at(state, move, way, spread):
+    """Mean share of the parts after a ``move`` (m), and its slope over the move (1/m); the state stays as it is."""
+    total, slope, travel, ratio = 0.0, 0.0, way * exp(-spread), exp(2.0 * spread / (PARTS - 1.0))
+    for k in range(PARTS):
+        share = state[k] + move / travel
+        if abs(share) < 1.0:
+            slope += 1.0 / travel
+        total += min(1.0, max(-1.0, share))
+        travel *= ratio
+    return total / PARTS, slope / PARTS
+
+
+@compiled
+def crept(state, x, way, spread, creep):
+    """Mean share of the parts moved to ``x`` while they give way by ``creep`` (m) times it; ``state`` as in ``slipped``.
+
+    They move by u = dx - creep s(u). s does not fall and lies between -1 and 1, so u lies within creep of dx.
+    """
+    move = x - state[PARTS]
+    low, high, u = move - creep, move + creep, move
+    for _ in range(_STEPS):
+        share, slope = share_at(state, u, way, spread)
+        error = u + creep * share - move
+        if abs(error) <= _EXACT * way:
+            break
+        if error > 0.0:
+            high = u
+        else:
+            low = u
+        u -= error / (1.0 + creep * slope)
+        if u < low or u > high:
+            u = 0.5 * (low + high)
+    state[PARTS] = x - u
+    return slipped(state, x, way, spread)
 
 
 @compiled
@@ -32,7 +74,7 @@ def kernel(parameters, settings, kinematics, state, force):
                 state[k] = 0.0
             state[PARTS] = kinematics[X, i]
             state[_CURRENT] = command
-        share = slipped(state, kinematics[X, i], parameters[2], parameters[3])
+        share = crept(state, kinematics[X, i], parameters[2], parameters[3], parameters[5] * max(dt, 0.0))
         if dt > 0.0 and np.isfinite(state[_CURRENT]):
             state[_CURRENT] = command + (state[_CURRENT] - command) * exp(-dt / parameters[4])
         else:
@@ -42,7 +84,9 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Needs a changing command, and a saturation that is not far below its values."""
+    """Needs a changing command, and a saturation that is not far below its values. Below some hundredths of the speed
+    the yield force of known dampers rolls off.
+    """
     most = max(abs(value) for value in changing_command(ranges))
     way = 0.01 * ranges.stroke
     limits = {
@@ -50,8 +94,9 @@ def trial(ranges: Ranges) -> Trial:
         "way": (0.02 * way, 5.0 * way),
         "spread": (0.1, 2.5),
         "time_constant": (1e-4, 0.1),
+        "creep": (0.0, 0.3 * ranges.speed),
     }
-    values = {"saturation": most, "way": 0.3 * way, "spread": 1.0, "time_constant": 0.01}
+    values = {"saturation": most, "way": 0.3 * way, "spread": 1.0, "time_constant": 0.01, "creep": 0.02 * ranges.speed}
     return Trial(values, limits, spread(way=(0.1 * way, way), saturation=(0.6 * most, 3.0 * most)))
 
 
@@ -66,6 +111,7 @@ EFFECT = Effect(
         Parameter("way", "m", 3e-4, 1e-6, 0.05, "median travel before a part slips"),
         Parameter("spread", "1", 1.0, 0.1, 4.0, "spread of the travels; 0.1: nearly all parts slip at once"),
         Parameter("time_constant", "s", 0.015, 1e-4, 0.5, "time constant of the coil"),
+        Parameter("creep", "m/s", 0.0, 0.0, 1.0, "speed at which the parts give way while they hold the whole force"),
     ),
     states=PARTS + 2,
     order=1,

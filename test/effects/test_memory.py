@@ -206,3 +206,39 @@ def test_a_small_loop_of_elastic_slip_closes_and_the_large_one_goes_on():
 def test_elastic_slip_of_equal_parts_is_elastic_and_then_slides():
     x, found = slip_over([0.0, 3e-3], force=100.0, way=1e-3, spread=0.1)
     np.testing.assert_allclose(found, 100.0 * np.minimum(x / 1e-3, 1.0), atol=3.0)
+
+
+def yield_over(block, creep, way=1e-3, spread=1.0):
+    """Share of the yield force, at a constant saturating command."""
+    block[COMMAND] = 1.0
+    values = {"force": 1.0, "saturation": 1e-3, "way": way, "spread": spread, "creep": creep}
+    return force("command_slip", block, **values)
+
+
+def test_yield_without_creep_is_elastic_slip():
+    block = sine(500)
+    expected = force("elastic_slip", block.copy(), force=1.0, way=1e-3, spread=1.0)
+    np.testing.assert_allclose(yield_over(block, 0.0), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("speed", "share"), [(2e-3, 0.4), (4e-3, 0.8), (0.05, 1.0), (-2e-3, -0.4)])
+def test_a_yield_that_creeps_is_viscous_below_its_speed(speed, share):
+    block = sine(500, seconds=4.0)
+    block[X] = speed * block[T]
+    assert yield_over(block, 5e-3)[-1] == pytest.approx(share, rel=1e-3)
+
+
+def test_held_still_a_yield_that_creeps_relaxes_as_the_equation_says():
+    """Where no part slips, w ds/dt = -v_c s with the harmonic mean of the travels."""
+    block = sine(2000, seconds=0.5)
+    block[X] = np.where(block[T] > 0.0, 2e-4, 0.0)
+    found = yield_over(block, 5e-3)[1:]
+    ways = 1e-3 * np.exp(np.linspace(-1.0, 1.0, 9))
+    rate = 5e-3 * np.mean(1.0 / ways)
+    np.testing.assert_allclose(found, found[0] * np.exp(-rate * (block[T][1:] - block[T][1])), atol=3e-4)
+
+
+def test_creep_has_an_end_in_steps_of_any_length():
+    block = sine(20, amplitude=0.3, frequency=9.7)
+    found = yield_over(block, 1.0, way=1e-6, spread=4.0)
+    assert np.isfinite(found).all() and np.abs(found).max() <= 1.0
