@@ -49,12 +49,13 @@ class ModelState:
     @cached_property
     def is_identified_here(self) -> bool:
         """Whether the model was identified on one of these recordings, and errs there as it did then: then the question
-        is what it lacks, not what changed.
+        is what it lacks, not what changed. A part that it was not identified on says how well it predicts.
         """
         bags = self.model.fit.get("bags")
         names = {Path(str(bag)).name for bag in bags} if isinstance(bags, (list, tuple)) else set()
-        same = [m for m in (*self.fit, *self.unseen) if Path(m.recording).name in names]
-        if not same:
+        groups = ([m for m in group if Path(m.recording).name in names] for group in (self.fit, self.unseen))
+        same = next((group for group in groups if group), None)
+        if same is None:
             return False
         force = np.concatenate([m.in_band(m.force)[m.judged] for m in same])
         return not has_grown(self.model, pooled_error(self.model, same)[0] / float(np.std(force)), if_unknown=False)

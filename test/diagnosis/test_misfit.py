@@ -75,6 +75,14 @@ def test_a_record_that_was_edited_by_hand_counts_as_unknown(rough, record):
     assert state_of(edited, [first], [other]).is_identified_here == ("bags" not in record)
 
 
+def test_a_poor_prediction_of_the_part_that_is_kept_back_is_no_change(rough):
+    model, first, other = rough
+    worse = changed(other, lambda kinematics: 2000.0 * kinematics.velocity)
+    assert state_of(model, [first], [worse]).is_identified_here
+    worse = changed(first, lambda kinematics: 2000.0 * kinematics.velocity)
+    assert not state_of(model, [worse], [other]).is_identified_here
+
+
 def test_what_came_since_is_found_beneath_a_larger_old_error(rough):
     """The straight line errs by more than is hidden, and in other ways."""
     model, _, other = rough
