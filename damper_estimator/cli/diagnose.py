@@ -1,7 +1,7 @@
 """Find the physical effects that a model lacks, with confidence and alternatives.
 
 Each effect that represents a phenomenon is added to the model, identified on BAG... and judged on unseen recordings:
-those given with --validate, or the last 40 % of each BAG. The effect is judged twice, with the model's parameters
+those given with --validate, or 40 % of each BAG. The effect is judged twice, with the model's parameters
 unchanged and refitted; --keep-parameters and --refit select one of these. Faults of the measurement chain are reported
 first; they are corrected in the signal map, never in the model.
 """

@@ -14,7 +14,8 @@ def add_diagnosis_arguments(parser: argparse.ArgumentParser) -> None:
     add_models(parser)
     parser.add_argument(
         "--validate", metavar="BAG", type=Path, action="append", default=[],
-        help="judge on this recording; may be repeated (default: the last 40 %% of each BAG)",
+        help="judge on this recording; may be repeated (default: the last 40 %% of each BAG, or of several sections "
+        "of it if the end moves faster or further)",
     )  # fmt: skip
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument(

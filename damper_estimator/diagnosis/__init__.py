@@ -5,7 +5,8 @@ from damper_estimator.diagnosis.atlas_curves import AtlasCurve
 from damper_estimator.diagnosis.atlas_terms import TESTS
 from damper_estimator.diagnosis.correction import corrected, corrected_signals, in_yaml
 from damper_estimator.diagnosis.diagnose import MODES, diagnose
-from damper_estimator.diagnosis.diagnosis_data import early, late, ranges_of
+from damper_estimator.diagnosis.diagnosis_data import ranges_of
+from damper_estimator.diagnosis.division import divided
 from damper_estimator.diagnosis.fitted_explanations import (
     Explanations,
     FittedExplanation,
@@ -47,12 +48,11 @@ __all__ = [
     "corrected",
     "corrected_signals",
     "diagnose",
-    "early",
+    "divided",
     "explanations",
     "general_margin",
     "improve",
     "in_yaml",
-    "late",
     "limits",
     "locally_fitted",
     "ranges_of",

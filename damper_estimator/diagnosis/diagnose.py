@@ -18,12 +18,11 @@ from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
     dynamic_force,
-    early,
     force_rows,
-    late,
     targets,
     unweighted,
 )
+from damper_estimator.diagnosis.division import divided
 from damper_estimator.diagnosis.explanation import (
     atlas_of,
     finding_of,
@@ -62,7 +61,7 @@ def diagnose(
     Args:
         model: the user's, with parameters that were identified before.
         fit: recordings that parameters are found on.
-        unseen: recordings that explanations are judged on; the last 40 % of each of ``fit`` if empty.
+        unseen: recordings that explanations are judged on; 40 % of each of ``fit`` if empty (``divided``).
         mode: ``both``; ``kept``: the model's parameters are trusted; ``refit``: they are not.
         workers: processes.
         progress: called with the activity in words and the share that is done; an exception from it ends the work.
@@ -105,7 +104,7 @@ def diagnose(
 
 
 def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
-    """The model as given on its recordings; without ``unseen`` the last 40 % of each is kept back.
+    """The model as given on its recordings; without ``unseen`` 40 % of each is kept back.
 
     Raises:
         InputError: where a recording cannot be judged with this model.
@@ -113,7 +112,7 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     for measurement in (*fit, *unseen):
         usable(model, measurement)
     if not unseen:
-        fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
+        fit, unseen = zip(*(divided(m) for m in fit), strict=True)
     return state_of(model, fit, unseen)
 
 

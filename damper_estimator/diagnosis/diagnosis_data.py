@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from damper_estimator.diagnosis.division import divided
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.rows import Rows
@@ -21,7 +22,6 @@ from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, TEMPERATURE, V
 from damper_estimator.validation.noise import white_density
 
-UNSEEN_SHARE = 0.4  # of each recording, where no other is given to judge on
 BLOCK = 1.0  # s, what the bootstrap draws; residuals forget within it
 _FORM = 0.01  # of the force's rms: what no model's form gets right
 _SLOPE_STEP = 0.01  # m/s
@@ -62,33 +62,17 @@ class DiagnosisData:
 
 
 def data_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> DiagnosisData:
-    """The data of a model and its recordings; without ``unseen`` the last 40 % of each is kept back.
+    """The data of a model and its recordings; without ``unseen`` 40 % of each is kept back (``divided``).
 
     Raises:
         InputError: where a recording cannot be judged with this model.
     """
-    pairs = [(m, m) for m in fit] if not unseen else []
-    fit_parts = [early(a) for a, _ in pairs] or list(fit)
-    unseen_parts = [late(b) for _, b in pairs] or list(unseen)
-    fit_rows = _rows(model, fit_parts)
-    unseen_rows = _rows(model, unseen_parts)
+    if not unseen:
+        fit, unseen = zip(*(divided(m) for m in fit), strict=True)
+    fit_rows, unseen_rows = _rows(model, fit), _rows(model, unseen)
     return DiagnosisData(
         fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows], model)
     )
-
-
-def early(measurement: Measurement) -> Measurement:
-    """The part of a recording that parameters are found on."""
-    return measurement.part(0, _cut(measurement))
-
-
-def late(measurement: Measurement) -> Measurement:
-    """The part of a recording that is kept back."""
-    return measurement.part(_cut(measurement), len(measurement.kinematics))
-
-
-def _cut(measurement: Measurement) -> int:
-    return round((1.0 - UNSEEN_SHARE) * len(measurement.kinematics))
 
 
 def force_rows(model: DamperModel, rows: Sequence[Rows]) -> np.ndarray:

@@ -22,7 +22,7 @@ def chooser(folder: Folder) -> list:
     window = [number("start", "from, s"), number("stop", "to, s")]
     return [
         labelled("recordings", several("recordings", recordings, "what to look at"), "several"),
-        labelled("judge on", several("unseen", recordings, "the last 40 % of each"), "several"),
+        labelled("judge on", several("unseen", recordings, "40 % of each"), "several"),
         labelled("models", several("models", models, "the first is worked on"), "several"),
         labelled("damper", dcc.Dropdown([], id="damper", placeholder="the first", clearable=True)),
         labelled("signal map", dcc.Dropdown(maps, id="map", placeholder="default topics", clearable=True)),

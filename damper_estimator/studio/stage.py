@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis import corrected, early, late
+from damper_estimator.diagnosis import corrected, divided
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map
@@ -28,7 +28,7 @@ class Choice:
     """What a user wants to see; names are relative to the studio's folder.
 
     Attributes:
-        fit, unseen: recordings to find parameters on, and to judge on (none: the last 40 % of each of ``fit``).
+        fit, unseen: recordings to find parameters on, and to judge on (none: 40 % of each of ``fit``).
         damper: its name; "" for the first.
         signals: the signal map; "" for the default topics.
         start, stop: s from the start, None where all is used.
@@ -180,7 +180,7 @@ def opened(folder: Folder, choice: Choice, progress: Progress) -> Stage:
     fit = [p.measurement for passage in passages[:count] for p in passage]
     unseen = [p.measurement for passage in passages[count:] for p in passage]
     if not unseen:
-        fit, unseen = [early(m) for m in fit], [late(m) for m in fit]
+        fit, unseen = zip(*(divided(m) for m in fit), strict=True)
     judged = tuple(p for passage in passages for p in passage)
     read_all = Stage(
         choice, damper, recordings[0].signal_map, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings)

@@ -19,7 +19,7 @@ MODES = ("both", "kept", "refit")
 
 @dataclass(frozen=True)
 class Case:
-    """One damper: the user's model and the recordings; without ``unseen`` the last 40 % of each are reserved."""
+    """One damper: the user's model and the recordings; without ``unseen`` 40 % of each are reserved."""
 
     damper: str
     model: DamperModel
@@ -48,7 +48,7 @@ def diagnosis_cases(recording: Recording, model: ModelLike, validate: Recording 
     """The cases of all dampers that have a measured force.
 
     Args:
-        validate: recordings to judge on; a damper in none of them is judged on the last 40 % of its own recordings.
+        validate: recordings to judge on; a damper in none of them is judged on 40 % of its own recordings.
         use: what requires the force, for errors.
 
     Raises:
@@ -60,7 +60,7 @@ def diagnosis_cases(recording: Recording, model: ModelLike, validate: Recording 
     unseen = {} if later is None else later.measurements
     notes = [*measured.notes, *(() if later is None else later.notes)]
     notes += [
-        f"{damper}: not in the recordings to judge on; the last 40 % of its own recordings are reserved for that"
+        f"{damper}: not in the recordings to judge on; 40 % of its own recordings are reserved for that"
         for damper in measured.dampers
         if validate is not None and damper not in unseen
     ]

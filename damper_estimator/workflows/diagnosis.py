@@ -114,7 +114,7 @@ def diagnose(
         recording: the measurements; dampers without a force are left out.
         model: the one to improve on: a name of the library, a model file, a folder with one ``DAMPER.yaml`` each, a
             model, or a mapping of these by damper.
-        validate: recordings to judge on; None reserves the last 40 % of each recording.
+        validate: recordings to judge on; None reserves 40 % of each recording.
         mode: ``kept`` judges each effect with the model's parameters unchanged (the model was right before: what has
             changed?), ``refit`` refits them together with the effect, ``both`` does both and reports disagreements.
         workers: number of processes.

@@ -38,7 +38,7 @@ recording = de.read(folder / "run.csv", columns=folder / "columns.yaml")
 recording
 
 # %% [markdown]
-# First a straight line, and its missing effects. The last 40 % of the recording are reserved for judging.
+# First a straight line, and its missing effects. 40 % of the recording are reserved for judging.
 
 # %%
 line = de.fit(recording, "linear_viscous")

@@ -8,9 +8,7 @@ import pytest
 from damper_estimator.diagnosis.diagnosis_data import (
     BLOCK,
     data_of,
-    early,
     force_rows,
-    late,
     targets,
     unweighted,
     weights,
@@ -18,14 +16,6 @@ from damper_estimator.diagnosis.diagnosis_data import (
 from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows_with_force
 from damper_estimator.errors import InputError
 from damper_estimator.identification.rows import split
-
-
-def test_the_last_two_fifths_of_each_recording_are_kept_back(user_model, base):
-    data = data_of(user_model, [base, base], [])
-    assert [len(rows.measurement.kinematics) for rows in data.fit] == 2 * [len(early(base).kinematics)]
-    assert len(early(base).kinematics) == pytest.approx(0.6 * len(base.kinematics), abs=1)
-    stamps = [part.kinematics.stamp for part in (early(base), late(base))]
-    assert np.array_equal(np.concatenate(stamps), base.kinematics.stamp)
 
 
 def test_given_recordings_are_judged_on_as_a_whole(user_model, base, soft):

@@ -1,0 +1,65 @@
+"""Divides a recording into a part that parameters are found on and a part that is kept back to judge on.
+
+Kept back are the last 40 %. Where these move faster, further, or at other commands than the rest, they would test how
+well a model extrapolates, and a fit to the rest would not be the user's damper: a staircase of sines has its fast ones
+at the end. Such a recording is divided into sections, as few as are necessary, and the last 40 % of each are kept back.
+"""
+
+import numpy as np
+
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import COMMAND, V, X
+
+UNSEEN_SHARE = 0.4  # of each recording, where no other is given to judge on
+_SECTIONS = (1, 2, 3, 5, 8)
+_SHORTEST = 2.5  # s, of a section: a second is kept back
+_BEYOND = 1.25  # times the speed, and the range of displacement and command, of the part that parameters are found on
+_TAIL = 0.005  # share of the samples at each end of a range that does not count
+
+
+def divided(measurement: Measurement) -> tuple[Measurement, Measurement]:
+    """The part that parameters are found on, and the part that is kept back; with gaps where there are sections."""
+    seconds = measurement.kinematics.time[-1] - measurement.kinematics.time[0]
+    for sections in _SECTIONS:
+        early, late = _divided(measurement, sections)
+        is_longest = seconds < 2.0 * _SHORTEST * sections
+        if is_longest or not _goes_beyond(late, early):
+            break
+    return early, late
+
+
+def _divided(measurement: Measurement, sections: int) -> tuple[Measurement, Measurement]:
+    ends = np.linspace(0, len(measurement.kinematics), sections + 1)
+    found, kept = [], []
+    for begin, end in zip(ends, ends[1:], strict=False):
+        cut = round(end - UNSEEN_SHARE * (end - begin))
+        found.append(slice(round(begin), cut))
+        kept.append(slice(cut, round(end)))
+    return measurement.parts(found), measurement.parts(kept)
+
+
+def _goes_beyond(late: Measurement, early: Measurement) -> bool:
+    """Whether the one drives what the other does not."""
+    if not (early.judged.any() and late.judged.any()):
+        return False
+    if _fastest(late) > _BEYOND * _fastest(early):
+        return True
+    return any(_reaches_beyond(_range(late, row), _range(early, row)) for row in (X, COMMAND))
+
+
+def _fastest(part: Measurement) -> float:
+    return float(np.quantile(np.abs(part.kinematics.block[V, part.judged]), 1.0 - 2.0 * _TAIL))
+
+
+def _range(part: Measurement, row: int) -> tuple[float, float] | None:
+    """Lowest and highest value of a channel; None where it was not recorded."""
+    values = part.kinematics.block[row, part.judged]
+    values = values[np.isfinite(values)]
+    return tuple(np.quantile(values, [_TAIL, 1.0 - _TAIL])) if values.size else None
+
+
+def _reaches_beyond(late: tuple[float, float] | None, early: tuple[float, float] | None) -> bool:
+    if late is None or early is None:
+        return late is not None
+    margin = (_BEYOND - 1.0) * (early[1] - early[0])
+    return late[0] < early[0] - margin or late[1] > early[1] + margin
