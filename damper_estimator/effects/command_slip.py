@@ -42,7 +42,7 @@ def share_at(state, move, way, spread):
 
 @compiled
 def crept(state, x, way, spread, creep):
-    """Mean share of the parts moved to ``x`` while they give way by ``creep`` (m) times it; ``state`` as in ``slipped``.
+    """Mean share of the parts moved to ``x`` while they give way by ``creep`` (m) times it; the state of ``slipped``.
 
     They move by u = dx - creep s(u). s does not fall and lies between -1 and 1, so u lies within creep of dx.
     """
