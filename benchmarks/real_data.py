@@ -42,7 +42,7 @@ MODELS = (
     "black_box_12", "mr_damper_on_mount", "mr_damper_with_play", "semi_active_on_mount",
 )  # fmt: skip
 
-MODELS_TOGETHER = ("mr_damper_current", "semi_active_on_mount", "semi_active_yield", "spencer")
+MODELS_TOGETHER = ("mr_damper_current", "mr_damper_with_creep", "semi_active_on_mount", "semi_active_yield", "spencer")
 CONSTANT = ("command_lag", "command_yield.time_constant")
 """Parameters that recordings at constant commands do not determine."""
 

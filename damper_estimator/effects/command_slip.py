@@ -18,50 +18,11 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.elastic_slip import PARTS, slipped
+from damper_estimator.effects.elastic_slip import PARTS, crept
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
 
 _CURRENT = PARTS + 1  # position in the state
-_STEPS = 40  # of the search for the travel: halving alone would need no more
-_EXACT = 1e-9  # of the median travel
-
-
-@compiled
-def share_at(state, move, way, spread):
-    """Mean share of the parts after a ``move`` (m), and its slope over the move (1/m); the state stays as it is."""
-    total, slope, travel, ratio = 0.0, 0.0, way * exp(-spread), exp(2.0 * spread / (PARTS - 1.0))
-    for k in range(PARTS):
-        share = state[k] + move / travel
-        if abs(share) < 1.0:
-            slope += 1.0 / travel
-        total += min(1.0, max(-1.0, share))
-        travel *= ratio
-    return total / PARTS, slope / PARTS
-
-
-@compiled
-def crept(state, x, way, spread, creep):
-    """Mean share of the parts moved to ``x`` while they give way by ``creep`` (m) times it; the state of ``slipped``.
-
-    They move by u = dx - creep s(u). s does not fall and lies between -1 and 1, so u lies within creep of dx.
-    """
-    move = x - state[PARTS]
-    low, high, u = move - creep, move + creep, move
-    for _ in range(_STEPS):
-        share, slope = share_at(state, u, way, spread)
-        error = u + creep * share - move
-        if abs(error) <= _EXACT * way:
-            break
-        if error > 0.0:
-            high = u
-        else:
-            low = u
-        u -= error / (1.0 + creep * slope)
-        if u < low or u > high:
-            u = 0.5 * (low + high)
-    state[PARTS] = x - u
-    return slipped(state, x, way, spread)
 
 
 @compiled

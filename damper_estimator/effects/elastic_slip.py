@@ -1,13 +1,16 @@
 """Yield of many small parts, each elastic until it slips: memory of every reversal, also inside a loop.
 
-    F = F_y mean_k s_k,      ds_k = dx / w_k  while |s_k| < 1,      w_k = w exp(g n_k),      n_k = -1 ... 1
+    F = F_y s,      s = mean_k s_k,      du/dt = v - v_c s,
+    ds_k = du / w_k  while |s_k| < 1,      w_k = w exp(g n_k),      n_k = -1 ... 1
 
 F_y in N the force while all parts slip, w in m the median travel before a part slips, g without unit the spread of the
 travels, whose logarithms are evenly spaced (small: all slip at once, elastic and then sliding); nine parts of equal
-strength. Rate-independent. After each reversal the branch is the first loading at twice its size (Masing's rule), and
-an interrupted branch continues where it was. States: s_k and the last displacement; second order in the step, from the
-reversals. Source: W. D. Iwan, A distributed-element model for hysteresis and its steady-state dynamic response, J.
-Appl. Mech. 33 (1966), with this distribution.
+strength. v_c in m/s is the creep: at a constant speed below it s = v / v_c, the force is viscous before the parts slip.
+Without creep it does not depend on the rate: after each reversal the branch is the first loading at twice its size
+(Masing's rule), and an interrupted branch continues where it was. States: s_k and the last displacement less the creep;
+creep is implicit and of first order in the step, all else of second, from the reversals. Source: W. D. Iwan, A
+distributed-element model for hysteresis and its steady-state dynamic response, J. Appl. Mech. 33 (1966), with this
+distribution; the creep is the dashpot c_1 in series with the hysteresis of Spencer et al. 1997, eq. (12).
 """
 
 from math import exp
@@ -18,6 +21,8 @@ from damper_estimator.signals.layout import DT, X
 
 PARTS = 9
 """Parts, of equal strength."""
+_STEPS = 40  # of the search for the travel: halving alone would need no more
+_EXACT = 1e-9  # of the median travel
 
 
 @compiled
@@ -34,6 +39,43 @@ def slipped(state, x, way, spread):
 
 
 @compiled
+def share_at(state, move, way, spread):
+    """Mean share of the parts after a ``move`` (m), and its slope over the move (1/m); the state stays as it is."""
+    total, slope, travel, ratio = 0.0, 0.0, way * exp(-spread), exp(2.0 * spread / (PARTS - 1.0))
+    for k in range(PARTS):
+        share = state[k] + move / travel
+        if abs(share) < 1.0:
+            slope += 1.0 / travel
+        total += min(1.0, max(-1.0, share))
+        travel *= ratio
+    return total / PARTS, slope / PARTS
+
+
+@compiled
+def crept(state, x, way, spread, creep):
+    """Mean share of the parts moved to ``x`` while they give way by ``creep`` (m) times it; the state of ``slipped``.
+
+    They move by u = dx - creep s(u). s does not fall and lies between -1 and 1, so u lies within creep of dx.
+    """
+    move = x - state[PARTS]
+    low, high, u = move - creep, move + creep, move
+    for _ in range(_STEPS):
+        share, slope = share_at(state, u, way, spread)
+        error = u + creep * share - move
+        if abs(error) <= _EXACT * way:
+            break
+        if error > 0.0:
+            high = u
+        else:
+            low = u
+        u -= error / (1.0 + creep * slope)
+        if u < low or u > high:
+            u = 0.5 * (low + high)
+    state[PARTS] = x - u
+    return slipped(state, x, way, spread)
+
+
+@compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_y mean s_k."""
     for i in range(force.size):
@@ -41,7 +83,8 @@ def kernel(parameters, settings, kinematics, state, force):
             for k in range(PARTS):
                 state[k] = 0.0
             state[PARTS] = kinematics[X, i]
-        force[i] += parameters[0] * slipped(state, kinematics[X, i], parameters[1], parameters[2])
+        creep = parameters[3] * max(kinematics[DT, i], 0.0)
+        force[i] += parameters[0] * crept(state, kinematics[X, i], parameters[1], parameters[2], creep)
 
 
 EFFECT = Effect(
@@ -53,9 +96,10 @@ EFFECT = Effect(
         Parameter("force", "N", 200.0, 0.0, 50000.0, "yield force", linear=True),
         Parameter("way", "m", 3e-4, 1e-6, 0.05, "median travel before a part slips"),
         Parameter("spread", "1", 1.0, 0.1, 4.0, "spread of the travels; 0.1: nearly all parts slip at once"),
+        Parameter("creep", "m/s", 0.0, 0.0, 1.0, "speed at which the parts give way while they hold the whole force"),
     ),
     states=PARTS + 1,
-    order=2,
+    order=1,
     shows="an odd step of the force at each reversal; small loops inside large ones are parts of the same curve",
     separate="a slow triangle with small reversals inside a large one",
     trial=None,
