@@ -15,6 +15,7 @@ from damper_estimator.diagnosis.diagnose import begun, diagnose
 from damper_estimator.diagnosis.hypotheses import settled
 from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.misfit import with_misfit
+from damper_estimator.diagnosis.other_form import IN_PLACE_OF, in_another_form
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.model import DamperModel
@@ -85,7 +86,7 @@ def improve(
         first = first or found
         before = len(improving.steps)
         _follow(improving, found, most)
-        if len(improving.steps) == before:
+        if len(improving.steps) == before and not _change_form(improving, found):
             break
     _prune(improving, report)
     if len(improving.steps) != before:
@@ -136,6 +137,19 @@ def _follow(improving: _Improving, found: Diagnosis, most: int) -> None:
             improving.keep("correct" if finding.is_channel else "add", current, finding, found)
 
 
+def _change_form(improving: _Improving, found: Diagnosis) -> bool:
+    """Puts a better form in place of what the model has of a phenomenon, where much is unexplained."""
+    if found.verdict != "unexplained" or improving.mode == "kept":
+        return False
+    better = in_another_form(improving.current)
+    if better is None:
+        return False
+    state, _, form = better
+    improving.keep("add", state, None, found)
+    improving.steps[-1] = replace(improving.steps[-1], effect=form.name, phenomenon=form.phenomenon)
+    return True
+
+
 def _prune(improving: _Improving, report: Progress) -> None:
     """Removes effects that later ones made redundant."""
     for name in list(improving.current.added[:-1]):
@@ -155,13 +169,17 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
     if not done:
         return f"Nothing was added: {found.sentence}"
     words = {"add": "added {}", "correct": "{} corrected in the signal map", "prune": "{} removed again"}
-    said = [words.get(s.action, "parameters identified again").format(s.effect) for s in done]
+    said = [words.get(s.action, "parameters identified again").format(s.effect) + _instead(s) for s in done]
     floor = found.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""
     more = found.verdict != "unexplained" and found.reference_n < (1.0 - limits().least_fall) * last
     least = f", and a regression without any form reaches {found.reference_n:.3g} N" if more else ""
     fall = f"the unseen error falls from {first:.3g} to {last:.3g} N"
     return f"{', '.join(said)}: {fall}{above}{least}. {_why_it_ends(found)}"
+
+
+def _instead(step: Step) -> str:
+    return f" {step.note}" if step.note.startswith(IN_PLACE_OF) else ""
 
 
 def _why_it_ends(found: Diagnosis) -> str:

@@ -1,0 +1,52 @@
+"""Another form of a phenomenon that a model has already, in the place of what represents it there.
+
+Beside a yield of the wrong form a better one explains little: the old one has taken what both could explain.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from damper_estimator.diagnosis.apply_finding import ModelState, identified
+from damper_estimator.diagnosis.diagnosis_data import ranges_of
+from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.model import DamperModel
+from damper_estimator.model.element import labels
+
+IN_PLACE_OF = "in place of"
+"""Begins the note of such a step."""
+
+
+def in_another_form(state: ModelState) -> tuple[ModelState, str, Hypothesis] | None:
+    """The model with the form that leaves least, what it replaces, and the form; None where none explains as much more
+    as an effect that is missing has to.
+    """
+    best = None
+    for label, less, form in _replacements(state):
+        changed, _ = form.added_to(less)
+        after = replace(state, added=(*(name for name in state.added if name in _names(less)), form.name))
+        after = after.with_model(identified(after, changed), f"{IN_PLACE_OF} {label}")
+        if best is None or after.rmse_unseen_n < best[0].rmse_unseen_n:
+            best = after, label, form
+    most = np.sqrt(1.0 - limits().gain) * state.rmse_unseen_n
+    return best if best is not None and best[0].rmse_unseen_n <= most else None
+
+
+def _replacements(state: ModelState) -> Iterator[tuple[str, DamperModel, Hypothesis]]:
+    """Label of a source, the model without it, and another form of its phenomenon."""
+    model = state.model
+    ranges = ranges_of(state.fit_part, model)
+    for label, element in labels(model.effects):
+        effect = element.effect
+        if effect.kind == "source" and effect.phenomenon:
+            less = model.without(label)
+            for form in hypotheses_for(less, ranges)[0]:
+                is_other = form.phenomenon == effect.phenomenon and form.name not in _names(model)
+                if is_other and form.effect.kind == "source" and not form.effect.general:
+                    yield label, less, form
+
+
+def _names(model: DamperModel) -> set[str]:
+    return {element.effect.name for _, element in labels(model.effects)}
