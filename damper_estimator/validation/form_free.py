@@ -26,6 +26,7 @@ from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 _PLAYS = (3e-5, 1e-4, 4e-4, 1.5e-3, 5e-3)  # m, half widths of pre-sliding
 _HIGHEST = 0.999  # quantile of the speed
 _LEAST_KELVIN, _LEAST_COMMAND = 1.0, 0.02
+_NOTHING = 1e-9  # of the largest column: what the filter leaves of one that is zero
 _RIDGE = 1e-5  # of the mean square of a column
 _MOST_SAMPLES = 15_000  # of the recordings together
 
@@ -177,8 +178,9 @@ def reference_error(fit: Sequence[Measurement], unseen: Sequence[Measurement]) -
 
 
 def _solved(rows: np.ndarray, force: np.ndarray, least: np.ndarray) -> np.ndarray:
-    """Weights (k,) of columns (r, k), with a ridge."""
-    size = np.sqrt(np.mean(rows**2, axis=0)) + 1e-300
+    """Weights (k,) of columns (r, k), with a ridge; practically none for a column that is not driven."""
+    size = np.sqrt(np.mean(rows**2, axis=0))
+    size = np.maximum(size, _NOTHING * size.max() + 1e-300)
     ridge = np.sqrt(_RIDGE * len(rows)) * np.eye(size.size)
     columns, target = np.vstack([rows / size, ridge]), np.concatenate([force, np.zeros(size.size)])
     highest = np.full(size.size, np.inf)
