@@ -1,6 +1,7 @@
 """Another form of a phenomenon that a model has already, in the place of what represents it there.
 
-Beside a yield of the wrong form a better one explains little: the old one has taken what both could explain.
+Beside a yield of the wrong form a better one explains little: the old one has taken what both could explain. Friction
+and hysteresis are alike in this: both are a memory of the way.
 """
 
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from damper_estimator.model.element import labels
 
 IN_PLACE_OF = "in place of"
 """Begins the note of such a step."""
+_MEMORY = {"friction", "hysteresis"}
 
 
 def in_another_form(state: ModelState) -> tuple[ModelState, str, Hypothesis] | None:
@@ -43,8 +45,8 @@ def _replacements(state: ModelState) -> Iterator[tuple[str, DamperModel, Hypothe
         if effect.kind == "source" and effect.phenomenon:
             less = model.without(label)
             for form in hypotheses_for(less, ranges)[0]:
-                is_other = form.phenomenon == effect.phenomenon and form.name not in _names(model)
-                if is_other and form.effect.kind == "source" and not form.effect.general:
+                is_alike = form.phenomenon == effect.phenomenon or {form.phenomenon, effect.phenomenon} == _MEMORY
+                if is_alike and form.effect.kind == "source" and form.name not in _names(model):
                     yield label, less, form
 
 

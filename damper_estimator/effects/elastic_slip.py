@@ -16,13 +16,15 @@ distribution; the creep is the dashpot c_1 in series with the hysteresis of Spen
 from math import exp
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, X
 
 PARTS = 9
 """Parts, of equal strength."""
 _STEPS = 40  # of the search for the travel: halving alone would need no more
 _EXACT = 1e-9  # of the median travel
+_MOST_CREEP = 0.1  # of the speed
 
 
 @compiled
@@ -87,11 +89,26 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * crept(state, kinematics[X, i], parameters[1], parameters[2], creep)
 
 
+def trial(ranges: Ranges) -> Trial:
+    """Parts slip within a small part of the stroke. They creep at a small part of the speed; with more, and parts that
+    are stiff, the force would be viscous up to a speed: a change of the curve.
+    """
+    way = 0.01 * ranges.stroke
+    limits = {"way": (0.02 * way, 5.0 * way), "spread": (0.1, 2.5), "creep": (0.0, _MOST_CREEP * ranges.speed)}
+    values = {"way": 0.3 * way, "spread": 1.0, "creep": 0.02 * ranges.speed}
+
+    def exclusion(values: Values) -> str:
+        is_fast = number(values, "creep") > 0.95 * _MOST_CREEP * ranges.speed
+        return "yields at a tenth of the speed only: a change of the curve" if is_fast else ""
+
+    return Trial(values, limits, spread(way=(0.1 * way, way), creep=(0.0, 0.02 * ranges.speed)), exclusion)
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
-    phenomenon="friction",
-    tests=("friction step",),
+    phenomenon="hysteresis",
+    tests=("memory",),
     parameters=(
         Parameter("force", "N", 200.0, 0.0, 50000.0, "yield force", linear=True),
         Parameter("way", "m", 3e-4, 1e-6, 0.05, "median travel before a part slips"),
@@ -100,7 +117,8 @@ EFFECT = Effect(
     ),
     states=PARTS + 1,
     order=1,
-    shows="an odd step of the force at each reversal; small loops inside large ones are parts of the same curve",
-    separate="a slow triangle with small reversals inside a large one",
-    trial=None,
+    shows="an odd step of the force at each reversal, rounded at low speed; small loops lie inside large ones",
+    separate="a slow triangle with small reversals inside a large one, and the same at twice the speed",
+    trial=trial,
+    general=True,
 )
