@@ -237,7 +237,7 @@ def main() -> None:
         if arguments.part != "each":
             sets = (("utfsm_mr_damper", UTFSM), ("labcontrol_mr_damper", LABCONTROL))
             write(
-                "together", [f"{title}\n\n{together(folder, settings)}" for title, settings in sets], arguments.output
+                "together", [f"**{title}**\n\n{together(folder, settings)}" for title, settings in sets], arguments.output
             )
         if arguments.part != "together":
             write("tables", tables(folder, arguments.models, arguments.jobs), arguments.output)
