@@ -1,7 +1,7 @@
 """Another form of a phenomenon that a model has already, in the place of what represents it there.
 
-Beside a yield of the wrong form a better one explains little: the old one has taken what both could explain. Friction
-and hysteresis are alike in this: both are a memory of the way.
+Beside a yield of the wrong form a better one explains little: the old one has taken what both could explain. A form of
+another phenomenon is tried as well if its form-free test contains that of the present one, as memory contains friction.
 """
 
 from collections.abc import Iterator
@@ -10,15 +10,17 @@ from dataclasses import replace
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified
+from damper_estimator.diagnosis.atlas_terms import TESTS
 from damper_estimator.diagnosis.diagnosis_data import ranges_of
 from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.effects.contract import Effect
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 
 IN_PLACE_OF = "in place of"
 """Begins the note of such a step."""
-_MEMORY = {"friction", "hysteresis"}
+_CONTAINED = {test.name: test.contains for test in TESTS}
 
 
 def in_another_form(state: ModelState) -> tuple[ModelState, str, Hypothesis] | None:
@@ -37,7 +39,7 @@ def in_another_form(state: ModelState) -> tuple[ModelState, str, Hypothesis] | N
 
 
 def _replacements(state: ModelState) -> Iterator[tuple[str, DamperModel, Hypothesis]]:
-    """Label of a source, the model without it, and another form of its phenomenon."""
+    """Label of a source, the model without it, and another form."""
     model = state.model
     ranges = ranges_of(state.fit_part, model)
     for label, element in labels(model.effects):
@@ -45,9 +47,13 @@ def _replacements(state: ModelState) -> Iterator[tuple[str, DamperModel, Hypothe
         if effect.kind == "source" and effect.phenomenon:
             less = model.without(label)
             for form in hypotheses_for(less, ranges)[0]:
-                is_alike = form.phenomenon == effect.phenomenon or {form.phenomenon, effect.phenomenon} == _MEMORY
-                if is_alike and form.effect.kind == "source" and form.name not in _names(model):
+                if form.effect.kind == "source" and form.name not in _names(model) and _replaces(form.effect, effect):
                     yield label, less, form
+
+
+def _replaces(form: Effect, present: Effect) -> bool:
+    contained = {name for test in form.tests for name in _CONTAINED[test]}
+    return form.phenomenon == present.phenomenon or not contained.isdisjoint(present.tests)
 
 
 def _names(model: DamperModel) -> set[str]:

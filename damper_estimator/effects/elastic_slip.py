@@ -24,7 +24,7 @@ PARTS = 9
 """Parts, of equal strength."""
 _STEPS = 40  # of the search for the travel: halving alone would need no more
 _EXACT = 1e-9  # of the median travel
-_MOST_CREEP = 0.1  # of the speed
+_LEAST_CREEP, _MOST_CREEP = 0.002, 0.1  # of the speed
 
 
 @compiled
@@ -90,16 +90,18 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Parts slip within a small part of the stroke. They creep at a small part of the speed; with more, and parts that
-    are stiff, the force would be viscous up to a speed: a change of the curve.
+    """Parts slip within a small part of the stroke, and creep at a small part of the speed. Without creep they are dry
+    friction; with much of it, and stiff parts, the force would be viscous up to a speed: a change of the curve.
     """
     way = 0.01 * ranges.stroke
     limits = {"way": (0.02 * way, 5.0 * way), "spread": (0.1, 2.5), "creep": (0.0, _MOST_CREEP * ranges.speed)}
     values = {"way": 0.3 * way, "spread": 1.0, "creep": 0.02 * ranges.speed}
 
     def exclusion(values: Values) -> str:
-        is_fast = number(values, "creep") > 0.95 * _MOST_CREEP * ranges.speed
-        return "yields at a tenth of the speed only: a change of the curve" if is_fast else ""
+        creep = number(values, "creep") / ranges.speed
+        if creep < _LEAST_CREEP:
+            return "does not give way at low speed: dry friction"
+        return "yields at a tenth of the speed only: a change of the curve" if creep > 0.95 * _MOST_CREEP else ""
 
     return Trial(values, limits, spread(way=(0.1 * way, way), creep=(0.0, 0.02 * ranges.speed)), exclusion)
 
