@@ -236,9 +236,8 @@ def main() -> None:
         import_all(folder)
         if arguments.part != "each":
             sets = (("utfsm_mr_damper", UTFSM), ("labcontrol_mr_damper", LABCONTROL))
-            write(
-                "together", [f"**{title}**\n\n{together(folder, settings)}" for title, settings in sets], arguments.output
-            )
+            pages = [f"**{title}**\n\n{together(folder, settings)}" for title, settings in sets]
+            write("together", pages, arguments.output)
         if arguments.part != "together":
             write("tables", tables(folder, arguments.models, arguments.jobs), arguments.output)
 
