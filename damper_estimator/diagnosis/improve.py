@@ -15,7 +15,7 @@ from damper_estimator.diagnosis.diagnose import begun, diagnose
 from damper_estimator.diagnosis.hypotheses import settled
 from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.misfit import with_misfit
-from damper_estimator.diagnosis.other_form import IN_PLACE_OF, in_another_form
+from damper_estimator.diagnosis.other_form import in_another_form
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.model import DamperModel
@@ -144,9 +144,10 @@ def _change_form(improving: _Improving, found: Diagnosis) -> bool:
     better = in_another_form(improving.current)
     if better is None:
         return False
-    state, _, form = better
+    state, label, form = better
     improving.keep("add", state, None, found)
-    improving.steps[-1] = replace(improving.steps[-1], effect=form.name, phenomenon=form.phenomenon)
+    last = replace(improving.steps[-1], effect=form.name, phenomenon=form.phenomenon, replaced=label)
+    improving.steps[-1] = last
     return True
 
 
@@ -179,7 +180,7 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
 
 
 def _instead(step: Step) -> str:
-    return f" {step.note}" if step.note.startswith(IN_PLACE_OF) else ""
+    return f" in place of {step.replaced}" if step.replaced else ""
 
 
 def _why_it_ends(found: Diagnosis) -> str:

@@ -19,6 +19,7 @@ class Step:
         rmse_fit_n, rmse_unseen_n: N in band.
         diagnosis: what was tried before this step; None where nothing was.
         note: in words.
+        replaced: label of the entry of the model that the effect replaced; "" where it was added beside all others.
     """
 
     action: str
@@ -29,6 +30,7 @@ class Step:
     rmse_unseen_n: float
     diagnosis: Diagnosis | None
     note: str
+    replaced: str = ""
 
 
 @dataclass(frozen=True)

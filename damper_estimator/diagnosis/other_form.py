@@ -18,8 +18,6 @@ from damper_estimator.effects.contract import Effect
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 
-IN_PLACE_OF = "in place of"
-"""Begins the note of such a step."""
 _CONTAINED = {test.name: test.contains for test in TESTS}
 
 
@@ -31,7 +29,7 @@ def in_another_form(state: ModelState) -> tuple[ModelState, str, Hypothesis] | N
     for label, less, form in _replacements(state):
         changed, _ = form.added_to(less)
         after = replace(state, added=(*(name for name in state.added if name in _names(less)), form.name))
-        after = after.with_model(identified(after, changed), f"{IN_PLACE_OF} {label}")
+        after = after.with_model(identified(after, changed), f"in place of {label}")
         if best is None or after.rmse_unseen_n < best[0].rmse_unseen_n:
             best = after, label, form
     most = np.sqrt(1.0 - limits().gain) * state.rmse_unseen_n
