@@ -151,7 +151,9 @@ def first_search(
         found = search(
             state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
         )
-        if found.accepted:
+        # On the recordings of the identification a zero is no news, and the old error is what the model lacks.
+        zeros = {hypothesis.name for hypothesis in found.rounds[0].hidden if state.is_identified_here}
+        if {one.element.effect.name for one in found.accepted} - zeros:
             return found, news
     if is_usual:
         return surveyed(state.model, data, skip, workers, progress), data

@@ -1,12 +1,14 @@
 """What a model already got wrong when it was identified is no news."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
 from faults import changed, halves
 
 from damper_estimator.diagnosis import apply_finding, diagnose, with_misfit
+from damper_estimator.diagnosis.accepted import accepted_in
 from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, probability_of_change, without_misfit
 from damper_estimator.identification import fit
@@ -119,3 +121,28 @@ def test_a_model_without_a_finite_force_has_an_infinite_error(rough, monkeypatch
     worse = state.with_model(model)
     assert worse.rmse_unseen_n == float("inf") and not worse.delivers(1.0, state) and not worse.better_than(state)
     assert min((worse, state), key=lambda one: one.rmse_unseen_n) is state
+
+
+@pytest.mark.parametrize("is_here", [True, False])
+def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_fit(rough, monkeypatch, is_here):
+    """Beneath the old error only a zero is found: news elsewhere, and none where the model was identified."""
+    module = import_module("damper_estimator.diagnosis.diagnose")
+    original = module.search
+
+    def only_a_zero(*arguments, trusted=False, **keywords):
+        found = original(*arguments, trusted=trusted, **keywords)
+        if not trusted:
+            return found
+        first = found.rounds[0]
+        one = first.hypotheses[0]
+        first = replace(first, hidden=(one,))
+        return replace(found, rounds=(first,), accepted=(accepted_in(first, one),))
+
+    monkeypatch.setattr(module, "search", only_a_zero)
+    model, first, other = rough
+    state = state_of(model, [first], [changed(other, lambda kinematics: 900.0 * kinematics.velocity)])
+    if not is_here:
+        state = replace(state, model=replace(model, fit={**model.fit, "bags": ["elsewhere.mcap"]}))
+    assert state.is_identified_here == is_here
+    found, _ = module.first_search(state, "both")
+    assert found.mode == ("refit" if is_here else "both")
