@@ -6,7 +6,7 @@ from damper_estimator.diagnosis.atlas_terms import TESTS
 from damper_estimator.diagnosis.correction import corrected, corrected_signals, in_yaml
 from damper_estimator.diagnosis.diagnose import MODES, diagnose
 from damper_estimator.diagnosis.diagnosis_data import ranges_of
-from damper_estimator.diagnosis.division import divided
+from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.diagnosis.fitted_explanations import (
     Explanations,
     FittedExplanation,
@@ -45,10 +45,10 @@ __all__ = [
     "Step",
     "Structure",
     "Template",
+    "all_divided",
     "corrected",
     "corrected_signals",
     "diagnose",
-    "divided",
     "explanations",
     "general_margin",
     "improve",

@@ -22,7 +22,7 @@ from damper_estimator.diagnosis.diagnosis_data import (
     targets,
     unweighted,
 )
-from damper_estimator.diagnosis.division import divided
+from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.diagnosis.explanation import (
     atlas_of,
     finding_of,
@@ -112,7 +112,7 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     for measurement in (*fit, *unseen):
         usable(model, measurement)
     if not unseen:
-        fit, unseen = zip(*(divided(m) for m in fit), strict=True)
+        fit, unseen = all_divided(fit)
     return state_of(model, fit, unseen)
 
 

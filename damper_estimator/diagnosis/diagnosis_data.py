@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis.division import divided
+from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.rows import Rows
@@ -68,7 +68,7 @@ def data_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Mea
         InputError: where a recording cannot be judged with this model.
     """
     if not unseen:
-        fit, unseen = zip(*(divided(m) for m in fit), strict=True)
+        fit, unseen = all_divided(fit)
     fit_rows, unseen_rows = _rows(model, fit), _rows(model, unseen)
     return DiagnosisData(
         fit_rows, unseen_rows, _blocks(unseen_rows), ranges_of([part.measurement for part in fit_rows], model)

@@ -5,6 +5,8 @@ well a model extrapolates, and a fit to the rest would not be the user's damper:
 at the end. Such a recording is divided into sections, as few as are necessary, and the last 40 % of each are kept back.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from damper_estimator.signals import Measurement
@@ -26,6 +28,12 @@ def divided(measurement: Measurement) -> tuple[Measurement, Measurement]:
         if is_longest or not _goes_beyond(late, early):
             break
     return early, late
+
+
+def all_divided(measurements: Sequence[Measurement]) -> tuple[list[Measurement], list[Measurement]]:
+    """The parts of several recordings that parameters are found on, and the parts that are kept back."""
+    pairs = [divided(measurement) for measurement in measurements]
+    return [early for early, _ in pairs], [late for _, late in pairs]
 
 
 def _divided(measurement: Measurement, sections: int) -> tuple[Measurement, Measurement]:

@@ -59,6 +59,8 @@ def crept(state, x, way, spread, creep):
 
     They move by u = dx - creep s(u). s does not fall and lies between -1 and 1, so u lies within creep of dx.
     """
+    if creep <= 0.0:
+        return slipped(state, x, way, spread)
     move = x - state[PARTS]
     low, high, u = move - creep, move + creep, move
     for _ in range(_STEPS):

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from damper_estimator.diagnosis import corrected, divided
+from damper_estimator.diagnosis import all_divided, corrected
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import DamperSignals, Measurement, SignalMap, load_signal_map
@@ -180,7 +180,7 @@ def opened(folder: Folder, choice: Choice, progress: Progress) -> Stage:
     fit = [p.measurement for passage in passages[:count] for p in passage]
     unseen = [p.measurement for passage in passages[count:] for p in passage]
     if not unseen:
-        fit, unseen = zip(*(divided(m) for m in fit), strict=True)
+        fit, unseen = all_divided(fit)
     judged = tuple(p for passage in passages for p in passage)
     read_all = Stage(
         choice, damper, recordings[0].signal_map, tuple(whole), tuple(fit), tuple(unseen), judged, tuple(warnings)
