@@ -181,8 +181,7 @@ class Estimation:
         if topic in self._gauges:
             self._gauges[topic][1].take(data)
         forces = source.take(data, arrival, settings.max_age)
-        if displacement.comparison.is_measured:
-            displacement.comparison.buffer.keep(source.stamp)
+        displacement.comparison.buffer.keep(source.stamp)
         return Answer(forces, source.due(now, settings.stale_after, settings), has_grown)
 
     def _request(self, data: bytes, now: float) -> list[Command]:

@@ -28,6 +28,7 @@ from damper_estimator.node.quality_of_service import OVERRIDABLE
 from damper_estimator.node.rclpy_private import RefusingLifecycleNode
 from damper_estimator.node.recorder import Recorder
 from damper_estimator.node.reporter import Reporter
+from damper_estimator.node.residuals import CAPACITY
 from damper_estimator.node.ros_parameters import declare, read_settings
 from damper_estimator.node.roster import make_roster
 from damper_estimator.node.settings import DECLARATIONS
@@ -141,8 +142,8 @@ class EstimatorNode(RefusingLifecycleNode):
         quality = QoSProfile(depth=settings.qos_depth, reliability=ReliabilityPolicy[settings.qos_reliability.upper()])
         self._forces.open()
         self._residuals = self.create_publisher(
-            JointState, "~/residual", OUTPUT_DEPTH, qos_overriding_options=OVERRIDABLE
-        )
+            JointState, "~/residual", CAPACITY, qos_overriding_options=OVERRIDABLE
+        )  # one comparison publishes all its residuals at once
         self._commands.open()
         self._configured_timers = [self.create_timer(COMPARE_PERIOD, self._guarded(self._compare), clock=self._steady)]
         self.state.recorder = recorder

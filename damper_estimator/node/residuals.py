@@ -26,8 +26,8 @@ from damper_estimator.signals import DamperSignals, Kinematics
 from damper_estimator.signals.admission import ACCEPTED, DUPLICATE
 from damper_estimator.signals.layout import DT, ROWS, A, V, X
 
-_SILENT = 40  # comparisons without a sample of a gauge until estimates are no longer collected
-_CAPACITY = 2048  # samples between two comparisons; more are not compared
+_SILENT = 40  # comparisons without a sample of a gauge until estimates are no longer compared
+CAPACITY = 2048  # samples between two comparisons; more are not compared
 _X, _V, _A = (FIELDS.index(name) for name in ("displacement", "velocity", "acceleration"))
 _NO_STAMPS = np.zeros(0, np.int64)
 
@@ -39,15 +39,15 @@ class GaugeInput:
         """Raises InputError if a field path does not fit the message type."""
         self._channels = [damper.force for damper in signals]
         self._reader = reader_of("force", JOINT_STATE, self._channels)
-        self._stamps = np.zeros(_CAPACITY, np.int64)
-        self._values = np.full((_CAPACITY, len(signals)), np.nan)
-        self._present = np.zeros((_CAPACITY, len(signals)), bool)
+        self._stamps = np.zeros(CAPACITY, np.int64)
+        self._values = np.full((CAPACITY, len(signals)), np.nan)
+        self._present = np.zeros((CAPACITY, len(signals)), bool)
         self._count = 0
 
     def take(self, data: bytes) -> None:
         """Keeps the values of one message until they are compared."""
         reading = self._reader.read(data)
-        if self._count < _CAPACITY:
+        if self._count < CAPACITY:
             self._stamps[self._count] = reading.stamp
             self._values[self._count] = reading.values
             self._present[self._count] = reading.present
@@ -77,9 +77,9 @@ class EstimateBuffer:
 
     def _allocate(self) -> None:
         k = len(self._source.line.names)
-        self._stamps = np.zeros(_CAPACITY, np.int64)
-        self._verdicts, self._status = np.zeros((_CAPACITY, k), np.int64), np.zeros((_CAPACITY, k), np.uint8)
-        self._numbers, self._modelled = np.zeros((_CAPACITY, len(FIELDS), k)), np.zeros((_CAPACITY, k))
+        self._stamps = np.zeros(CAPACITY, np.int64)
+        self._verdicts, self._status = np.zeros((CAPACITY, k), np.int64), np.zeros((CAPACITY, k), np.uint8)
+        self._numbers, self._modelled = np.zeros((CAPACITY, len(FIELDS), k)), np.zeros((CAPACITY, k))
 
     def keep(self, stamp: int) -> None:
         """Keeps the line's latest estimates."""
@@ -87,12 +87,20 @@ class EstimateBuffer:
         if self._verdicts.shape[1] != len(line.names):
             self._allocate()
             self._count = 0
-        if self._count < _CAPACITY:
+        if self._count < CAPACITY:
             self._stamps[self._count] = stamp
             answered = line.output
             self._verdicts[self._count], self._status[self._count] = answered.verdict[0], answered.status[0]
             self._numbers[self._count], self._modelled[self._count] = answered.numbers[0], answered.modelled[0]
             self._count += 1
+
+    def trim(self) -> None:
+        """Drops all but the newest, when half full: those that the first samples of a gauge will be compared with."""
+        if self._count > CAPACITY // 2:
+            kept = slice(self._count - CAPACITY // 4, self._count)
+            for part in (self._stamps, self._verdicts, self._status, self._numbers, self._modelled):
+                part[: CAPACITY // 4] = part[kept]
+            self._count = CAPACITY // 4
 
     def drain(self) -> list[Estimates]:
         """The estimates of each damper since the last call."""
@@ -118,7 +126,6 @@ class Comparison:
 
     Attributes:
         drifts: by damper.
-        is_measured: whether a gauge was received in the last two seconds, or still can be; else no sample is collected.
     """
 
     def __init__(self, source: DisplacementInput, cutoff: float, max_gap: float, window: float, factor: float) -> None:
@@ -127,23 +134,23 @@ class Comparison:
         self._settings = (cutoff, max_gap, window, factor)
         self.buffer = EstimateBuffer(source)
         self.drifts: dict[str, Drift] = {}
-        self.is_measured, self._silent = True, 0
+        self._silent = 0
         self._lines: dict[str, ResidualLine] = {}
         self._motion: dict[str, tuple[np.ndarray, ...]] = {}
 
     def compare(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> list[bytes]:
         """The residual messages that are now complete; ``gauges`` are new samples by damper."""
         if not self._has_gauge(gauges):
+            self.buffer.trim()
             return []
         cutoff, max_gap, window, factor = self._settings
         residuals: dict[str, Residuals] = {}
         for estimator, estimates in zip(self._source.estimators, self.buffer.drain(), strict=False):
             name = estimator.name
             stamp, force = gauges.get(name, (_NO_STAMPS, np.zeros(0)))
-            if name not in self._lines:
-                if not stamp.size:
-                    continue
+            if name not in self._lines:  # also before its gauge, whose first samples may arrive after the estimates
                 self._lines[name] = ResidualLine(estimator.signals, cutoff, max_gap)
+            if stamp.size and name not in self.drifts:
                 self.drifts[name] = Drift(name, window, factor)
             residuals[name] = self._lines[name].block(estimates, estimates.kinematics.stamp, stamp, force)
             self._judge(name, estimates, residuals[name])
@@ -154,12 +161,11 @@ class Comparison:
         return messages
 
     def _has_gauge(self, gauges: dict[str, tuple[np.ndarray, np.ndarray]]) -> bool:
-        """Whether a gauge is, or was recently, received."""
+        """Whether a gauge was received in the last two seconds."""
         names = [estimator.name for estimator in self._source.estimators]
         is_received = any(gauges[name][0].size for name in names if name in gauges)
         self._silent = 0 if is_received else self._silent + 1
-        self.is_measured = self._silent < _SILENT
-        return self.is_measured
+        return self._silent < _SILENT
 
     def _judge(self, name: str, estimates: Estimates, residuals: Residuals) -> None:
         """Passes the residuals of settled estimates to the damper's drift."""
@@ -167,7 +173,7 @@ class Comparison:
                estimates.kinematics.displacement, estimates.status.astype(float))  # fmt: skip
         kept = self._motion.get(name, tuple(part[:0] for part in new))
         stamp, force, velocity, displacement, status = (
-            np.concatenate([old, added])[-_CAPACITY:] for old, added in zip(kept, new, strict=True)
+            np.concatenate([old, added])[-CAPACITY:] for old, added in zip(kept, new, strict=True)
         )
         self._motion[name] = (stamp, force, velocity, displacement, status)
         rising = bool(np.all(np.diff(stamp) > 0))
