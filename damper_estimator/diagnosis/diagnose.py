@@ -96,8 +96,9 @@ def diagnose(
         found = replace(found, accepted=named or as_if_by(found.rounds[0]))
         steps = _steps(state, found, mode, again)
     # Without a candidate only a large growth is news: errors on good recordings of one damper differ by up to two.
-    share = max(state.rmse_fit_n, state.rmse_unseen_n) / force / np.sqrt(limits().growth)
-    if verdict == "unexplained" and not state.is_identified_here and not has_grown(state.model, float(share)):
+    share = float(max(state.rmse_fit_n, state.rmse_unseen_n) / force / np.sqrt(limits().growth))
+    is_old = share < limits().usual and not has_grown(state.model, share)
+    if verdict == "unexplained" and not state.is_identified_here and is_old:
         verdict, picture, found = "nothing_missing", None, replace(found, is_survey=True)
     report("done", 1.0)
     return _diagnosis(state, found, again, verdict, picture, steps, before, given)

@@ -114,10 +114,10 @@ class Round:
         worth = np.sqrt(max(before**2 - after**2, 0.0))
         if worth < limits().least_force * force_rms:
             return f"worth {worth:.3g} N only, less than {100.0 * limits().least_force:.3g} % of the force"
-        confidence = self.confidence(hypothesis)
-        if confidence < limits().named:
+        new = self.baseline.data.change * self._right(hypothesis)
+        if new < limits().named:
             return (
-                f"right with a probability of {_below(confidence, limits().named)} % only; "
+                f"new and right with a probability of {_below(new, limits().named)} % only; "
                 f"{100.0 * limits().named:.0f} % required"
             )
         return ""
@@ -133,16 +133,26 @@ class Round:
         return float(sum(self.probabilities.get(name, 0.0) for name in group))
 
     def confidence(self, hypothesis: Hypothesis) -> float:
-        """Probability that its phenomenon, or one that is tied with it, is what is missing.
+        """Probability that the phenomenon of a finding, or one that is tied with it, is what is missing.
 
-        It includes that something has changed at all, and that the true phenomenon is among those that were tried, with
-        forms that resemble the damper's: on dampers of other physics that falls with what the best effect leaves
-        unexplained.
+        Either something has changed since the model was identified, or the finding is in what the model always got
+        wrong; of a usual error that nothing in particular accounts for, no effect predicts a share e on unseen data:
+
+            1 - (1 - P(change)) (1 - e)
+        """
+        explained = np.clip(1.0 - hypothesis.evaluation.error, 0.0, 1.0)
+        meant = 1.0 - (1.0 - self.baseline.data.change) * (1.0 - explained)
+        return float(meant) * self._right(hypothesis)
+
+    def _right(self, hypothesis: Hypothesis) -> float:
+        """Probability of the tied group if something is missing.
+
+        It includes that the true phenomenon is among those that were tried, with forms that resemble the damper's: on
+        dampers of other physics that falls with what the best effect leaves unexplained.
         """
         explained = 1.0 - hypothesis.evaluation.error
         form = np.clip(limits().form_share * explained, 0.0, limits().form_right)
-        group = (hypothesis.phenomenon, *self.tied(hypothesis))
-        return float(form) * self.baseline.data.change * self.probability(group)
+        return float(form) * self.probability((hypothesis.phenomenon, *self.tied(hypothesis)))
 
 
 def _below(gain: float, required: float) -> str:

@@ -91,7 +91,7 @@ def search(
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     # A refit with the zero freed leaves a mean of the model undetermined.
     settled_model, names = (model, []) if found.mode == "refit" else (last.model, names_of(accepted))
-    offsets = _hidden_by_the_zero(found.rounds[0], settled_model, names)
+    offsets = _hidden_by_the_zero(found.rounds[0], settled_model, names, {one.name for one in tried}, workers)
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((_explained(one) for one in accepted), default=0.0)
     ahead, behind = ([one for one in offsets if (_explained(one) > most) == first] for first in (True, False))
@@ -197,9 +197,14 @@ def _next(before: Baseline, model: DamperModel, added: Collection[str], refits: 
     return replace(after, base_fit=before.base_fit, base_unseen=before.base_unseen)
 
 
-def _hidden_by_the_zero(first: Round, model: DamperModel, added: Collection[str]) -> list[Accepted]:
+def _hidden_by_the_zero(
+    first: Round, model: DamperModel, added: Collection[str], tried: Collection[str], workers: int
+) -> list[Accepted]:
     """Findings that the freed zero of the gauge hides, evaluated with it in the comparison, in addition to all that was
     found: effects with a mean are fitted with the zero as well, and may explain it.
+
+    A mean is the gauge's only if nothing in the damper makes it: all effects are tried on the same data, and those that
+    explain about as much are ties.
     """
     found = []
     data = first.baseline.data.with_zero
@@ -208,7 +213,12 @@ def _hidden_by_the_zero(first: Round, model: DamperModel, added: Collection[str]
         fit = trial_fit(baseline, hypothesis)
         if fit.hidden:
             continue
-        alone = round_of(baseline, [replace(hypothesis, fit=fit)], "kept")
+        zero = replace(hypothesis, fit=fit)
+        alone = round_of(baseline, [zero], "kept")
         if not alone.reason_against(alone.best, data.force_rms) and alone.gain(alone.best)[0] >= limits().gain:
-            found.append(accepted_in(alone, alone.best))
+            names = set(tried) - {zero.name} - settled(added)
+            others = [one for one in hypotheses_for(model, data.ranges)[0] if one.name in names]
+            fitted = [zero, *all_fitted(baseline, others, _WORTH, workers, lambda count: None)]
+            among = round_of(baseline, fitted, "kept")
+            found.append(accepted_in(among, among.hypothesis(zero.name)))
     return found

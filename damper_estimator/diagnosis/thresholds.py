@@ -78,7 +78,7 @@ class Thresholds:
     named: float = _threshold(
         0.2,
         "probability",
-        "a finding must be right with it",
+        "a finding must be new and right with it",
         "of nine less probable ones on unknown dampers one was right",
     )
     tied: float = _threshold(0.1, "probability", "another phenomenon is a tie", "one wrong name in ten is too many")

@@ -45,6 +45,24 @@ def test_what_is_hardly_more_probable_than_ten_others_is_not_named(noisy):
         assert not alike.reason_against(alike.best, FORCE)
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_what_an_effect_predicts_of_the_unseen_error_counts_for_its_being_meant(noisy, share):
+    """Between the probability of a change and certainty, the nearer to certainty the more it predicts."""
+    certain = rounded(noisy, tried(noisy, "coulomb", share))
+    doubtful = replace(noisy, data=replace(noisy.data, change=0.3))
+    current = rounded(doubtful, tried(doubtful, "coulomb", share))
+    meant = current.confidence(current.best) / certain.confidence(certain.best)
+    assert meant == pytest.approx(1.0 - 0.7 * current.best.evaluation.error)
+    more = rounded(doubtful, tried(doubtful, "coulomb", share + 0.1))
+    assert more.confidence(more.best) > current.confidence(current.best)
+
+
+def test_what_is_probably_no_news_is_not_named(noisy):
+    old = replace(noisy, data=replace(noisy.data, change=0.1))
+    current = rounded(old, tried(old, "coulomb", 0.8))
+    assert "new and right" in current.reason_against(current.best, FORCE)
+
+
 def test_what_helps_in_a_single_block_is_not_sure(noisy):
     loud = noisy.data.blocks == 3
     residual = np.where(loud, 50.0, 1.0) * noisy.residual_unseen
