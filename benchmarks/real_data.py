@@ -39,7 +39,7 @@ MODELS = (
     BASELINE, "linear_viscous", "coulomb", "viscous_curve", "carrera_akutain", "dahl", "lugre", "bouc_wen",
     "bouc_wen_shifted", "kwok", "guo", "cesmeci", "lozoya_santos_simple_symmetric",
     "lozoya_santos_stiff_simple_symmetric", "lozoya_santos_inertial_simple_symmetric", "black_box_3", "black_box_6",
-    "black_box_12", "mr_damper_on_mount", "mr_damper_with_play", "semi_active_on_mount",
+    "black_box_12", "mr_damper_on_mount", "mr_damper_with_play", "semi_active_on_mount", "mr_damper_with_creep",
 )  # fmt: skip
 
 MODELS_TOGETHER = ("mr_damper_current", "mr_damper_with_creep", "semi_active_on_mount", "semi_active_yield", "spencer")
