@@ -12,7 +12,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.correction import corrected, corrected_signals
 from damper_estimator.diagnosis.informative import informative
-from damper_estimator.diagnosis.local_fit import locally_fitted
+from damper_estimator.diagnosis.local_fit import locally_fitted, with_mean
 from damper_estimator.diagnosis.misfit import has_grown
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
@@ -105,7 +105,9 @@ def identified_first(state: ModelState, mode: str) -> ModelState:
     return state.with_model(model, "the model had no record of a fit")
 
 
-def applied(before: ModelState, element: Element, mode: str, promised: float) -> ModelState:
+def applied(
+    before: ModelState, element: Element, mode: str, promised: float, joint: DamperModel | None = None
+) -> ModelState:
     """With a finding in its place: a fault of the measurement chain in the signal map, an effect in the model.
 
     All parameters are identified together; if those of added effects alone do better on unseen data (what fits one
@@ -113,6 +115,8 @@ def applied(before: ModelState, element: Element, mode: str, promised: float) ->
 
     Args:
         promised: N^2, by how much the search says that the mean squared error on unseen data falls.
+        joint: the model with it as the search identified all parameters together. It is where the identification starts
+            if that from the present values does not fulfil the promise: an effect may need other values of the rest.
     """
     if element.effect.correct is not None:
         signals = corrected_signals(before.fit[0].signals, element)
@@ -125,9 +129,16 @@ def applied(before: ModelState, element: Element, mode: str, promised: float) ->
     found = []
     if mode != "kept":
         found.append(after.with_model(identified(after, changed)))
-    if mode != "refit" and not (found and found[0].fulfils(promised, before)):
+        if joint is not None and _is_alike(joint, changed) and not found[0].fulfils(promised, before):
+            found.append(after.with_model(identified(after, with_mean(joint, after.fit_part))))
+    if mode != "refit" and not any(one.fulfils(promised, before) for one in found):
         found.append(after.with_model(identified(after, changed, keep=True), "the other parameters are kept"))
     return min(found, key=lambda one: one.rmse_unseen_n)
+
+
+def _is_alike(one: DamperModel, other: DamperModel) -> bool:
+    """Whether two models consist of the same effects in the same places."""
+    return [slot.address for slot in one.slots] == [slot.address for slot in other.slots]
 
 
 def identified(state: ModelState, model: DamperModel, keep: bool = False) -> DamperModel:

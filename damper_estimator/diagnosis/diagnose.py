@@ -228,7 +228,7 @@ def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> M
     """With a finding in its place: from its values next to all other findings, and if that keeps too little of the
     promise, from those that it had alone.
     """
-    after = applied(before, one.element, mode, promised)
+    after = applied(before, one.element, mode, promised, one.hypothesis.joint)
     if after.fulfils(promised, before):
         return after
     alone = applied(before, one.hypothesis.fitted_element, mode, promised)

@@ -53,6 +53,7 @@ EFFECT = Effect(
         Parameter("limit_compression", "N", 5000.0, 1.0, 1e6, "force that compression approaches"),
     ),
     order=2,
+    of_oil=True,
     shows="one direction loses force in fast strokes, and a part of the travel after them has no force",
     separate="the same motion with more gas pressure",
     trial=trial,

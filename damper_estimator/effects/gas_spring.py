@@ -49,6 +49,7 @@ EFFECT = Effect(
         Setting("exponent", "1", 1.4, "1.0 isothermal (slow) to 1.4 isentropic", lower=1.0, upper=1.7),
         Setting("relative", "1", 0.0, "1: change from displacement 0, 0: with the static force", lower=0.0, upper=1.0),
     ),
+    beside_oil=True,
     shows="the force falls as the damper extends, at any velocity, and more steeply in compression",
     separate="a slow stroke over the whole travel: gas is curved over displacement, a spring is straight",
     trial=trial,

@@ -39,6 +39,7 @@ EFFECT = Effect(
         Parameter("stiffness_compression", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in compression"),
     ),
     order=2,
+    of_oil=True,
     shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",
     separate="impedance of the mount alone; two temperatures (rubber softens, oil hardly)",
     trial=trial,

@@ -49,6 +49,7 @@ EFFECT = Effect(
         Parameter("slope", "N/m", 250.0, -5e4, 5e4, "B", linear=True),
         Parameter("constant", "N", -150.0, -20000.0, 20000.0, "C, the preload", linear=True),
     ),
+    beside_oil=True,
     shows="the force changes over displacement, at any velocity",
     separate="a slow stroke over the whole travel",
     trial=trial,

@@ -21,5 +21,6 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     parameters=(Parameter("force", "N", 0.0, -20000.0, 20000.0, "force at rest", linear=True),),
+    beside_oil=True,
     shows="the whole F-v diagram is shifted up or down",
 )

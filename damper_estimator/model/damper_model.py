@@ -146,7 +146,8 @@ class DamperModel:
         """The model with an additional entry at the position that its kind requires.
 
         A source goes before the first modifier of the top level, a modifier or channel effect to the end, an input
-        effect to the front; a series effect wraps all sources before the first modifier.
+        effect to the front; a series effect wraps all sources before the first modifier, the oil those that act through
+        it.
         """
         head = [e for e in self.effects if e.effect.kind in ("source", "path", "series", "input")]
         count = next((i for i, e in enumerate(self.effects) if e not in head), len(self.effects))
@@ -156,7 +157,7 @@ class DamperModel:
         elif kind in ("source", "path"):
             effects = (*self.effects[:count], element, *self.effects[count:])
         elif kind == "series":
-            effects = (replace(element, path=element.path or self.effects[:count]), *self.effects[count:])
+            effects = (*_wrapped(element, self.effects[:count]), *self.effects[count:])
         elif kind == "modifier":
             channels = [e for e in self.effects if e.effect.kind == "channel"]
             effects = (*(e for e in self.effects if e not in channels), element, *channels)
@@ -177,9 +178,11 @@ class DamperModel:
         """
         kind, present = element.effect.kind, self.spring
         if element.effect.is_series_spring and present is not None:
-            instead = replace(element, path=element.path or present.path)
-            return self._with(tuple(instead if e is present else e for e in self.effects))
-        if kind in ("source", "path") and present is not None:
+            place = self.effects.index(present)
+            instead = _wrapped(element, present.path)
+            return self._with((*self.effects[:place], *instead, *self.effects[place + 1 :]))
+        is_carried = present is not None and not (present.effect.of_oil and element.effect.beside_oil)
+        if kind in ("source", "path") and is_carried:
             longer = replace(present, path=(*present.path, element))
             return self._with(tuple(longer if e is present else e for e in self.effects))
         if kind in ("source", "path"):
@@ -252,6 +255,17 @@ def _with_entries(
             Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
         )
     return tuple(changed)
+
+
+def _wrapped(spring: Element, sources: tuple[Element, ...]) -> tuple[Element, ...]:
+    """A series spring around sources, followed by those that act beside it, as forces on the rod do beside the oil. A
+    path that the spring already has takes their place; the oil carries all if nothing else is left for it.
+    """
+    beside = tuple(e for e in sources if spring.effect.of_oil and e.effect.beside_oil)
+    carried = spring.path or tuple(e for e in sources if e not in beside)
+    if not forces_of(carried, spring.effect) or any(e.effect.beside_oil for e in spring.path):
+        return (replace(spring, path=spring.path or sources),)
+    return (replace(spring, path=carried), *beside)
 
 
 def _removed(elements: tuple[Element, ...], gone: Element) -> tuple[Element, ...]:

@@ -14,8 +14,11 @@ from damper_estimator.diagnosis.diagnosis_data import (
     weights,
 )
 from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows_with_force
+from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.identification.rows import split
+from damper_estimator.model.element import new_element
+from damper_estimator.signals.layout import ROWS
 
 
 def test_given_recordings_are_judged_on_as_a_whole(user_model, base, soft):
@@ -62,7 +65,20 @@ def test_an_error_in_newton_is_told_without_the_weights(user_model, base):
 def test_a_frozen_model_gives_the_force_that_it_recorded(user_model, base):
     rows = data_of(user_model, [base], [base]).fit
     frozen = rows_with_force(user_model, rows)
-    np.testing.assert_array_equal(force_rows(recorded_force_model(user_model), frozen), force_rows(user_model, rows))
+    force = force_rows(user_model, rows)
+    given = force_rows(recorded_force_model(user_model), frozen)
+    np.testing.assert_allclose(given, force, rtol=0.0, atol=1e-12 * np.abs(force).max())
+
+
+def test_the_oil_of_a_frozen_model_carries_what_acts_through_it(user_model, base):
+    frozen = recorded_force_model(user_model)
+    oil, mount = (new_element(find_effect(name), frozen.effects) for name in ("oil_spring", "rubber_mount"))
+    assert [e.effect.beside_oil for e in frozen.with_missing(oil).effects] == [False, True]
+    assert len(frozen.with_missing(mount).effects) == 1
+    (rows,) = rows_with_force(user_model, data_of(user_model, [base], [base]).fit[:1])
+    block = rows.measurement.kinematics.block
+    gas = user_model.contributions(block[:ROWS])["gas_spring"]
+    np.testing.assert_array_equal(block[ROWS + 1], gas)
 
 
 def test_a_recording_without_force_is_refused(user_model, base):

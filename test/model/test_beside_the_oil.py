@@ -1,0 +1,43 @@
+"""What a series spring carries: the oil what acts through the piston, a mount everything."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_damper_model import entry, sweep
+
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.model import DamperModel
+from damper_estimator.model.element import new_element
+
+
+def names_in(model):
+    return [(e.effect.name, [inner.effect.name for inner in e.path]) for e in model.effects]
+
+
+def test_gas_and_static_force_act_beside_the_oil_and_through_a_mount():
+    curve, gas, friction, static = (entry(name) for name in ("viscous_curve", "gas_spring", "dahl", "static_force"))
+    model = DamperModel("m", "s", (curve, gas, friction, static))
+    oil, mount = (new_element(find_effect(name), model.effects) for name in ("oil_spring", "rubber_mount"))
+    beside = [("gas_spring", []), ("static_force", [])]
+    on_oil = model.with_missing(oil)
+    assert names_in(on_oil) == [("oil_spring", ["viscous_curve", "dahl"]), *beside]
+    assert names_in(model.with_missing(mount)) == [
+        ("rubber_mount", ["viscous_curve", "gas_spring", "dahl", "static_force"])
+    ]
+    assert names_in(model.with_missing(mount).with_missing(oil)) == names_in(on_oil)
+    assert names_in(on_oil.with_missing(entry("quadratic_gas")))[-1] == ("quadratic_gas", [])
+    assert names_in(on_oil.with_missing(entry("coulomb")))[0] == ("oil_spring", ["viscous_curve", "dahl", "coulomb"])
+    again = on_oil.effects[0]
+    assert names_in(model.with_missing(again)) == names_in(on_oil), "with its path, as a search returns it"
+    alone = DamperModel("m", "s", (gas, static)).with_missing(oil)
+    assert names_in(alone) == [("oil_spring", ["gas_spring", "static_force"])]
+
+
+@given(force=st.floats(-2000.0, 2000.0), rebound=st.floats(2e5, 1e8), compression=st.floats(2e5, 1e8))
+@settings(max_examples=30, deadline=None)
+def test_a_static_force_added_to_a_damper_on_oil_shifts_its_force_alone(force, rebound, compression):
+    values = {"stiffness_rebound": rebound, "stiffness_compression": compression}
+    model = DamperModel("m", "s", (entry("oil_spring", (entry("linear_viscous"),), **values),))
+    shifted = model.with_missing(entry("static_force", force=force))
+    block = sweep()
+    np.testing.assert_allclose(shifted.force(block), model.force(block) + force, atol=1e-9 * (1.0 + abs(force)))
