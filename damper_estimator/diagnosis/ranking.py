@@ -36,6 +36,7 @@ class Round:
         hidden: those that it hides.
         tests: form-free tests of the same error.
         kept, refitted: what is left without any effect.
+        constants: names of effects that are a constant force here: no other form could be meant.
     """
 
     baseline: Baseline
@@ -45,6 +46,7 @@ class Round:
     kept: Errors
     refitted: Errors
     mode: str
+    constants: frozenset[str] = frozenset()
 
     @cached_property
     def scores(self) -> list[PhenomenonScore]:
@@ -151,7 +153,8 @@ class Round:
         dampers of other physics that falls with what the best effect leaves unexplained.
         """
         explained = 1.0 - hypothesis.evaluation.error
-        form = np.clip(limits().form_share * explained, 0.0, limits().form_right)
+        share = np.inf if hypothesis.name in self.constants else limits().form_share
+        form = np.clip(share * explained, 0.0, limits().form_right)
         return float(form) * self.probability((hypothesis.phenomenon, *self.tied(hypothesis)))
 
 

@@ -124,6 +124,19 @@ def test_the_gauges_zero_is_a_mistake_of_the_chain(user_model, base):
     assert found.signals.force.offset == pytest.approx(-60.0, abs=8.0)
 
 
+def test_a_mean_that_the_damper_may_make_is_tied_with_the_gauges_zero(user_model, base):
+    """A force that is the same at nearly all speeds, in both directions: next to no data lie where it is not."""
+    fit, unseen = halves(changed(base, lambda k: 60.0 * np.tanh(np.abs(k.velocity) / 0.002)))
+    first = diagnose(user_model, [fit], [unseen]).findings[0]
+    assert first.phenomenon == "force_offset" and "asymmetry" in first.tied_with
+
+
+def test_an_even_force_that_low_speeds_show_is_no_zero(user_model, base):
+    fit, unseen = halves(changed(base, lambda k: 60.0 * np.tanh(np.abs(k.velocity) / 0.03)))
+    first = diagnose(user_model, [fit], [unseen]).findings[0]
+    assert first.phenomenon == "asymmetry" and "force_offset" not in first.tied_with
+
+
 def test_zeros_that_differ_between_recordings_hide_nothing(user_model, soft):
     """Every recording was tared by itself: its zero belongs to it."""
     shifted = replace(soft[1], force=soft[1].force + 25.0)

@@ -57,6 +57,13 @@ def test_what_an_effect_predicts_of_the_unseen_error_counts_for_its_being_meant(
     assert more.confidence(more.best) > current.confidence(current.best)
 
 
+def test_a_constant_has_no_form_that_could_be_wrong(noisy):
+    current = rounded(noisy, tried(noisy, "coulomb", 0.3))
+    constant = replace(current, constants=frozenset({"coulomb"}))
+    assert constant.confidence(constant.best) == pytest.approx(limits().form_right)
+    assert current.confidence(current.best) < limits().form_right
+
+
 def test_what_is_probably_no_news_is_not_named(noisy):
     old = replace(noisy, data=replace(noisy.data, change=0.1))
     current = rounded(old, tried(old, "coulomb", 0.8))
