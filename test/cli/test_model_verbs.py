@@ -63,8 +63,8 @@ def test_an_effect_is_put_where_its_kind_belongs(tmp_path, capsys):
     output(capsys, "add", "viscous", "-m", out, "-o", out, "--set", "rate=1234")
     text = output(capsys, "add", "oil_spring", "-m", out, "-o", out, "--set", "stiffness_rebound=1e6")
     model = load_model(out)
-    assert [e.effect.name for e in model.effects] == ["oil_spring", "force_lag"]
-    assert [e.effect.name for e in model.effects[0].path] == ["coulomb", "static_force", "viscous"]
+    assert [e.effect.name for e in model.effects] == ["oil_spring", "static_force", "force_lag"]
+    assert [e.effect.name for e in model.effects[0].path] == ["coulomb", "viscous"]
     values = {slot.address: slot.value for slot in model.slots}
     assert values["viscous.rate"] == 1234.0 and values["oil_spring.stiffness_rebound"] == 1e6
     assert "oil_spring" in text
