@@ -47,9 +47,12 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
         prevent_initial_call=True,
     )
     def change(_add, _remove, _other, _refit, _offered, effect, page):
-        if not ctx.triggered[0]["value"]:
+        # Buttons that have just been drawn trigger with the one that was clicked meanwhile.
+        clicked = next((one["prop_id"] for one in ctx.triggered if one["value"]), None)
+        if clicked is None:
             raise PreventUpdate
-        *changes, message = answered(sessions, page, lambda session: _change(session, ctx.triggered_id, effect))
+        cause = ctx.triggered_prop_ids[clicked]
+        *changes, message = answered(sessions, page, lambda session: _change(session, cause, effect))
         return *changes, message, message
 
 
