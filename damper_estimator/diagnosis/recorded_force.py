@@ -1,7 +1,7 @@
 """The model as recorded forces, so that it need not run again for what a hypothesis adds to it.
 
-The forces are in additional rows of the block, below those of ``signals.layout``: what the oil's compressibility would
-carry, and what acts on the rod beside it. What acts behind a compliance, in
+The forces are in additional rows of the block, below those of ``signals.layout``: the whole, and what of it acts on the
+rod beside the oil's compressibility. What acts behind a compliance, in
 parallel to the damper, moves by less than was measured: by the compliance's deflection under the measured force, its
 losses left out.
 """
@@ -15,7 +15,7 @@ from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel, Element
-from damper_estimator.model.element import labels
+from damper_estimator.model.element import walk
 from damper_estimator.signals.layout import ROWS, A, T, V, X
 
 _LEAST_REACH, _MOST_REACH = 1e-6, 0.1  # m, of a spring's deflection
@@ -24,9 +24,9 @@ _GRID = 2001  # points of its curve
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F += the recorded force that the oil carries."""
+    """F += the recorded force less what acts beside the oil; exactly the recorded force where that was added before."""
     for i in range(force.size):
-        force[i] += kinematics[ROWS, i]
+        force[i] = (force[i] - kinematics[ROWS + 1, i]) + kinematics[ROWS, i]
 
 
 @compiled
@@ -42,24 +42,20 @@ BESIDE = replace(RECORDED, kernel=kernel_beside, name="recorded_force_beside", b
 
 def recorded_force_model(model: DamperModel) -> DamperModel:
     """A model that gives the recorded forces; the other's name stays."""
-    return replace(model, effects=(Element(RECORDED), Element(BESIDE)), fixed=(), fit={})
+    return replace(model, effects=(Element(BESIDE), Element(RECORDED)), fixed=(), fit={})
 
 
 def rows_with_force(model: DamperModel, rows: Sequence[Rows], inside: Element | None = None) -> tuple[Rows, ...]:
     """The rows with the model's forces below the block; with ``inside`` the motion behind this series spring."""
-    recorded, entries = [], dict(labels(model.effects))
+    recorded, beside_oil = [], [entry.effect.beside_oil for entry in walk(model.effects)]
     for part in rows:
         measurement = part.measurement
-        force = np.nan_to_num(model.force(measurement.kinematics.block))
         block = measurement.kinematics.block
+        force, parts = (np.nan_to_num(forces) for forces in model.stream().contributions(block))
         if inside is not None:
             known = np.isfinite(measurement.force)
             block = _behind(inside, block, measurement.in_band(np.where(known, measurement.force, force)))
-        parts = model.contributions(measurement.kinematics.block)
-        beside = sum(
-            (np.nan_to_num(part) for name, part in parts.items() if entries[name].effect.beside_oil), 0.0 * force
-        )
-        block = np.ascontiguousarray(np.vstack([block, force - beside, beside]))
+        block = np.ascontiguousarray(np.vstack([block, force, parts[beside_oil].sum(axis=0)]))
         recorded.append(
             replace(part, measurement=replace(measurement, kinematics=replace(measurement.kinematics, block=block)))
         )

@@ -214,12 +214,11 @@ def _hidden_by_the_zero(
         if fit.hidden:
             continue
         zero = replace(hypothesis, fit=fit)
-        constants = frozenset({zero.name})
-        alone = replace(round_of(baseline, [zero], "kept"), constants=constants)
+        alone = replace(round_of(baseline, [zero], "kept"), constants=frozenset({zero.name}))
         if not alone.reason_against(alone.best, data.force_rms) and alone.gain(alone.best)[0] >= limits().gain:
             names = set(tried) - {zero.name} - settled(added)
             others = [one for one in hypotheses_for(model, data.ranges)[0] if one.name in names]
             fitted = [zero, *all_fitted(baseline, others, _WORTH, workers, lambda count: None)]
-            among = replace(round_of(baseline, fitted, "kept"), constants=constants)
+            among = replace(round_of(baseline, fitted, "kept"), constants=alone.constants)
             found.append(accepted_in(among, among.hypothesis(zero.name)))
     return found
