@@ -1,8 +1,9 @@
 """The library: cards of recordings and models, a search, and a click that chooses."""
 
-from dash import ALL, Dash, Input, Output, State, ctx, html, no_update
+from dash import ALL, Dash, Input, Output, State, html, no_update
 from dash.exceptions import PreventUpdate
 
+from damper_estimator.studio.callbacks.common import clicked
 from damper_estimator.studio.cards import Card, Cards
 from damper_estimator.studio.sessions import Sessions
 
@@ -39,10 +40,9 @@ def connect(app: Dash, sessions: Sessions) -> None:
         State("models", "value"),
         prevent_initial_call=True,
     )
-    def choose(clicks, recordings, models):
-        if not any(clicks) or not isinstance(ctx.triggered_id, dict):
-            raise PreventUpdate
-        kind, name = ctx.triggered_id["kind"], ctx.triggered_id["name"]
+    def choose(_clicks, recordings, models):
+        card = clicked()
+        kind, name = card["kind"], card["name"]
         chosen = list((recordings if kind == "recordings" else models) or [])
         chosen = [other for other in chosen if other != name] if name in chosen else [*chosen, name]
         return (chosen, no_update) if kind == "recordings" else (no_update, chosen)

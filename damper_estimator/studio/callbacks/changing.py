@@ -13,7 +13,7 @@ from damper_estimator.report.plots import Figure
 from damper_estimator.report.theme import height_style, themed
 from damper_estimator.report.verdict_figures import error_bars, waterfall_figure
 from damper_estimator.studio import panels
-from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.callbacks.common import CHANGES, answered, clicked, opened
 from damper_estimator.studio.history import History
 from damper_estimator.studio.parameters import parameter_list
 from damper_estimator.studio.scale import from_place, to_place
@@ -47,11 +47,7 @@ def _connect_buttons(app: Dash, sessions: Sessions) -> None:
         prevent_initial_call=True,
     )
     def change(_add, _remove, _other, _refit, _offered, effect, page):
-        # Buttons that have just been drawn trigger with the one that was clicked meanwhile.
-        clicked = next((one["prop_id"] for one in ctx.triggered if one["value"]), None)
-        if clicked is None:
-            raise PreventUpdate
-        cause = ctx.triggered_prop_ids[clicked]
+        cause = clicked()
         *changes, message = answered(sessions, page, lambda session: _change(session, cause, effect))
         return *changes, message, message
 

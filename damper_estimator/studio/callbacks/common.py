@@ -1,8 +1,10 @@
 """Helpers of the callbacks: actions whose error message appears next to their control."""
 
 from collections.abc import Callable
+from typing import Any
 
-from dash import ClientsideFunction, Dash, Input, Output, State, no_update
+from dash import ClientsideFunction, Dash, Input, Output, State, ctx, no_update
+from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
 from damper_estimator.studio.session import Session
@@ -41,3 +43,16 @@ def opened(sessions: Sessions, page: object) -> Session | None:
     except InputError:
         return None
     return session if session.history is not None else None
+
+
+def clicked() -> Any:
+    """The identifier of the button that was clicked. Buttons that have just been drawn trigger a callback as well, by
+    themselves or together with one that was clicked meanwhile.
+
+    Raises:
+        PreventUpdate: where none was clicked.
+    """
+    place = next((one["prop_id"] for one in ctx.triggered if one["value"]), None)
+    if place is None:
+        raise PreventUpdate
+    return ctx.triggered_prop_ids[place]

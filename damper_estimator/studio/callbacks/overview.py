@@ -5,7 +5,7 @@ from dash.exceptions import PreventUpdate
 
 from damper_estimator.diagnosis import MODES
 from damper_estimator.errors import InputError
-from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.callbacks.common import CHANGES, answered, clicked, opened
 from damper_estimator.studio.corner_cards import corner_cards
 from damper_estimator.studio.corners import TASKS
 from damper_estimator.studio.sessions import Sessions
@@ -68,10 +68,8 @@ def _connect_one(app: Dash, sessions: Sessions) -> None:
         State("page", "data"),
         prevent_initial_call=True,
     )
-    def enter(clicks, page):
-        if not any(clicks) or not isinstance(ctx.triggered_id, dict):
-            raise PreventUpdate
-        damper = ctx.triggered_id["damper"]
+    def enter(_clicks, page):
+        damper = clicked()["damper"]
         return answered(sessions, page, lambda session: session.open_damper(damper))
 
     @app.callback(

@@ -1,10 +1,10 @@
 """Tests: the diagrams of the open recordings, the next test, and rides; each result with its page."""
 
-from dash import ALL, Dash, Input, Output, State, ctx, html
+from dash import ALL, Dash, Input, Output, State, html
 from dash.exceptions import PreventUpdate
 
 from damper_estimator.studio import rig_tests
-from damper_estimator.studio.callbacks.common import CHANGES, answered, opened
+from damper_estimator.studio.callbacks.common import CHANGES, answered, clicked, opened
 from damper_estimator.studio.rig_tasks import RigTest
 from damper_estimator.studio.sessions import Sessions
 
@@ -35,10 +35,8 @@ def connect(app: Dash, sessions: Sessions) -> None:
         Input({"type": "plan-tie", "group": ALL}, "n_clicks"),
         prevent_initial_call=True,
     )
-    def go_to_plan(clicks):
-        if not any(clicks):
-            raise PreventUpdate
-        return "tests", ctx.triggered_id["group"]
+    def go_to_plan(_clicks):
+        return "tests", clicked()["group"]
 
     @app.callback(
         Output("aim", "options"),

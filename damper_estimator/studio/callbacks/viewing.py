@@ -1,6 +1,6 @@
 """The linked figures, what is on view in them, and where the model fails."""
 
-from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
+from dash import ALL, ClientsideFunction, Dash, Input, Output, State, no_update
 from dash.exceptions import PreventUpdate
 
 from damper_estimator.errors import InputError
@@ -8,7 +8,7 @@ from damper_estimator.report.figures import error_map
 from damper_estimator.report.plots import Figure
 from damper_estimator.report.theme import themed
 from damper_estimator.studio import panels
-from damper_estimator.studio.callbacks.common import opened
+from damper_estimator.studio.callbacks.common import clicked, opened
 from damper_estimator.studio.callbacks.marking import viewed
 from damper_estimator.studio.cursors import cursor_table, further_choices
 from damper_estimator.studio.linked_figures import Scene, cloud_figure, time_figure
@@ -46,9 +46,9 @@ def connect(app: Dash, sessions: Sessions) -> None:
         State("page", "data"),
         prevent_initial_call=True,
     )
-    def go(clicks, page):
-        session = opened(sessions, page)
-        changed = _at_region(session, ctx.triggered_id["index"]) if session is not None and any(clicks) else None
+    def go(_clicks, page):
+        place, session = clicked()["index"], opened(sessions, page)
+        changed = _at_region(session, place) if session is not None else None
         if changed is None:
             raise PreventUpdate
         return changed
