@@ -16,6 +16,7 @@ from damper_estimator import files
 from damper_estimator.diagnosis import Diagnosis, Improvement, improve
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model
+from damper_estimator.numbers import plus_minus
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, SignalMap, measure
 from damper_estimator.signals.channels import damper_names
@@ -53,7 +54,8 @@ def steps_table(improvement: Improvement) -> str:
     )
     errors = improvement.model.fit.get("standard_errors", {})
     values = [
-        f"`{slot.address}` {slot.value:.3g} ± {errors.get(slot.address, float('nan')):.1g} {slot.parameter.unit}"
+        f"`{slot.address}` {slot.value:.3g} {slot.parameter.unit} "
+        f"({plus_minus(slot.value, errors.get(slot.address, float('nan')))})"
         for slot in improvement.model.slots
     ]
     return "\n".join(rows) + f"\n\nThe model: {', '.join(values)}.\n\nFinal diagnosis: {improvement.final.sentence}"

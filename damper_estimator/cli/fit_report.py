@@ -4,6 +4,9 @@ from pathlib import Path
 
 from damper_estimator.identification import Fit, FittedParameter, Front, JointFit
 from damper_estimator.identification.pareto_front import BEST
+from damper_estimator.numbers import plus_minus
+
+_ERROR, _COLUMN = 22, 34  # characters of an error, and of a value with it
 
 
 def table(damper: str, result: Fit, target: Path) -> str:
@@ -13,7 +16,7 @@ def table(damper: str, result: Fit, target: Path) -> str:
     lines = [f"{damper}: {result.model.name}, {len(result.parameters)} parameters, {result.samples} judged samples"]
     for p in result.parameters:
         unit = p.unit if p.unit != "1" else ""
-        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {unit} {knots.get(p.name, '')}"
+        row = f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<{_ERROR}}  {unit} {knots.get(p.name, '')}"
         lines.append(row.rstrip())
     lines += [
         f"  rms error  {result.rmse_before_n:.4g} N -> {result.rmse_n:.4g} N",
@@ -28,9 +31,7 @@ def table(damper: str, result: Fit, target: Path) -> str:
 def _uncertainty(parameter: FittedParameter) -> str:
     if parameter.at_bound:
         return "at its bound"
-    return (
-        f"± {parameter.standard_error:.2g}" if parameter.standard_error == parameter.standard_error else "undetermined"
-    )
+    return plus_minus(parameter.value, parameter.standard_error)
 
 
 def _front_lines(front: Front, target: Path) -> list[str]:
@@ -59,11 +60,11 @@ def joint_table(damper: str, result: JointFit, folder: Path) -> str:
     shared = [p for p in result.parameters if "@" not in p.name]
     width = max(len(p.name) for p in first.parameters)
     lines = [f"{damper}: {first.model.name}, {len(result.parameters)} parameters, {len(result.fits)} settings"]
-    lines += [f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<14}  {p.unit}".rstrip() for p in shared]
-    lines.append(f"  {'by setting':<{width}}" + "".join(f"{name:>26}" for name in result.fits))
+    lines += [f"  {p.name:<{width}}  {p.value:>12.6g} {_uncertainty(p):<{_ERROR}}  {p.unit}".rstrip() for p in shared]
+    lines.append(f"  {'by setting':<{width}}" + "".join(f"{name:>{_COLUMN}}" for name in result.fits))
     for address in (p.name for p in first.parameters if p.name in result.each):
         parameters = [next(p for p in fit.parameters if p.name == address) for fit in result.fits.values()]
-        lines.append(f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>26}" for p in parameters))
-    before = "".join(f"{f'{fit.esr_before:.3g} -> {fit.esr:.3g}':>26}" for fit in result.fits.values())
+        lines.append(f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>{_COLUMN}}" for p in parameters))
+    before = "".join(f"{f'{fit.esr_before:.3g} -> {fit.esr:.3g}':>{_COLUMN}}" for fit in result.fits.values())
     lines += [f"  {'ESR':<{width}}{before}", *(f"  note: {warning}" for warning in result.warnings)]
     return "\n".join([*lines, f"  {first.seconds:.1f} s, {first.evaluations} evaluations; written to {folder}"])

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement, RankedEffect, Step, in_yaml
-from damper_estimator.numbers import number
+from damper_estimator.numbers import UNDETERMINED, number, plus_minus
 from damper_estimator.report.before_after import first_diagnosis
 from damper_estimator.report.wording import recording_name
 
@@ -48,11 +48,20 @@ def step_name(step: Step) -> str:
 
 
 def with_error(value: float, error: float) -> tuple[str, str]:
-    """A value to the digits that its standard error leaves, and the error with a sign; "" where none is known."""
+    """A value to the digits that its standard error leaves, and the error with a sign; "" where none is known. A value
+    that its error exceeds keeps three digits.
+    """
     if not np.isfinite(error) or error <= 0.0:
         return _grouped(float(f"{value:.4g}")), ""
-    digits = 1 - int(np.floor(np.log10(error)))
-    return _grouped(round(value, digits), digits), f"± {_grouped(round(error, digits), digits)}"
+    digits = _places(error, 2)
+    shown = plus_minus(value, error, _grouped(round(error, digits), digits))
+    kept = _places(value, 3) if error > abs(value) > 0.0 else digits
+    return _grouped(round(value, kept), kept), shown
+
+
+def _places(value: float, digits: int) -> int:
+    """Decimal places that leave so many significant digits; negative before the point."""
+    return digits - 1 - int(np.floor(np.log10(abs(value))))
 
 
 def _grouped(value: float, digits: int | None = None) -> str:
@@ -64,17 +73,20 @@ def _grouped(value: float, digits: int | None = None) -> str:
 
 
 def parameter_rows(parameters: Sequence[Parameter]) -> list[dict[str, object]]:
-    """Value, standard error and unit of each parameter, with what stopped at a bound marked."""
-    return [
-        {
-            "name": parameter.name,
-            "value": with_error(parameter.value, parameter.standard_error)[0],
-            "error": "" if parameter.at_bound else with_error(parameter.value, parameter.standard_error)[1],
-            "unit": _UNITS.get(parameter.unit, parameter.unit),
-            "at_bound": parameter.at_bound,
-        }
-        for parameter in parameters
-    ]
+    """Value, standard error and unit of each identified parameter, with what stopped at a bound marked."""
+    rows = []
+    for parameter in parameters:
+        value, error = with_error(parameter.value, parameter.standard_error)
+        rows.append(
+            {
+                "name": parameter.name,
+                "value": value,
+                "error": "" if parameter.at_bound else error or UNDETERMINED,
+                "unit": _UNITS.get(parameter.unit, parameter.unit),
+                "at_bound": parameter.at_bound,
+            }
+        )
+    return rows
 
 
 def finding_text(finding: Finding) -> dict[str, object]:
@@ -174,7 +186,7 @@ def model_rows(model: object) -> list[dict[str, object]]:
             {
                 "name": slot.address,
                 "value": value,
-                "error": "fixed" if slot.fixed else error,
+                "error": "fixed" if slot.fixed else error or (UNDETERMINED if errors else ""),
                 "unit": _UNITS.get(slot.parameter.unit, slot.parameter.unit),
                 "at_bound": at_bound,
             }

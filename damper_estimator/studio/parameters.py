@@ -6,7 +6,7 @@ from dash import dcc, html
 from damper_estimator.model import DamperModel
 from damper_estimator.model.damper_model import Slot
 from damper_estimator.model.element import labels
-from damper_estimator.numbers import number
+from damper_estimator.numbers import plus_minus
 from damper_estimator.studio.scale import to_place
 
 _MOST = 60  # sliders; the numbers of a longer model (a force surface) are counted, not moved by hand
@@ -41,7 +41,7 @@ def _row(slot: Slot, error: float, place: str) -> html.Div:
     name = slot.address.partition(".")[2]
     hint = f"{slot.parameter.meaning}; {low:g} to {high:g} {unit}"
     at_bound = not slot.fixed and min(slot.value - low, high - slot.value) <= 1e-6 * (high - low)
-    certain = f"± {number(error, 2)}" if np.isfinite(error) else "at its bound" if at_bound else ""
+    certain = plus_minus(slot.value, error) if np.isfinite(error) else "at its bound" if at_bound else ""
     return html.Div(
         [
             html.Label([name, html.Small(f" {place}")], title=hint),

@@ -228,10 +228,21 @@ def test_a_bound_is_flagged_instead_of_an_error():
     assert [row["error"] for row in rows] == ["", "± 0.10"]
 
 
+def test_a_value_that_its_error_exceeds_or_leaves_open_is_undetermined():
+    rows = parameter_rows(
+        [FittedParameter("a.b", 102.0, 6e4, "N", False), FittedParameter("a.c", 2.0, float("nan"), "N", False)]
+    )
+    assert [(row["value"], row["error"]) for row in rows] == [
+        ("102", "± 60\u2009000, undetermined"),
+        ("2.000", "undetermined"),
+    ]
+
+
 @given(st.floats(-1e7, 1e7), st.floats(1e-3, 1e6))
 def test_values_are_rounded_to_what_their_error_leaves(value, error):
     text, plus_minus = with_error(value, error)
-    assert plus_minus.startswith("± ")
+    assert plus_minus.startswith("± ") and plus_minus.endswith(", undetermined") == (error > abs(value))
+    plus_minus = plus_minus.removesuffix(", undetermined")
     assert float(text.replace("\u2009", "")) == pytest.approx(
         value, abs=max(0.06 * error, 6e-3 * abs(value) * (abs(value) < 1e-4))
     )
