@@ -262,7 +262,7 @@ def _diagnosis(
         verdict=verdict,
         sentence=identified_sentence(given, state)
         + (
-            unexplained_sentence(atlas, picture, errors[0], floor, reference)
+            unexplained_sentence(atlas, picture, errors[0], found.left_n, floor, reference)
             if verdict == "unexplained"
             else sentence_of(verdict, findings, again, errors, found.left_n, floor, then)
         ),

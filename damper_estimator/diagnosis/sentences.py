@@ -8,6 +8,7 @@ from damper_estimator.diagnosis.result import AtlasRow, Finding, Structure
 from damper_estimator.diagnosis.thresholds import limits
 
 _ALIKE = 1.2  # times: errors that are called as large as each other
+_MOST_OF_IT = 0.9  # times an error: what is left without the zeros is said as well if it is smaller
 
 
 def identified_sentence(given: ModelState, state: ModelState) -> str:
@@ -58,16 +59,25 @@ def sentence_of(
             f"identified ({then_n:.3g} N). For what the model has always lacked, diagnose the recordings of its "
             "identification."
         )
-    rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < 0.9 * rmse_n else ""
+    rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < _MOST_OF_IT * rmse_n else ""
     return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{rest}, noise makes {floor_n:.3g} N."
 
 
 def unexplained_sentence(
-    atlas: Sequence[AtlasRow], picture: Structure | None, error_n: float, floor_n: float, reference_n: float
+    atlas: Sequence[AtlasRow],
+    picture: Structure | None,
+    error_n: float,
+    left_n: float,
+    floor_n: float,
+    reference_n: float,
 ) -> str:
-    """What is known of an error that no effect accounts for: on what it depends, where it is largest, and how much of
-    it a regression without any form explains.
+    """What is known of an error that no effect accounts for: how large it is without each recording's zero and drift,
+    on what it depends, where it is largest, and how much of it a regression without any form explains.
     """
+    zeros = ""
+    if left_n < _MOST_OF_IT * error_n:
+        zeros = f" that is left of {error_n:.3g} N without each recording's zero and drift"
+        error_n = left_n
     first = atlas[0] if atlas else None
     depends = ""
     if first is not None and first.low >= limits().gain:
@@ -78,9 +88,10 @@ def unexplained_sentence(
         depends += f" A regression without any form reaches {reference_n:.3g} N."
     if picture is not None:
         return (
-            f"The error of {error_n:.3g} N has a structure that no known effect accounts for: {picture.words}.{depends}"
+            f"The error of {error_n:.3g} N{zeros} has a structure that no known effect accounts for: {picture.words}.{depends}"
         )
-    known = f"No known effect accounts for the error of {error_n:.3g} N, {error_n / floor_n:.2g} times the noise"
+    times = f"{error_n / floor_n:.2g} times the noise"
+    known = f"No known effect accounts for the error of {error_n:.3g} N{zeros}, {times}"
     if depends:
         return f"{known}.{depends}"
     return (
