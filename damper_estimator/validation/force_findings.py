@@ -1,7 +1,7 @@
 """Mistakes of the force channel, found against the motion: wrong sign, wandering zero, drifting clock, a spring."""
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 
@@ -23,6 +23,8 @@ LEAST_SPRING = 0.3  # rms of a straight line over displacement, over the force's
 _SAME_POSITION = 0.02  # of the stroke
 _CONFIRMED = 0.5  # of a drift must show at rest
 _BLOCKS = 8
+_OTHER_COMMAND = 0.2  # of the range of the recordings' mean commands
+_PAIRS = 12  # of recordings whose zeros are compared by a common curve
 _UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, over its rms
 
 
@@ -234,30 +236,43 @@ def _spring(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
 
 
 def _zeros_differ(recordings: Sequence[tuple[Measurement, Surrogate]]) -> Iterator[DataFinding]:
-    """The recordings whose forces at standstill are furthest apart, by separate curves and by a common one.
+    """The two recordings whose forces at standstill differ most clearly, by separate curves and by a common one.
 
     Separate curves extrapolate to standstill differently where the excitations differ; a common one mistakes a damper
-    that changed in between for a zero.
+    that changed in between for a zero. Recordings at other currents are not compared: a static force may follow it.
     """
-    if len(recordings) < 2:
-        return
-    levels = [explained.levels[0] for _, explained in recordings]
-    low, high = int(np.argmin(levels)), int(np.argmax(levels))
-    pair = [recordings[low], recordings[high]]
-    error = float(np.hypot(*(explained.level_error for _, explained in pair)))
-    rms = max(explained.rms_n for _, explained in pair)
-    least = max(LEAST_DRIFT * rms, _OVER_REST * max(explained.rest_n for _, explained in pair), _CERTAIN * error)
-    if levels[high] - levels[low] <= least:
-        return
-    together = surrogate([m for m, _ in pair])
-    change = together.levels[1] - together.levels[0] if together else 0.0
-    if change <= least:
-        return
-    names = [m.recording for m, _ in pair]
-    yield DataFinding(
-        "zero_differs",
-        f"the force at standstill is {number(change)} N higher in {names[1]} than in {names[0]}: the gauge's zero",
-        "tare each recording (`damper-estimator tare BAG -o MAP.yaml`) and give each its own map",
-        "",
-        min(change / rms, 1.0),
+    commands = [float(np.mean(m.kinematics.command[m.judged])) for m, _ in recordings]
+    far = _OTHER_COMMAND * (max(commands, default=0.0) - min(commands, default=0.0))
+    apart = []
+    for i, k in permutations(range(len(recordings)), 2):
+        pair = recordings[i], recordings[k]
+        if not abs(commands[i] - commands[k]) > far and (clear := _clearness(*pair)) > 1.0:  # NaN without a command
+            apart.append((clear, pair))
+    for _, (lower, higher) in sorted(apart, key=lambda item: -item[0])[:_PAIRS]:
+        together = surrogate([lower[0], higher[0]])
+        change = together.levels[1] - together.levels[0] if together else 0.0
+        if change > _least_change(lower[1], higher[1]):
+            names = [m.recording for m, _ in (lower, higher)]
+            yield DataFinding(
+                "zero_differs",
+                f"the force at standstill is {number(change)} N higher in {names[1]} than in {names[0]}: the gauge's "
+                "zero",
+                "tare each recording (`damper-estimator tare BAG -o MAP.yaml`) and give each its own map",
+                "",
+                min(change / max(lower[1].rms_n, higher[1].rms_n), 1.0),
+            )
+            return
+
+
+def _clearness(lower: tuple[Measurement, Surrogate], higher: tuple[Measurement, Surrogate]) -> float:
+    """How much higher the second one's force at standstill is, over what would be clear."""
+    return (higher[1].levels[0] - lower[1].levels[0]) / _least_change(lower[1], higher[1])
+
+
+def _least_change(one: Surrogate, other: Surrogate) -> float:
+    """N, the difference of two zeros that is clear."""
+    return max(
+        LEAST_DRIFT * max(one.rms_n, other.rms_n),
+        _OVER_REST * max(one.rest_n, other.rest_n),
+        _CERTAIN * float(np.hypot(one.level_error, other.level_error)),
     )

@@ -9,6 +9,7 @@ import yaml
 
 from damper_estimator.model import load_model
 from damper_estimator.signals import parse_signal_map
+from damper_estimator.signals.layout import COMMAND
 from damper_estimator.validation import compare, data_findings
 
 RMS = 380.0  # N, about that of the damper and excitation that most tests take
@@ -159,6 +160,20 @@ def test_zeros_that_differ_between_recordings_are_reported(recorded):
     assert (finding.kind, finding.recording) == ("zero_differs", "")
     assert f"higher in {other.recording}" in finding.sentence
     assert float(re.search(r"is ([\d.]+) N", finding.sentence).group(1)) == pytest.approx(60.0, abs=10.0)
+
+
+def test_a_force_that_another_current_may_explain_hides_no_zero(recorded):
+    def at(measurement, current):
+        block = measurement.kinematics.block.copy()
+        block[COMMAND] = current
+        return replace(measurement, kinematics=replace(measurement.kinematics, block=block))
+
+    offsets = {1: 0.0, 2: 60.0, 3: 300.0}
+    one, other, far = (recorded(seed=s, change=values("force", lambda t, v, o=o: v + o)) for s, o in offsets.items())
+    assert "zero_differs" not in kinds(at(one, 0.0), at(far, 1.0))
+    found = data_findings(None, [at(one, 0.0), at(other, 0.0), at(far, 1.0)])
+    sentence = next(finding.sentence for finding in found if finding.kind == "zero_differs")
+    assert f"higher in {other.recording} than in {one.recording}" in sentence
 
 
 @pytest.mark.parametrize("role", ["displacement", "force"])
