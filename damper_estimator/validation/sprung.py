@@ -14,7 +14,7 @@ from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import DT, V, X
 from damper_estimator.validation.form_free import FormFree, form_free
 
-_STIFFNESS = (np.inf, 1.6e7, 8e6, 4e6, 2e6, 1e6, 5e5)  # N/m
+_STIFFNESS = (np.inf, 1.6e7, 8e6, 4e6, 2e6, 1e6, 5e5, 2.5e5, 1.25e5, 6e4)  # N/m
 _FIRST = 3
 _SEARCHED = 10_000  # samples in the middle of a recording; they show the stiffness as well as all
 _LONGEST = 2e-3  # s, step (a tenth longer will do) of the simulation
