@@ -64,7 +64,9 @@ def joint_table(damper: str, result: JointFit, folder: Path) -> str:
     lines.append(f"  {'by setting':<{width}}" + "".join(f"{name:>{_COLUMN}}" for name in result.fits))
     for address in (p.name for p in first.parameters if p.name in result.each):
         parameters = [next(p for p in fit.parameters if p.name == address) for fit in result.fits.values()]
-        lines.append(f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>{_COLUMN}}" for p in parameters))
+        lines.append(
+            f"  {address:<{width}}" + "".join(f"{f'{p.value:.6g} {_uncertainty(p)}':>{_COLUMN}}" for p in parameters)
+        )
     before = "".join(f"{f'{fit.esr_before:.3g} -> {fit.esr:.3g}':>{_COLUMN}}" for fit in result.fits.values())
     lines += [f"  {'ESR':<{width}}{before}", *(f"  note: {warning}" for warning in result.warnings)]
     return "\n".join([*lines, f"  {first.seconds:.1f} s, {first.evaluations} evaluations; written to {folder}"])

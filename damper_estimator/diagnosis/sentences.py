@@ -87,9 +87,8 @@ def unexplained_sentence(
     if reference_n < (1.0 - limits().least_fall) * error_n:
         depends += f" A regression without any form reaches {reference_n:.3g} N."
     if picture is not None:
-        return (
-            f"The error of {error_n:.3g} N{zeros} has a structure that no known effect accounts for: {picture.words}.{depends}"
-        )
+        shape = f"has a structure that no known effect accounts for: {picture.words}"
+        return f"The error of {error_n:.3g} N{zeros} {shape}.{depends}"
     times = f"{error_n / floor_n:.2g} times the noise"
     known = f"No known effect accounts for the error of {error_n:.3g} N{zeros}, {times}"
     if depends:

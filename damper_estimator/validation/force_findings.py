@@ -1,30 +1,26 @@
 """Mistakes of the force channel, found against the motion: wrong sign, wandering zero, drifting clock, a spring."""
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations, permutations
+from itertools import combinations
 
 import numpy as np
 
 from damper_estimator.model import DamperModel
-from damper_estimator.numbers import number
 from damper_estimator.numerics import least_squares
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import A, V, X
 from damper_estimator.signals.rest import find_rests
+from damper_estimator.validation.differing_zeros import LEAST_DRIFT, zeros_differ
 from damper_estimator.validation.drift import drift
 from damper_estimator.validation.finding import DataFinding, entry
 from damper_estimator.validation.surrogate import Surrogate, Zero, surrogate
 
-LEAST_DRIFT = 0.05  # of the force's rms
-_OVER_REST = 1.5  # times the rms that the motion does not explain
 _CERTAIN = 5.0  # standard errors
 LEAST_CLOCK = 1e-3  # s, change of lateness over the recording
 LEAST_SPRING = 0.3  # rms of a straight line over displacement, over the force's
 _SAME_POSITION = 0.02  # of the stroke
 _CONFIRMED = 0.5  # of a drift must show at rest
 _BLOCKS = 8
-_OTHER_COMMAND = 0.2  # of the range of the recordings' mean commands
-_PAIRS = 12  # of recordings whose zeros are compared by a common curve
 _UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, over its rms
 
 
@@ -44,7 +40,7 @@ def force_findings(model: DamperModel | None, measurements: Sequence[Measurement
             continue
         found += [*_drift(m, explained), *_clock(m, explained), *_spring(m, explained)]
         moved.append((m, explained))
-    return found + list(_zeros_differ(moved))
+    return found + list(zeros_differ(moved))
 
 
 def _no_force_finding(m: Measurement) -> DataFinding:
@@ -232,47 +228,4 @@ def _spring(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
         "diagnose judges it against gas and mounts",
         m.recording,
         min(share, 1.0),
-    )
-
-
-def _zeros_differ(recordings: Sequence[tuple[Measurement, Surrogate]]) -> Iterator[DataFinding]:
-    """The two recordings whose forces at standstill differ most clearly, by separate curves and by a common one.
-
-    Separate curves extrapolate to standstill differently where the excitations differ; a common one mistakes a damper
-    that changed in between for a zero. Recordings at other currents are not compared: a static force may follow it.
-    """
-    commands = [float(np.mean(m.kinematics.command[m.judged])) for m, _ in recordings]
-    far = _OTHER_COMMAND * (max(commands, default=0.0) - min(commands, default=0.0))
-    apart = []
-    for i, k in permutations(range(len(recordings)), 2):
-        pair = recordings[i], recordings[k]
-        if not abs(commands[i] - commands[k]) > far and (clear := _clearness(*pair)) > 1.0:  # NaN without a command
-            apart.append((clear, pair))
-    for _, (lower, higher) in sorted(apart, key=lambda item: -item[0])[:_PAIRS]:
-        together = surrogate([lower[0], higher[0]])
-        change = together.levels[1] - together.levels[0] if together else 0.0
-        if change > _least_change(lower[1], higher[1]):
-            names = [m.recording for m, _ in (lower, higher)]
-            yield DataFinding(
-                "zero_differs",
-                f"the force at standstill is {number(change)} N higher in {names[1]} than in {names[0]}: the gauge's "
-                "zero",
-                "tare each recording (`damper-estimator tare BAG -o MAP.yaml`) and give each its own map",
-                "",
-                min(change / max(lower[1].rms_n, higher[1].rms_n), 1.0),
-            )
-            return
-
-
-def _clearness(lower: tuple[Measurement, Surrogate], higher: tuple[Measurement, Surrogate]) -> float:
-    """How much higher the second one's force at standstill is, over what would be clear."""
-    return (higher[1].levels[0] - lower[1].levels[0]) / _least_change(lower[1], higher[1])
-
-
-def _least_change(one: Surrogate, other: Surrogate) -> float:
-    """N, the difference of two zeros that is clear."""
-    return max(
-        LEAST_DRIFT * max(one.rms_n, other.rms_n),
-        _OVER_REST * max(one.rest_n, other.rest_n),
-        _CERTAIN * float(np.hypot(one.level_error, other.level_error)),
     )

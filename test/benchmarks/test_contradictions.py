@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 from contradictions import between, in_diagnosis, in_improvement
 from every_recording import Draw, problems
-from real_data import import_all
+from real_data import LABCONTROL, UTFSM, import_all, read
 
 from damper_estimator.cli.main import main
+from damper_estimator.validation import data_findings
 
 BAGS = Path(__file__).resolve().parents[2] / "bags"
 
@@ -98,3 +99,17 @@ def real_recordings(shared_data, tmp_path_factory):
 def test_drawn_recordings_that_once_failed(real_recordings, bag, window, model):
     found, counts = problems(Draw(real_recordings / bag, window, model))
     assert not found and counts["answered"] >= 5
+
+
+def test_zeros_differ_only_where_the_mean_force_does(real_recordings):
+    """On the press all means are alike within 25 N; on the table one of these recordings has 0 N, the others 120 N."""
+
+    def found(paths):
+        findings = data_findings(None, read(real_recordings, paths))
+        return [finding.sentence for finding in findings if finding.kind == "zero_differs"]
+
+    press = [path for setting in UTFSM for path in (*setting.fitted, *setting.unseen)]
+    table = [path for setting in LABCONTROL for path in setting.unseen]
+    assert found(press) == []
+    (sentence,) = found(table)
+    assert "than in" in sentence and "ensaio.B.5" in sentence.partition("than in")[2]
