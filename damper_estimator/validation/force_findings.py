@@ -21,6 +21,7 @@ LEAST_SPRING = 0.3  # rms of a straight line over displacement, over the force's
 _SAME_POSITION = 0.02  # of the stroke
 _CONFIRMED = 0.5  # of a drift must show at rest
 _BLOCKS = 8
+_LEAST_BLOCK = 1.0  # s; shorter ones are not independent
 _UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, over its rms
 
 
@@ -174,6 +175,8 @@ def _clock(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
     time = m.kinematics.time[explained.rows[0]] - m.kinematics.time[0]
     slope = np.gradient(explained.motion[0], time)
     edges = np.linspace(time[0], time[-1], _BLOCKS + 1)
+    if edges[1] - edges[0] < _LEAST_BLOCK:
+        return
     block = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, _BLOCKS - 1)
     weight = np.bincount(block, slope**2, _BLOCKS)
     enough = weight > 0.02 * weight.sum()

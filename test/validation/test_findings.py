@@ -233,6 +233,13 @@ def test_clocks_that_run_apart_are_reported_in_ppm(recorded):
     assert float(re.search(r"runs ([\d.e+]+) ppm", finding.sentence).group(1)) == pytest.approx(200.0, rel=0.15)
 
 
+def test_a_few_seconds_show_no_clock(recorded):
+    m = recorded(change=stamps("force", lambda t: t * (1.0 + 2000e-6)))
+    assert "clock_drift" in kinds(m)
+    seconds = round(m.kinematics.rate)
+    assert "clock_drift" not in kinds(m.part(0, 7 * seconds))
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_spring_in_the_gauge_is_a_hint_with_its_rate(sign, recorded):
     finding = only(recorded(excitation="road", change=with_spring(sign * SPRING)))
