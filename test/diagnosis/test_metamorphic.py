@@ -183,3 +183,10 @@ def test_a_constant_added_to_the_force_of_all_recordings(scene):
     shifted = replace(scene, model=user_model(more[0]))
     again = diagnosed(shifted, *(recording(slow.every(3)) for slow in more[1:]))
     alike(scene.found, again)
+
+
+def test_another_zero_of_the_displacement(scene):
+    """Nothing says that a displacement of 0 is the middle of the stroke."""
+    moved = [replace(one, x=one.x + 0.08) for one in (scene.fit, scene.unseen)]
+    again = diagnosed(scene, *(recording(slow.every(3)) for slow in moved))
+    alike(scene.found, again)
