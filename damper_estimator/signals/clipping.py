@@ -3,7 +3,7 @@
 import numpy as np
 
 _RUN = 4  # equal samples at an extreme of a signal that otherwise changes with every sample
-_OVERSHOOT = 16.0  # quanta by which the signal, with the slope at a run's ends, would have passed the extreme
+_OVERSHOOT = 6.0  # quanta by which a parabola with the slopes at a run's ends rises above it
 _PLATEAU = 0.8  # share of the samples of one sign; a force that rests there longer is really constant, as friction
 _REACH = 8.0  # time constants of a filter's slowest mode, after which e^-4 of the envelope is left
 
@@ -12,8 +12,8 @@ def clipped(value: np.ndarray) -> np.ndarray:
     """(m,) bool: samples of ``value`` (m,) at its largest or smallest value because it was clipped there.
 
     A coarse but unclipped signal also rests on its extremes at its turning points. There its parabola leaves the last
-    quantum slowly; an extreme is a limit only if the slope at the ends of some run at it would have overshot by several
-    quanta. Then every sample at it is clipped.
+    quantum slowly; an extreme is a limit only if the parabola with the slopes at the ends of some run at it rises above
+    it by several quanta. Then every sample at it is clipped.
     """
     found = np.zeros(value.size, bool)
     steps = np.abs(np.diff(value))
@@ -37,10 +37,19 @@ def _has_steep_run(value: np.ndarray, at: np.ndarray, quantum: float) -> bool:
         return False
     repeats = int(np.median(np.diff(np.flatnonzero(np.diff(value)), prepend=-1)))  # a logger can repeat every value
     long = last - first >= _RUN * repeats
+    reach = 3 * repeats
     return any(
-        _slope_at(value, a, b, 3 * repeats) * (b - a) > _OVERSHOOT * quantum
+        _rise(_slope_at(value, a, b, reach), b - a, reach) > _OVERSHOOT * quantum
         for a, b in zip(first[long].tolist(), last[long].tolist(), strict=True)
     )
+
+
+def _rise(slope: float, length: int, reach: int) -> float:
+    """By how much a parabola rises above a run of so many samples, beyond whose ends its mean slope over ``reach``
+    samples is ``slope``.
+    """
+    half = 0.5 * length
+    return 0.5 * slope * half**2 / (half + 0.5 * reach)
 
 
 def _slope_at(value: np.ndarray, first: int, last: int, reach: int) -> float:
