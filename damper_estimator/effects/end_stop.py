@@ -24,12 +24,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Stops lie in the outer thirds of the recorded stroke, wherever its zero is: nearer to its middle is no stop."""
-    third = ranges.stroke / 3.0
-    limits = {
-        "bump_position": (ranges.compression, ranges.compression + third),
-        "top_out_position": (ranges.extension - third, ranges.extension),
-    }
+    """Stops lie in the outer thirds of the recorded stroke: nearer to the middle, a spring is not a stop."""
+    limits = dict(zip(("bump_position", "top_out_position"), ranges.ends, strict=True))
     depths = (0.2, 0.5, 0.8)
     starts = tuple(
         {name: low + (depth if name.startswith("bump") else 1.0 - depth) * (high - low)

@@ -10,7 +10,7 @@ with a clearance that narrows, Dixon 2008.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, Untestable
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import V, X
 
 
@@ -31,12 +31,7 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """Stops begin in the outer thirds of the recorded stroke: damping that changes in the middle one is a groove."""
     depth = ranges.stroke / 3.0
-    if depth < 1e-3:
-        raise Untestable("the stroke is too short to reach a stop")
-    limits = {
-        "bump_position": (ranges.compression, ranges.compression + depth),
-        "rebound_position": (ranges.extension - depth, ranges.extension),
-    }
+    limits = dict(zip(("bump_position", "rebound_position"), ranges.ends, strict=True))
     starts = tuple(
         {"bump_position": ranges.compression + share * depth, "rebound_position": ranges.extension - share * depth,
          "way_back": back}

@@ -52,6 +52,18 @@ class Ranges:
         """Middle of the recorded stroke, m."""
         return 0.5 * (self.extension + self.compression)
 
+    @property
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The compressed and the extended third of the recorded stroke, m, wherever its zero is.
+
+        Raises:
+            Untestable: for less than 3 mm of stroke.
+        """
+        third = self.stroke / 3.0
+        if third < 1e-3:
+            raise Untestable("the stroke is too short to reach a stop")
+        return (self.compression, self.compression + third), (self.extension - third, self.extension)
+
 
 @dataclass(frozen=True)
 class Trial:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from damper_estimator.effects.discovery import find_effect
-from damper_estimator.effects.trial import Ranges
+from damper_estimator.effects.trial import Ranges, Untestable
 
 
 @pytest.mark.parametrize("name", ["end_stop", "hydraulic_stop"])
@@ -19,3 +19,9 @@ def test_stops_lie_in_the_outer_thirds(name, zero, stroke):
     bounds = {parameter.name: (parameter.lower, parameter.upper) for parameter in effect.parameters}
     for position in (low, high):
         assert bounds[position][0] <= tried.limits[position][0] < tried.limits[position][1] <= bounds[position][1]
+
+
+@pytest.mark.parametrize("name", ["end_stop", "hydraulic_stop"])
+def test_a_stroke_of_almost_nothing_reaches_no_stop(name):
+    with pytest.raises(Untestable, match="too short"):
+        find_effect(name).trial(Ranges(0.08, 0.082, speed=1.0, acceleration=50.0, force=500.0, seconds=20.0))
