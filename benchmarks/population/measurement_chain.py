@@ -96,7 +96,8 @@ def gauge(chain: Chain, drive: Drive, force: np.ndarray) -> np.ndarray:
         share = {0: 1.0, 1: 1.0 - np.exp(-6.0 * time / time[-1]), 2: 0.75 + 0.5 * time / time[-1]}[chain.form]
         shown += chain.offset * share
     if chain.skew:
-        shown = _shifted(shown, chain)
+        carried = chain.spring * drive.x
+        shown = _shifted(shown + carried, chain) - carried
     return shown
 
 

@@ -18,8 +18,9 @@ from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
+from damper_estimator.model.element import walk
 from damper_estimator.signals import Measurement
-from damper_estimator.signals.layout import COMMAND, TEMPERATURE, V
+from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 from damper_estimator.validation.noise import white_density
 
 BLOCK = 1.0  # s, what the bootstrap draws; residuals forget within it
@@ -156,6 +157,7 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         values = values[np.isfinite(values)]
         return (float(values.min()), float(values.max())) if values.size else None
 
+    whole, of_oil = _at_rest(model, measurements[0]) if model is not None else (0.0, 0.0)
     x = gathered(lambda m: m.kinematics.displacement)
     force = gathered(lambda m: m.force)
     low, high = np.quantile(x, [0.001, 0.999])
@@ -170,7 +172,22 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         temperature=ends(TEMPERATURE),
         model_command=_identified_at(model, "command"),
         model_temperature=_identified_at(model, "temperature"),
+        at_rest=whole,
+        oil_at_rest=of_oil,
+        spring_rate=measurements[0].signals.spring_rate,
+        preload=measurements[0].signals.preload,
     )
+
+
+def _at_rest(model: DamperModel, measurement: Measurement) -> tuple[float, float]:
+    """N, the model's force at rest in the middle of the stroke: the whole, and without what acts beside the oil."""
+    kinematics = measurement.kinematics
+    block = kinematics.block[:, :1].copy()
+    block[[V, A, DT]] = 0.0
+    block[X] = np.median(kinematics.displacement[measurement.judged])
+    force, parts = model.stream().contributions(block)
+    through = [not entry.effect.beside_oil for entry in walk(model.effects)]
+    return float(np.nan_to_num(force[0])), float(np.nan_to_num(parts[through]).sum())
 
 
 def _identified_at(model: DamperModel | None, channel: str) -> float | None:

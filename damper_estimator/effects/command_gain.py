@@ -1,9 +1,9 @@
 """Scale that grows with the command and saturates: a yield force, a damping rate or a series element under current.
 
-    F <- F (r + (1 - r) s),      s = (1 - exp(-b |I|)) / (1 - exp(-b I_r))
+    F <- F_0 + (F - F_0) (r + (1 - r) s),      s = (1 - exp(-b |I|)) / (1 - exp(-b I_r))
 
 r without unit is the share without command; I the command in A, I_r in A (setting) the command at which the scale is 1;
-b in 1/A bends s down towards saturation, b < 0 bends it upwards, b = 0 leaves it straight. Without a command the force
+F_0 in N (setting) is the force at rest, which is not scaled; b in 1/A bends s down towards saturation, b < 0 bends it upwards, b = 0 leaves it straight. Without a command the force
 is unchanged. The coil's lag is ``command_lag``, placed before it in the path. The scale never falls below a thousandth.
 No state. Source: saturation as in ``command_yield``; Spencer et al. 1997, eqs. (17) to (19), for b = 0.
 """
@@ -22,13 +22,14 @@ _LEAST = 1e-3  # of the scale: no element vanishes
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F *= r + (1 - r) s."""
-    bend, reference = parameters[1], settings[0]
+    """F <- F_0 + (F - F_0) (r + (1 - r) s)."""
+    bend, reference, still = parameters[1], settings[0], settings[1]
     for i in range(force.size):
         command = abs(kinematics[COMMAND, i])
         if np.isfinite(command):
             share = command / reference if bend == 0.0 else expm1(-bend * command) / expm1(-bend * reference)
-            force[i] *= max(parameters[0] + (1.0 - parameters[0]) * share, _LEAST)
+            scale = max(parameters[0] + (1.0 - parameters[0]) * share, _LEAST)
+            force[i] = still + (force[i] - still) * scale
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -36,7 +37,7 @@ def trial(ranges: Ranges) -> Trial:
     most = max(abs(value) for value in changing_command(ranges))
     limits = {"rest": (0.0, 3.0), "bend": (-1.0 / most, 10.0 / most)}
     first, *others = reference_commands(ranges)
-    values = {"reference": first, "rest": 0.5, "bend": 1.0 / most}
+    values = {"reference": first, "at_rest": ranges.at_rest, "rest": 0.5, "bend": 1.0 / most}
     return Trial(values, limits, spread(rest=(0.1, 0.5, 1.5)), conditions=tuple({"reference": at} for at in others))
 
 
@@ -49,7 +50,10 @@ EFFECT = Effect(
         Parameter("rest", "1", 0.3, 0.0, 5.0, "share without command"),
         Parameter("bend", "1/A", 1.0, -5.0, 50.0, "how fast it saturates; 0 is straight"),
     ),
-    settings=(Setting("reference", "A", 1.0, "command at which the scale is 1", lower=1e-3, upper=1e3),),
+    settings=(
+        Setting("reference", "A", 1.0, "command at which the scale is 1", lower=1e-3, upper=1e3),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+    ),
     shows="the force at the same motion grows with the command and saturates",
     separate="the same motion at several commands",
     trial=trial,

@@ -52,13 +52,13 @@ def trial(ranges: Ranges) -> Trial:
     way = 0.01 * ranges.stroke
     limits = {
         "saturation": (0.4 * most, 20.0 * most),
-        "way": (0.02 * way, 5.0 * way),
+        "way": (0.02 * way, 25.0 * way),
         "spread": (0.1, 2.5),
         "time_constant": (1e-4, 0.1),
         "creep": (0.0, 0.3 * ranges.speed),
     }
     values = {"saturation": most, "way": 0.3 * way, "spread": 1.0, "time_constant": 0.01, "creep": 0.02 * ranges.speed}
-    return Trial(values, limits, spread(way=(0.1 * way, way), saturation=(0.6 * most, 3.0 * most)))
+    return Trial(values, limits, spread(way=(0.1 * way, way, 8.0 * way), saturation=(0.6 * most, 3.0 * most)))
 
 
 EFFECT = Effect(

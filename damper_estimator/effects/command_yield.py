@@ -43,9 +43,9 @@ def trial(ranges: Ranges) -> Trial:
     """Needs a changing command, and a saturation that is not far below its values."""
     most = max(abs(value) for value in changing_command(ranges))
     way = 0.01 * ranges.stroke
-    limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, 5.0 * way), "time_constant": (1e-4, 0.1)}
+    limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, 25.0 * way), "time_constant": (1e-4, 0.1)}
     values = {"saturation": most, "way": 0.3 * way, "time_constant": 0.01}
-    return Trial(values, limits, spread(way=(0.1 * way, way), saturation=(0.6 * most, 3.0 * most)))
+    return Trial(values, limits, spread(way=(0.1 * way, way, 8.0 * way), saturation=(0.6 * most, 3.0 * most)))
 
 
 EFFECT = Effect(

@@ -1,8 +1,8 @@
 """Fade with the heat that the damper dissipates, if no temperature is measured.
 
-    d(theta)/dt = F v / C - theta / tau,      F <- F_in (1 - kappa theta)
+    d(theta)/dt = F v / C - theta / tau,      F <- F_0 + (F - F_0) (1 - kappa theta)
 
-theta in K above the surroundings, C in J/K (setting), tau in s, kappa in 1/K; F v is the power of the resulting force.
+theta in K above the surroundings, C in J/K and F_0 in N, the force at rest (settings), tau in s, kappa in 1/K; F v is the power of the resulting force.
 The gain stays between 0.1 and 1. One state, theta; first order in the step. Source: energy balance; Lion and Loose
 2002.
 """
@@ -15,19 +15,21 @@ from damper_estimator.signals.layout import DT, V
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F *= 1 - kappa theta, theta from the past power."""
+    """F <- F_0 + (F - F_0) (1 - kappa theta), theta from the past power."""
+    still = settings[1]
     for i in range(force.size):
         dt = kinematics[DT, i]
         if dt <= 0.0:
             state[0] = 0.0
-        force[i] *= min(max(1.0 - parameters[0] * state[0], 0.1), 1.0)
+        force[i] = still + (force[i] - still) * min(max(1.0 - parameters[0] * state[0], 0.1), 1.0)
         power = max(force[i] * kinematics[V, i], 0.0)
         state[0] = (state[0] + dt * power / settings[0]) / (1.0 + dt / parameters[1])
 
 
 def trial(ranges: Ranges) -> Trial:
     """Small dampers heat up fast; cooling takes minutes."""
-    return Trial({"capacity": 300.0, "cooling": 300.0}, {"cooling": (30.0, 3000.0)}, spread(fade=(5e-4, 1e-2)))
+    values = {"capacity": 300.0, "at_rest": ranges.at_rest, "cooling": 300.0}
+    return Trial(values, {"cooling": (30.0, 3000.0)}, spread(fade=(5e-4, 1e-2)))
 
 
 EFFECT = Effect(
@@ -39,7 +41,10 @@ EFFECT = Effect(
         Parameter("fade", "1/K", 0.003, 0.0, 0.03, "loss of force per kelvin"),
         Parameter("cooling", "s", 600.0, 10.0, 1e4, "time constant of cooling"),
     ),
-    settings=(Setting("capacity", "J/K", 800.0, "heat capacity of damper and oil", lower=10.0),),
+    settings=(
+        Setting("capacity", "J/K", 800.0, "heat capacity of damper and oil", lower=10.0),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+    ),
     states=1,
     linear=False,
     order=1,

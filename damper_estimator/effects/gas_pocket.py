@@ -1,26 +1,27 @@
 """Pocket of gas or vapour in a chamber: a spring in series that becomes soft as the pressure falls.
 
-    F = k d / (1 + k d / L_r)  for d > 0,      k d / (1 - k d / L_c)  for d <= 0,      F = F_path(v - d')
+    F = F_0 + k d / (1 + k d / L_r)  for d > 0,      F_0 + k d / (1 - k d / L_c)  for d <= 0,      F = F_path(v - d')
 
 k in N/m, d in m the deflection, L_r and L_c in N the forces that rebound and compression approach as the pocket
-expands: the law of an isothermal gas in the chamber whose pressure falls. The pocket has to close again before the
+expands: the law of an isothermal gas in the chamber whose pressure falls. F_0 in N is the path's force at rest, where
+no oil flows and the pressures are equal: a curve may contain a constant. The pocket has to close again before the
 force returns, so that after a fast stroke a part of the travel is lost. Solved implicitly, second order in the step
 (``model.chain``). Source: Boyle's law; cavitation and aeration of dampers, Duym 2000.
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F += k d / (1 + |k d| / L), with the limit of the direction."""
+    """F += F_0 + k d / (1 + |k d| / L), with the limit of the direction."""
     for i in range(force.size):
         linear = parameters[0] * kinematics[X, i]
         limit = parameters[1] if linear > 0.0 else parameters[2]
-        force[i] += linear / (1.0 + abs(linear) / limit)
+        force[i] += settings[0] + linear / (1.0 + abs(linear) / limit)
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -39,7 +40,7 @@ def trial(ranges: Ranges) -> Trial:
         nearest = min(number(values, name) for name in names)
         return "hardly becomes softer: oil, or a mount" if nearest > 3.0 * ranges.force else ""
 
-    return Trial(starts[0], limits, starts[1:], exclusion)
+    return Trial(starts[0] | {"at_rest": ranges.oil_at_rest}, limits, starts[1:], exclusion)
 
 
 EFFECT = Effect(
@@ -52,6 +53,7 @@ EFFECT = Effect(
         Parameter("limit_rebound", "N", 5000.0, 1.0, 1e6, "force that rebound approaches"),
         Parameter("limit_compression", "N", 5000.0, 1.0, 1e6, "force that compression approaches"),
     ),
+    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, with equal pressures on both sides of the piston"),),
     order=2,
     of_oil=True,
     shows="one direction loses force in fast strokes, and a part of the travel after them has no force",

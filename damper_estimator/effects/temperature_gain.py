@@ -1,8 +1,8 @@
 """Fade with the measured temperature.
 
-    F <- F (1 - kappa (theta - theta_0)) - g (theta - theta_0)
+    F <- F_0 + (F - F_0) (1 - kappa (theta - theta_0)) - g (theta - theta_0)
 
-kappa in 1/K, g in N/K, theta in deg C (measured), theta_0 in deg C (setting): the oil gets thinner, and warm gas pushes
+kappa in 1/K, g in N/K, theta in deg C (measured), theta_0 in deg C and F_0 in N, the force at rest (settings): the oil gets thinner, and warm gas pushes
 the rod out harder. Without a temperature the force is unchanged; the gain stays between 0.1 and 3. No state.
 Source: viscosity of the oil over temperature, linearised; the gas law.
 """
@@ -17,18 +17,20 @@ from damper_estimator.signals.layout import TEMPERATURE
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F <- F (1 - kappa (theta - theta_0)) - g (theta - theta_0)."""
+    """F <- F_0 + (F - F_0) (1 - kappa (theta - theta_0)) - g (theta - theta_0)."""
+    still = settings[1]
     for i in range(force.size):
         theta = kinematics[TEMPERATURE, i]
         if np.isfinite(theta):
             warmer = theta - settings[0]
-            force[i] = force[i] * min(max(1.0 - parameters[0] * warmer, 0.1), 3.0) - parameters[1] * warmer
+            scale = min(max(1.0 - parameters[0] * warmer, 0.1), 3.0)
+            force[i] = still + (force[i] - still) * scale - parameters[1] * warmer
 
 
 def trial(ranges: Ranges) -> Trial:
     """The model holds at one temperature."""
     first, *others = reference_temperatures(ranges)
-    return Trial({"reference": first, "fade": 0.002}, conditions=tuple({"reference": at} for at in others))
+    return Trial({"reference": first, "at_rest": ranges.at_rest, "fade": 0.002}, conditions=tuple({"reference": at} for at in others))
 
 
 EFFECT = Effect(
@@ -41,7 +43,10 @@ EFFECT = Effect(
         Parameter("gas", "N/K", 0.0, 0.0, 50.0, "rise of the gas force per kelvin"),
     ),
     linear=False,
-    settings=(Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),),
+    settings=(
+        Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+    ),
     shows="the force at the same motion falls as the damper warms up",
     separate="the same manoeuvre cold and warm",
     trial=trial,

@@ -29,6 +29,9 @@ class Ranges:
         command, temperature: lowest and highest (A, deg C); None where not recorded.
         model_command, model_temperature: middle of what the model was identified at, where its parameters hold; None if
             unknown.
+        at_rest, oil_at_rest: the model's force at rest (N), the whole and without what acts beside the oil: the gas
+            force, or a constant in a curve, which no change of the flow changes.
+        spring_rate, preload: of a parallel spring in the gauge's force, as the signal maps state it (N/m, N).
     """
 
     compression: float
@@ -41,6 +44,10 @@ class Ranges:
     temperature: tuple[float, float] | None = None
     model_command: float | None = None
     model_temperature: float | None = None
+    at_rest: float = 0.0
+    oil_at_rest: float = 0.0
+    spring_rate: float = 0.0
+    preload: float = 0.0
 
     @property
     def stroke(self) -> float:

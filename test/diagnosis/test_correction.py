@@ -40,10 +40,16 @@ def test_correcting_is_reading_with_the_corrected_map(name, base):
     assert np.abs(anew.in_band(anew.force) - turned.in_band(turned.force))[both].max() < 0.02 * scale
 
 
+@pytest.mark.parametrize("spring", [{}, {"spring_rate": 30e3, "preload": -1500.0}], ids=["alone", "coil over"])
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_correction_takes_back_what_the_effect_does(name, base, user_model):
-    """The effect says how the mistake shows in the force; the correction must undo just that."""
-    element = make_element(all_effects()[name], MISTAKES[name])
+def test_a_correction_takes_back_what_the_effect_does(name, spring, base, user_model):
+    """The effect says how the mistake shows in the force, a spring in the gauge's force included; the correction must
+    undo just that.
+    """
+    effect = all_effects()[name]
+    base = replace(base, signals=replace(base.signals, **spring))
+    settings = {setting.name: spring.get(setting.name, 0.0) for setting in effect.settings}
+    element = make_element(effect, MISTAKES[name] | settings)
     block = base.kinematics.block
     right = replace(base, force=user_model.force(block))
     wrong = replace(base, force=user_model.with_effect(element).force(block))
