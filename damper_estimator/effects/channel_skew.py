@@ -49,7 +49,7 @@ EFFECT = Effect(
     phenomenon="channel_skew",
     tests=("shift",),
     parameters=(Parameter("skew", "s", 0.0, -0.05, 0.05, "delay of the force channel"),),
-    settings=(Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, as the signal map states it"),),
+    settings=(Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, by the signal map", adds=True),),
     shows="the F-v loop opens with frequency, equally at all speeds; the force crosses zero late",
     separate="tap the damper: both channels must show the impact at the same instant",
     trial=trial,

@@ -3,9 +3,10 @@
     F <- F_0 + (F - F_0) (r + (1 - r) s),      s = (1 - exp(-b |I|)) / (1 - exp(-b I_r))
 
 r without unit is the share without command; I the command in A, I_r in A (setting) the command at which the scale is 1;
-F_0 in N (setting) is the force at rest, which is not scaled; b in 1/A bends s down towards saturation, b < 0 bends it upwards, b = 0 leaves it straight. Without a command the force
-is unchanged. The coil's lag is ``command_lag``, placed before it in the path. The scale never falls below a thousandth.
-No state. Source: saturation as in ``command_yield``; Spencer et al. 1997, eqs. (17) to (19), for b = 0.
+F_0 in N (setting) is the force at rest, which is not scaled; b in 1/A bends s down towards saturation, b < 0 bends it
+upwards, b = 0 leaves it straight. Without a command the force is unchanged. The coil's lag is ``command_lag``, placed
+before it in the path. The scale never falls below a thousandth. No state. Source: saturation as in ``command_yield``;
+Spencer et al. 1997, eqs. (17) to (19), for b = 0.
 """
 
 from math import expm1
@@ -52,7 +53,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("reference", "A", 1.0, "command at which the scale is 1", lower=1e-3, upper=1e3),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
     ),
     shows="the force at the same motion grows with the command and saturates",
     separate="the same motion at several commands",

@@ -83,6 +83,7 @@ class Setting:
     Attributes:
         default: a float, or a tuple for a list; its type is the type that the model file must use.
         increasing: a list must be strictly increasing.
+        adds: an otherwise linear effect is linear only where it is zero; else it adds a force.
     """
 
     name: str
@@ -92,6 +93,7 @@ class Setting:
     lower: float = -float("inf")
     upper: float = float("inf")
     increasing: bool = False
+    adds: bool = False
 
 
 def flat(parameters: Values, settings: Values) -> np.ndarray:

@@ -1,10 +1,10 @@
 """Fade with the heat that the damper dissipates, if no temperature is measured.
 
-    d(theta)/dt = F v / C - theta / tau,      F <- F_0 + (F - F_0) (1 - kappa theta)
+    d(theta)/dt = (F - F_0) v / C - theta / tau,      F <- F_0 + (F - F_0) (1 - kappa theta)
 
-theta in K above the surroundings, C in J/K and F_0 in N, the force at rest (settings), tau in s, kappa in 1/K; F v is the power of the resulting force.
-The gain stays between 0.1 and 1. One state, theta; first order in the step. Source: energy balance; Lion and Loose
-2002.
+theta in K above the surroundings, C in J/K and F_0 in N, the force at rest (settings), tau in s, kappa in 1/K;
+(F - F_0) v is the dissipated power. The gain stays between 0.1 and 1. One state, theta; first order in the step.
+Source: energy balance; Lion and Loose 2002.
 """
 
 from damper_estimator.compiled import compiled
@@ -22,7 +22,7 @@ def kernel(parameters, settings, kinematics, state, force):
         if dt <= 0.0:
             state[0] = 0.0
         force[i] = still + (force[i] - still) * min(max(1.0 - parameters[0] * state[0], 0.1), 1.0)
-        power = max(force[i] * kinematics[V, i], 0.0)
+        power = max((force[i] - still) * kinematics[V, i], 0.0)
         state[0] = (state[0] + dt * power / settings[0]) / (1.0 + dt / parameters[1])
 
 
@@ -43,7 +43,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("capacity", "J/K", 800.0, "heat capacity of damper and oil", lower=10.0),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
     ),
     states=1,
     linear=False,

@@ -38,8 +38,8 @@ EFFECT = Effect(
     phenomenon="force_gain_error",
     parameters=(Parameter("gain", "1", 0.0, -0.9, 2.0, "relative error of the gauge's gain"),),
     settings=(
-        Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, as the signal map states it"),
-        Setting("preload", "N", 0.0, "of that spring at displacement 0"),
+        Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, by the signal map", adds=True),
+        Setting("preload", "N", 0.0, "of that spring at displacement 0", adds=True),
     ),
     shows="the error is a fixed share of the force in all conditions",
     separate="a known weight on the gauge",

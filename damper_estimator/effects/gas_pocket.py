@@ -53,7 +53,7 @@ EFFECT = Effect(
         Parameter("limit_rebound", "N", 5000.0, 1.0, 1e6, "force that rebound approaches"),
         Parameter("limit_compression", "N", 5000.0, 1.0, 1e6, "force that compression approaches"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, with equal pressures on both sides of the piston"),),
+    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True),),
     order=2,
     of_oil=True,
     shows="one direction loses force in fast strokes, and a part of the travel after them has no force",

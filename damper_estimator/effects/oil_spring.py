@@ -2,9 +2,9 @@
 
     F = F_0 + k_r d  for d > 0,      F_0 + k_c d  for d <= 0,      F = F_path(v - d')
 
-k in N/m, d in m the deflection, F_0 in N the path's force at rest, where no oil flows and the pressures are equal. A monotube's two chambers differ in volume and so in stiffness. Solved
-implicitly, second order in the step (``model.chain``), stable for any stiffness. Source: Maxwell element; Lang
-1977.
+k in N/m, d in m the deflection, F_0 in N the path's force at rest, where no oil flows and the pressures are equal. A
+monotube's two chambers differ in volume and so in stiffness. Solved implicitly, second order in the step
+(``model.chain``), stable for any stiffness. Source: Maxwell element; Lang 1977.
 """
 
 from damper_estimator.compiled import compiled
@@ -39,7 +39,7 @@ EFFECT = Effect(
         Parameter("stiffness_rebound", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in rebound"),
         Parameter("stiffness_compression", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in compression"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, with equal pressures on both sides of the piston"),),
+    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True),),
     order=2,
     of_oil=True,
     shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",

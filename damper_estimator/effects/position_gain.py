@@ -2,8 +2,9 @@
 
     F <- F_0 + (F - F_0) (1 + g (x - x_0)^2 / s^2)
 
-g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting), F_0 in N (setting) the force at rest. It scales the preceding effects of its
-path; the scale never falls below zero. No state. Source: position-sensitive dampers, e.g. Lee and Moon 2005.
+g without unit (gain at s from the middle), x_0 in m (middle), s in m (setting), F_0 in N (setting) the force at rest.
+It scales the preceding effects of its path; the scale never falls below zero. No state. Source: position-sensitive
+dampers, e.g. Lee and Moon 2005.
 """
 
 from damper_estimator.compiled import compiled
@@ -40,7 +41,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("scale", "m", 0.05, "stroke from the middle to which the gain refers", lower=1e-4),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
     ),
     shows="at the same velocity the force differs between the middle and the ends of the stroke",
     separate="the same velocities at several mean positions",

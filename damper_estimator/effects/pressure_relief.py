@@ -2,10 +2,10 @@
 
     F <- F - s_r (P - F_r)  for P > F_r,      F <- F + s_c (-P - F_c)  for P < -F_c,      P = F - F_0
 
-F_0 in N (setting) is the force at rest, F_r, F_c in N are the forces beyond it at which the blow-off valve opens, s without unit is the share of the further rise that it
-takes away. The knee is rounded over a tenth of the opening force. A valve opens on pressure: where the force has a
-yield or a memory of the way, that is not the same as a speed, at which ``relief`` opens. No state. Source:
-spring-loaded relief valves, Dixon 2008.
+F_0 in N (setting) is the force at rest, F_r, F_c in N are the forces beyond it at which the blow-off valve opens, s
+without unit is the share of the further rise that it takes away. The knee is rounded over a tenth of the opening force.
+A valve opens on pressure: where the force has a yield or a memory of the way, that is not the same as a speed, at which
+``relief`` opens. No state. Source: spring-loaded relief valves, Dixon 2008.
 """
 
 from damper_estimator.compiled import compiled
@@ -55,7 +55,7 @@ EFFECT = Effect(
         Parameter("share_compression", "1", 0.3, 0.0, 0.95, "share of the further rise that is lost in compression"),
         Parameter("opening_compression", "N", 1000.0, 1.0, 50000.0, "force at which the valve opens in compression"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force at rest, where no pressure opens the valve"),),
+    settings=(Setting("at_rest", "N", 0.0, "force at rest, where no pressure opens the valve", adds=True),),
     linear=False,
     shows="above a certain force the damper yields: peaks are lower than the model's, whatever the speed",
     separate="forces well above and below the opening force, reached at different speeds or currents",

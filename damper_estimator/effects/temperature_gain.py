@@ -2,9 +2,9 @@
 
     F <- F_0 + (F - F_0) (1 - kappa (theta - theta_0)) - g (theta - theta_0)
 
-kappa in 1/K, g in N/K, theta in deg C (measured), theta_0 in deg C and F_0 in N, the force at rest (settings): the oil gets thinner, and warm gas pushes
-the rod out harder. Without a temperature the force is unchanged; the gain stays between 0.1 and 3. No state.
-Source: viscosity of the oil over temperature, linearised; the gas law.
+kappa in 1/K, g in N/K, theta in deg C (measured), theta_0 in deg C and F_0 in N, the force at rest (settings): the oil
+gets thinner, and warm gas pushes the rod out harder. Without a temperature the force is unchanged; the gain stays
+between 0.1 and 3. No state. Source: viscosity of the oil over temperature, linearised; the gas law.
 """
 
 import numpy as np
@@ -30,7 +30,10 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """The model holds at one temperature."""
     first, *others = reference_temperatures(ranges)
-    return Trial({"reference": first, "at_rest": ranges.at_rest, "fade": 0.002}, conditions=tuple({"reference": at} for at in others))
+    return Trial(
+        {"reference": first, "at_rest": ranges.at_rest, "fade": 0.002},
+        conditions=tuple({"reference": at} for at in others),
+    )
 
 
 EFFECT = Effect(
@@ -45,7 +48,7 @@ EFFECT = Effect(
     linear=False,
     settings=(
         Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
     ),
     shows="the force at the same motion falls as the damper warms up",
     separate="the same manoeuvre cold and warm",

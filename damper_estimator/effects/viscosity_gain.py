@@ -2,9 +2,9 @@
 
     F <- F_0 + (F - F_0) exp(-b (theta - theta_0))
 
-b in 1/K, theta in deg C (measured), theta_0 in deg C (setting); F_0 in N (setting) is the force at rest. It scales the preceding effects of its path: a viscous
-force, or a series element. Without a temperature the force is unchanged; the scale stays between 0.05 and 20. No state.
-Source: viscosity of oils over temperature, Reynolds' equation.
+b in 1/K, theta in deg C (measured), theta_0 in deg C (setting); F_0 in N (setting) is the force at rest. It scales the
+preceding effects of its path: a viscous force, or a series element. Without a temperature the force is unchanged; the
+scale stays between 0.05 and 20. No state. Source: viscosity of oils over temperature, Reynolds' equation.
 """
 
 from math import exp
@@ -32,7 +32,9 @@ def trial(ranges: Ranges) -> Trial:
     """The model holds at one temperature; oils lose 1 to 4 % per kelvin."""
     first, *others = reference_temperatures(ranges)
     conditions = tuple({"reference": at} for at in others)
-    return Trial({"reference": first, "at_rest": ranges.at_rest, "rate": 0.005}, {"rate": (0.0, 0.06)}, conditions=conditions)
+    return Trial(
+        {"reference": first, "at_rest": ranges.at_rest, "rate": 0.005}, {"rate": (0.0, 0.06)}, conditions=conditions
+    )
 
 
 EFFECT = Effect(
@@ -43,7 +45,7 @@ EFFECT = Effect(
     parameters=(Parameter("rate", "1/K", 0.01, -0.01, 0.1, "relative loss per kelvin"),),
     settings=(
         Setting("reference", "deg C", 40.0, "temperature at which the scale is 1", lower=-60.0, upper=200.0),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value"),
+        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
     ),
     shows="the damping falls as the damper warms up; friction and gas force do not",
     separate="the same manoeuvre cold and warm",

@@ -2,7 +2,8 @@
 
 A linear parameter can be solved for instead of searched, but only where every later entry of its list, and of the
 lists around it, is linear in the force. What stands before an entry that is not, or behind a compliance, stays
-together as one part.
+together as one part. What a linear entry adds by itself, such as a scale that leaves the force at rest as it is, is in
+one part only.
 """
 
 from collections.abc import Sequence
@@ -50,6 +51,7 @@ class _Node:
 class _Part:
     kept: frozenset[int]
     source: _Node | None = None  # the entry that makes the force, where all entries acting on it are linear
+    acting: frozenset[int] = frozenset()  # entries that add nothing to it, because they do so in another part
 
 
 def terms(model: DamperModel) -> tuple[Term, ...]:
@@ -87,6 +89,8 @@ def _split(nodes: tuple[_Node, ...]) -> list[_Part]:
     if bent:
         together = [node for i, node in enumerate(nodes) if i <= last_bent or not adding[i]]
         parts.append(_Part(frozenset().union(*(node.all_positions for node in together))))
+    elif any(_adds_by_itself(node.element) for i, node in enumerate(nodes) if not adding[i]):
+        parts.append(_Part(frozenset(node.position for i, node in enumerate(nodes) if not adding[i])))
     for i, node in enumerate(nodes):
         if i > last_bent and adding[i]:
             acting = frozenset(
@@ -94,14 +98,18 @@ def _split(nodes: tuple[_Node, ...]) -> list[_Part]:
                 for j, other in enumerate(nodes)
                 if not adding[j] and (j > i or other.element.effect.kind == "input")
             )
-            parts += [_Part(part.kept | acting, part.source) for part in _inside(node)]
+            parts += [_Part(part.kept | acting, part.source, part.acting | acting) for part in _inside(node)]
     return parts
+
+
+def _adds_by_itself(element: Element) -> bool:
+    return any(setting.adds and element.settings[setting.name] for setting in element.effect.settings)
 
 
 def _inside(node: _Node) -> list[_Part]:
     kind = node.element.effect.kind
     if kind == "path":
-        return [_Part(part.kept | {node.position}, part.source) for part in _split(node.path)]
+        return [replace(part, kept=part.kept | {node.position}) for part in _split(node.path)]
     return [_Part(node.all_positions, None if kind == "series" else node)]
 
 
@@ -112,16 +120,17 @@ def _term(model: DamperModel, part: _Part) -> Term:
         linear = tuple(
             i for i in slots if model.slots[i].entry == part.source.position and model.slots[i].parameter.linear
         )
-    part = replace(model, effects=_pruned(model.effects, part.kept, [0]), fixed=(), fit={})
-    return Term(part, slots, linear)
+    alone = replace(model, effects=_pruned(model.effects, part, [0]), fixed=(), fit={})
+    return Term(alone, slots, linear)
 
 
-def _pruned(elements: tuple[Element, ...], kept: frozenset[int], counter: list[int]) -> tuple[Element, ...]:
+def _pruned(elements: tuple[Element, ...], part: _Part, counter: list[int]) -> tuple[Element, ...]:
     left = []
     for element in elements:
         position = counter[0]
         counter[0] += 1
-        path = _pruned(element.path, kept, counter)
-        if position in kept:
-            left.append(replace(element, path=path))
+        path = _pruned(element.path, part, counter)
+        if position in part.kept:
+            nothing = {s.name: 0.0 for s in element.effect.settings if s.adds and position in part.acting}
+            left.append(replace(element, path=path, settings={**element.settings, **nothing}))
     return tuple(left)

@@ -4,11 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from damper_estimator.diagnosis.diagnosis_data import (
     BLOCK,
     data_of,
     force_rows,
+    ranges_of,
     targets,
     unweighted,
     weights,
@@ -17,6 +20,7 @@ from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.identification.rows import split
+from damper_estimator.model import parse_model
 from damper_estimator.model.element import new_element
 from damper_estimator.signals.layout import ROWS
 
@@ -77,6 +81,17 @@ def test_the_oil_of_a_frozen_model_carries_what_acts_through_it(user_model, base
     block = rows.measurement.kinematics.block
     gas = user_model.contributions(block[:ROWS])["gas_spring"]
     np.testing.assert_array_equal(block[ROWS + 1], gas)
+
+
+@given(constant=st.floats(-3000.0, 3000.0), gas=st.floats(0.0, 3000.0))
+def test_the_force_at_rest_is_that_of_the_model_with_and_without_what_acts_beside_the_oil(base, constant, gas):
+    curve = {"velocity": [-0.5, 0.0, 0.5], "force": [constant - 900.0, constant, constant + 1200.0]}
+    gas_spring = {"static_force": gas, "volume": 5e-3}
+    effects = [{"viscous_curve": curve}, {"gas_spring": gas_spring}, {"dahl": {}}, {"force_lag": {}}]
+    ranges = ranges_of([base], parse_model({"name": "user", "source": "test", "effects": effects}, "test"))
+    assert ranges.oil_at_rest == pytest.approx(constant, abs=1e-6)
+    assert ranges.at_rest == pytest.approx(constant - gas, abs=0.01 * gas + 1e-6)
+    assert (ranges_of([base]).at_rest, ranges_of([base]).oil_at_rest) == (0.0, 0.0)
 
 
 def test_a_recording_without_force_is_refused(user_model, base):

@@ -14,8 +14,22 @@ TOLERANCE = 1e-9  # of the force
 SOLVED = 1e-6  # of the force, behind a compliance, which is solved to a separate tolerance
 LEAVES = st.sampled_from(["linear_viscous", "coulomb", "gas_spring", "static_force", "tanh_hysteresis", "bouc_wen"])
 ACTING = st.sampled_from(
-    ["force_lag", "position_gain", "cavitation_limit", "force_offset", "force_gain_error", "channel_skew"]
+    [
+        "force_lag",
+        "position_gain",
+        "command_gain",
+        "cavitation_limit",
+        "force_offset",
+        "force_gain_error",
+        "channel_skew",
+    ]
 )
+VALUES = {
+    "position_gain": {"gain": 0.4},
+    "command_gain": {},
+    "force_gain_error": {"gain": 0.1},
+    "channel_skew": {"skew": 0.003},
+}
 
 
 def entry(name, path=(), **values):
@@ -45,7 +59,11 @@ def chains(draw, depth=2):
         entries.insert(draw(st.integers(0, len(entries))), entry(wrap, path=tuple(inner)))
     for name in draw(st.lists(ACTING, max_size=2)):
         if depth == 2 or find_effect(name).kind != "channel":
-            entries.insert(draw(st.integers(1, len(entries))), entry(name))
+            added = {s.name: draw(st.sampled_from([0.0, 170.0])) for s in find_effect(name).settings if s.adds}
+            # A gauge stands behind the whole damper, and rewrites what others add behind it as well.
+            is_channel = find_effect(name).kind == "channel"
+            place = len(entries) if is_channel else draw(st.integers(1, len(entries)))
+            entries.insert(place, entry(name, **VALUES.get(name, {}), **added))
     return [entry("velocity_delay"), *entries] if draw(st.booleans()) else entries
 
 
@@ -101,6 +119,15 @@ def test_the_force_of_every_effect_is_the_sum_of_what_its_linear_parameters_give
         single[[other for other in linear if other != slot]] = 0.0
         alone += model.with_vector(single).force(block)
     np.testing.assert_allclose(alone, whole, atol=TOLERANCE * (1.0 + np.abs(whole).max()))
+
+
+def test_what_a_scale_adds_by_itself_is_in_one_part():
+    scale = entry("command_gain", at_rest=300.0)
+    model, block = DamperModel("m", "", (entry("coulomb"), entry("viscous"), scale)), sweep()
+    whole, parts = model.force(block), [term.model.force(block) for term in terms(model)]
+    assert len(parts) == 3
+    np.testing.assert_allclose(sum(parts), whole, atol=TOLERANCE * np.abs(whole).max())
+    assert linear_addresses(*model.effects) == {"coulomb.force", "viscous.rate"}
 
 
 def linear_addresses(*entries):
