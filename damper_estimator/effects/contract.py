@@ -150,6 +150,11 @@ class Effect:
         """Whether it is a compliance with a stiffness: oil, mount, joint."""
         return self.kind == "series" and any(parameter.unit == "N/m" for parameter in self.parameters)
 
+    @property
+    def delays(self) -> bool:
+        """Whether it is a modifier that only delays: a constant force passes."""
+        return self.kind == "modifier" and self.linear and self.states > 0
+
     def parameter(self, name: str) -> Parameter:
         """The declaration of a parameter; KeyError for an unknown name."""
         return {parameter.name: parameter for parameter in self.parameters}[name]

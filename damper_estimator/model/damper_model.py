@@ -173,14 +173,17 @@ class DamperModel:
     def with_missing(self, element: Element) -> "DamperModel":
         """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
 
-        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, and a series
-        spring takes the place of the present one, because two springs in a row are one.
+        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring; a series spring
+        takes the place of the present one, because two springs in a row are one, and carries the sources behind lags.
         """
         kind, present = element.effect.kind, self.spring
         if element.effect.is_series_spring and present is not None:
             place = self.effects.index(present)
             instead = _wrapped(element, present.path)
             return self._with((*self.effects[:place], *instead, *self.effects[place + 1 :]))
+        if element.effect.is_series_spring:
+            count = _last_carried(self.effects, element)
+            return self._with((*_wrapped(element, self.effects[:count]), *self.effects[count:]))
         is_carried = present is not None and not (present.effect.of_oil and element.effect.beside_oil)
         if kind in ("source", "path") and is_carried:
             longer = replace(present, path=(*present.path, element))
@@ -255,6 +258,21 @@ def _with_entries(
             Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
         )
     return tuple(changed)
+
+
+def _last_carried(elements: tuple[Element, ...], spring: Element) -> int:
+    """How many entries, from the first, a series spring is wrapped around: all sources before the first modifier, and
+    those behind modifiers that only delay. Anything else would act on what is beside the spring as well.
+    """
+    count = 0
+    for i, element in enumerate(elements):
+        effect = element.effect
+        if effect.kind in ("source", "path", "series", "input"):
+            is_beside = spring.effect.of_oil and effect.beside_oil
+            count = count if is_beside and count < i else i + 1
+        elif not effect.delays:
+            break
+    return count
 
 
 def _wrapped(spring: Element, sources: tuple[Element, ...]) -> tuple[Element, ...]:

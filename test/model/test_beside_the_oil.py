@@ -41,3 +41,25 @@ def test_a_static_force_added_to_a_damper_on_oil_shifts_its_force_alone(force, r
     shifted = model.with_missing(entry("static_force", force=force))
     block = sweep()
     np.testing.assert_allclose(shifted.force(block), model.force(block) + force, atol=1e-9 * (1.0 + abs(force)))
+
+
+@given(stiffness=st.floats(1e8, 9e8))
+@settings(max_examples=20, deadline=None)
+def test_a_compliance_carries_sources_behind_a_lag_and_changes_nothing_if_it_is_stiff(stiffness):
+    """What was added to a model that ends with a lag stands behind it, and acts through the oil all the same."""
+    sources = (entry("linear_viscous"), entry("gas_spring"), entry("force_lag"), entry("dahl"))
+    model = DamperModel("m", "s", sources)
+    values = {"stiffness_rebound": stiffness, "stiffness_compression": stiffness}
+    on_oil = model.with_missing(new_element(find_effect("oil_spring"), model.effects, values))
+    assert names_in(on_oil) == [("oil_spring", ["linear_viscous", "force_lag", "dahl"]), ("gas_spring", [])]
+    block = sweep()
+    late = slice(20, None)  # the lag of a constant gas force is over
+    force = model.force(block)[late]
+    np.testing.assert_allclose(on_oil.force(block)[late], force, atol=0.02 * np.abs(force).max())
+
+
+def test_a_compliance_ends_before_a_modifier_that_scales():
+    scaled = (entry("linear_viscous"), entry("position_gain"), entry("dahl"))
+    model = DamperModel("m", "s", scaled)
+    on_oil = model.with_missing(new_element(find_effect("oil_spring"), model.effects))
+    assert names_in(on_oil) == [("oil_spring", ["linear_viscous"]), ("position_gain", []), ("dahl", [])]
