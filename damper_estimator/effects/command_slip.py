@@ -19,7 +19,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.elastic_slip import PARTS, crept
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, longest_yield, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
 
 _CURRENT = PARTS + 1  # position in the state
@@ -49,16 +49,16 @@ def trial(ranges: Ranges) -> Trial:
     the yield force of known dampers rolls off.
     """
     most = max(abs(value) for value in changing_command(ranges))
-    way = 0.01 * ranges.stroke
+    way, longest = 0.01 * ranges.stroke, longest_yield(ranges)
     limits = {
         "saturation": (0.4 * most, 20.0 * most),
-        "way": (0.02 * way, 25.0 * way),
+        "way": (0.02 * way, longest),
         "spread": (0.1, 2.5),
         "time_constant": (1e-4, 0.1),
         "creep": (0.0, 0.3 * ranges.speed),
     }
     values = {"saturation": most, "way": 0.3 * way, "spread": 1.0, "time_constant": 0.01, "creep": 0.02 * ranges.speed}
-    return Trial(values, limits, spread(way=(0.1 * way, way, 8.0 * way), saturation=(0.6 * most, 3.0 * most)))
+    return Trial(values, limits, spread(way=(0.1 * way, way, 0.6 * longest), saturation=(0.6 * most, 3.0 * most)))
 
 
 EFFECT = Effect(

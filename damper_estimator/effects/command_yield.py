@@ -14,7 +14,7 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
+from damper_estimator.effects.trial import Ranges, Trial, changing_command, longest_yield, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
 
 
@@ -42,10 +42,10 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """Needs a changing command, and a saturation that is not far below its values."""
     most = max(abs(value) for value in changing_command(ranges))
-    way = 0.01 * ranges.stroke
-    limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, 25.0 * way), "time_constant": (1e-4, 0.1)}
+    way, longest = 0.01 * ranges.stroke, longest_yield(ranges)
+    limits = {"saturation": (0.4 * most, 20.0 * most), "way": (0.02 * way, longest), "time_constant": (1e-4, 0.1)}
     values = {"saturation": most, "way": 0.3 * way, "time_constant": 0.01}
-    return Trial(values, limits, spread(way=(0.1 * way, way, 8.0 * way), saturation=(0.6 * most, 3.0 * most)))
+    return Trial(values, limits, spread(way=(0.1 * way, way, 0.6 * longest), saturation=(0.6 * most, 3.0 * most)))
 
 
 EFFECT = Effect(

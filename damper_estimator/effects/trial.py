@@ -125,6 +125,14 @@ def changing_command(ranges: Ranges) -> tuple[float, float]:
     return low, high
 
 
+_LONGEST_YIELD = 2.5e-3  # m
+
+
+def longest_yield(ranges: Ranges) -> float:
+    """Longest travel in m over which a yield force builds up: a twentieth of the stroke, in short strokes more."""
+    return max(0.05 * ranges.stroke, min(0.25 * ranges.stroke, _LONGEST_YIELD))
+
+
 _LEAST_CHANGE = 2.0  # K
 
 

@@ -61,8 +61,8 @@ def chains(draw, depth=2):
         if depth == 2 or find_effect(name).kind != "channel":
             added = {s.name: draw(st.sampled_from([0.0, 170.0])) for s in find_effect(name).settings if s.adds}
             # A gauge stands behind the whole damper, and rewrites what others add behind it as well.
-            is_channel = find_effect(name).kind == "channel"
-            place = len(entries) if is_channel else draw(st.integers(1, len(entries)))
+            inside = sum(e.effect.kind != "channel" for e in entries)
+            place = len(entries) if find_effect(name).kind == "channel" else draw(st.integers(1, inside))
             entries.insert(place, entry(name, **VALUES.get(name, {}), **added))
     return [entry("velocity_delay"), *entries] if draw(st.booleans()) else entries
 
