@@ -36,6 +36,7 @@ class Hypothesis:
         element: the entry as it would be added, with start values.
         limits: physical range of parameters by name.
         starts: further start values by name.
+        imitates: name of the form-free test of what it then imitates, "" without one.
         conditions: other settings by name, of which the trial fit takes the best.
         excludes: says why the effect with fitted values is not what it represents; None if it always is.
         fit: its fitted parameters and what they change; None before the trial fit.
@@ -48,6 +49,7 @@ class Hypothesis:
     limits: Mapping[str, tuple[float, float]]
     starts: Sequence[Mapping[str, float]]
     excludes: Callable[[Mapping[str, Any]], str] | None = None
+    imitates: str = ""
     conditions: Sequence[Mapping[str, float]] = ()
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
@@ -178,7 +180,8 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
         if parameter.size is None:
             values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
     starts = [*trial.starts, *_as_stiff(effect, model.spring)]
-    return Hypothesis(new_element(effect, model.effects, values), physical, starts, trial.exclusion, trial.conditions)
+    element = new_element(effect, model.effects, values)
+    return Hypothesis(element, physical, starts, trial.exclusion, trial.imitates, trial.conditions)
 
 
 def _as_stiff(effect: Effect, present: Element | None) -> list[dict[str, float]]:

@@ -1,7 +1,7 @@
 """One round: which hypothesis explains most, how sure that is, and what else it could be."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -174,12 +174,20 @@ def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str, jointl
         joint = {one.name: with_refitted(one, left, refitted) for one, left in jointly_refitted(baseline, hypotheses)}
         together = (min(joint.get(one.name, one), one, key=lambda either: either.score) for one in hypotheses)
         hypotheses = sorted(together, key=lambda one: one.score)
+    tests = evaluated_tests(baseline, mode)
     return Round(
         baseline,
-        tuple(hypotheses),
+        tuple(_judged(hypothesis, tests) for hypothesis in hypotheses),
         tuple(hypothesis for hypothesis in fitted if hypothesis.fit.hidden),
-        tuple(evaluated_tests(baseline, mode)),
+        tuple(tests),
         kept,
         refitted,
         mode,
     )
+
+
+def _judged(hypothesis: Hypothesis, tests: Sequence[TestEvaluation]) -> Hypothesis:
+    """The hypothesis, without its exclusion if it explains clearly more than what it would imitate."""
+    imitated = (test.error for test in tests if test.test.name == hypothesis.imitates)
+    least = (1.0 - limits().gain) * next(imitated, 0.0)
+    return replace(hypothesis, excludes=None) if hypothesis.evaluation.error < least else hypothesis

@@ -32,7 +32,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """The groove lies within the recorded stroke and is shorter than the stroke. One that would be as long acts alike
-    at every position: it changes the curve, with ports that of one direction.
+    at every position: it changes the curve, with ports that of one direction, unless it explains clearly more.
     """
     stroke, middle = ranges.stroke, ranges.middle
     limits = {
@@ -50,7 +50,7 @@ def trial(ranges: Ranges) -> Trial:
         is_long = number(values, "half_length") > 0.95 * _LONGEST * stroke
         return "as long as the stroke: a change of the curve" if is_long else ""
 
-    return Trial(values, limits, (*starts, *ports), exclusion)
+    return Trial(values, limits, (*starts, *ports), exclusion, imitates="curve")
 
 
 EFFECT = Effect(

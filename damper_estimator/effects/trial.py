@@ -82,6 +82,8 @@ class Trial:
         starts: further start values of parameters by name; the fit continues from the best start.
         exclusion: says why the effect with some values is no longer what it represents, "" if it is; for limits on
             several parameters together.
+        imitates: name of the form-free test of what such values imitate; where the effect explains clearly more than
+            this test, it is what it represents.
         conditions: settings by name to try as well, where recordings do not say which apply; those that explain the
             fitted recordings best are taken.
     """
@@ -90,6 +92,7 @@ class Trial:
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     starts: tuple[Mapping[str, float], ...] = ()
     exclusion: Callable[[Mapping[str, Any]], str] | None = None
+    imitates: str = ""
     conditions: tuple[Mapping[str, float], ...] = ()
 
 

@@ -111,3 +111,24 @@ def test_probabilities_add_up_and_follow_what_is_left(noisy):
     values = [current.probabilities[score.phenomenon] for score in current.scores]
     assert sum(current.probabilities.values()) == pytest.approx(1.0)
     assert values == sorted(values, reverse=True)
+
+
+def long_groove(baseline, share):
+    """As long as the stroke, so that it acts alike at every position."""
+    groove = tried(baseline, "bypass_groove", share)
+    longest = groove.limits["half_length"][1]
+    return replace(groove, fit=replace(groove.fit, values={**groove.fit.values, "half_length": longest}))
+
+
+def test_what_imitates_a_changed_curve_must_explain_clearly_more_than_that(noisy):
+    free = rounded(noisy, long_groove(noisy, 0.5))
+    assert not free.best.exclusion and not free.reason_against(free.best, FORCE), "no curve explains white noise"
+    residuals = {
+        part: 300.0 * np.tanh(np.concatenate([r.measurement.kinematics.velocity[r.picks] for r in rows]) / 0.1)
+        for part, rows in (("residual_fit", noisy.data.fit), ("residual_unseen", noisy.data.unseen))
+    }
+    curve = replace(noisy, **residuals)
+    excluded = rounded(curve, long_groove(curve, 0.5))
+    (groove,) = excluded.hypotheses
+    assert "a change of the curve" in groove.exclusion == excluded.reason_against(groove, FORCE)
+    assert excluded.gain(groove)[0] > limits().gain
