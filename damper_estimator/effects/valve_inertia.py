@@ -27,7 +27,9 @@ _EARLIEST = 0.08  # of the recorded speed, at which a valve opens
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The valve opens within the recorded speeds; one that is always open, alike in both directions, is a mass."""
+    """The valve opens within the recorded speeds; one that is always open, alike in both directions, is a mass, unless
+    it explains clearly more than any mass.
+    """
     speed = ranges.speed
     masses = dict.fromkeys(("mass_rebound", "mass_compression"), (0.0, 60.0))
     starts = spread(opening=(0.1 * speed, 0.3 * speed, 0.5 * speed))
@@ -38,7 +40,7 @@ def trial(ranges: Ranges) -> Trial:
         return "is always open, alike in both directions: a mass" if alike and opening < 0.15 * speed else ""
 
     limits = masses | {"opening": (_EARLIEST * speed, 0.8 * speed)}
-    return Trial({"opening": 0.2 * speed}, limits, starts, exclusion)
+    return Trial({"opening": 0.2 * speed}, limits, starts, exclusion, imitates="mass")
 
 
 EFFECT = Effect(

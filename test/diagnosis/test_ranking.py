@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from planted import FORCE, known, rounded, tried
 
+from damper_estimator.diagnosis.atlas_terms import TESTS
 from damper_estimator.diagnosis.thresholds import limits, using
 
 
@@ -132,3 +133,10 @@ def test_what_imitates_a_changed_curve_must_explain_clearly_more_than_that(noisy
     (groove,) = excluded.hypotheses
     assert "a change of the curve" in groove.exclusion == excluded.reason_against(groove, FORCE)
     assert excluded.gain(groove)[0] > limits().gain
+
+
+def test_what_effects_imitate_is_a_test_that_exists(noisy):
+    imitated = {one.name: one.imitates for one in known(noisy).values() if one.imitates}
+    assert imitated == {"bypass_groove": "curve", "valve_inertia": "mass"}
+    assert set(imitated.values()) <= {test.name for test in TESTS}
+    assert all(known(noisy)[name].excludes is not None for name in imitated)
