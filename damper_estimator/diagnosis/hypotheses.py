@@ -36,9 +36,9 @@ class Hypothesis:
         element: the entry as it would be added, with start values.
         limits: physical range of parameters by name.
         starts: further start values by name.
-        imitates: name of the form-free test of what it then imitates, "" without one.
-        conditions: other settings by name, of which the trial fit takes the best.
         excludes: says why the effect with fitted values is not what it represents; None if it always is.
+        imitates: name of the form-free test of what such values imitate; "" if there is none.
+        conditions: other settings by name, of which the trial fit takes the best.
         fit: its fitted parameters and what they change; None before the trial fit.
         evaluation: what is left with it on unseen data; None before.
         joint: the model with it, all free parameters fitted together; None where the model's are kept, or refitted to

@@ -85,12 +85,13 @@ def _split(nodes: tuple[_Node, ...]) -> list[_Part]:
     if any(nodes[i].element.effect.kind == "input" for i in bent):
         return [_Part(frozenset().union(*(node.all_positions for node in nodes)))]
     last_bent = max(bent, default=-1)
+    rewriting = [node for i, node in enumerate(nodes) if not adding[i]]
     parts = []
     if bent:
         together = [node for i, node in enumerate(nodes) if i <= last_bent or not adding[i]]
         parts.append(_Part(frozenset().union(*(node.all_positions for node in together))))
-    elif any(_adds_by_itself(node.element) for i, node in enumerate(nodes) if not adding[i]):
-        parts.append(_Part(frozenset(node.position for i, node in enumerate(nodes) if not adding[i])))
+    elif any(_adds_by_itself(node.element) for node in rewriting):
+        parts.append(_Part(frozenset(node.position for node in rewriting)))
     for i, node in enumerate(nodes):
         if i > last_bent and adding[i]:
             acting = frozenset(

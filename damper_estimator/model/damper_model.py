@@ -182,7 +182,7 @@ class DamperModel:
             instead = _wrapped(element, present.path)
             return self._with((*self.effects[:place], *instead, *self.effects[place + 1 :]))
         if element.effect.is_series_spring:
-            count = _last_carried(self.effects, element)
+            count = _carried_count(self.effects, element)
             return self._with((*_wrapped(element, self.effects[:count]), *self.effects[count:]))
         is_carried = present is not None and not (present.effect.of_oil and element.effect.beside_oil)
         if kind in ("source", "path") and is_carried:
@@ -260,7 +260,7 @@ def _with_entries(
     return tuple(changed)
 
 
-def _last_carried(elements: tuple[Element, ...], spring: Element) -> int:
+def _carried_count(elements: tuple[Element, ...], spring: Element) -> int:
     """How many entries, from the first, a series spring is wrapped around: all sources before the first modifier, and
     those behind modifiers that only delay. Anything else would act on what is beside the spring as well.
     """
