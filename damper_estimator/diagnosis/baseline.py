@@ -81,9 +81,20 @@ class Baseline:
         return found
 
     def suggests(self, hypothesis: Hypothesis) -> bool:
-        """Whether one of the hypothesis's form-free tests explains enough for it to be tried; true without any."""
+        """Whether one of the hypothesis's form-free tests explains enough for it to be tried.
+
+        True without any, and where the tests do not see a large error, as of a chamber that loses its oil to vapour for
+        many strokes.
+        """
         hints = [self.hints[name] for name in hypothesis.effect.tests if name in self.hints]
-        return not hints or max(hints) >= limits().hint
+        return not hints or max(hints) >= limits().hint or not self.is_seen
+
+    @cached_property
+    def is_seen(self) -> bool:
+        """Whether a form-free test explains the error, or the error is small."""
+        error = np.sqrt(np.mean(self.residual_fit**2))
+        is_small = error <= limits().usual * self.data.force_rms
+        return is_small or max(self.hints.values(), default=0.0) >= limits().silent_tests
 
     def for_kind(self, kind: str) -> tuple[DamperModel, DiagnosisData]:
         """The model and data on which an effect of a kind is tried: what acts behind the model need not run it."""

@@ -85,6 +85,9 @@ class Thresholds:
     hint: float = _threshold(
         0.1, _SQUARE, "effects of a phenomenon whose tests explain less are not tried", "less than half of gain"
     )
+    silent_tests: float = _threshold(
+        0.5, _SQUARE, "if no test explains more, all effects are tried", "tests see no memory longer than a reversal"
+    )
     accounted: float = _threshold(
         0.9, _SQUARE, "the old error of the model is set aside only if at most this is left", "else it predicts nothing"
     )

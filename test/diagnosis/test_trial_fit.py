@@ -12,6 +12,7 @@ from damper_estimator.diagnosis.explanation import parameters_of
 from damper_estimator.diagnosis.hypotheses import hypotheses_for
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import round_of
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import sketch, trial_fit
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import fit, rows_of
@@ -150,3 +151,13 @@ def test_the_number_of_workers_does_not_change_a_fit(stiffened):
     for a, b in zip(one, two, strict=True):
         assert a.name == b.name and a.fit.values == b.fit.values
         np.testing.assert_array_equal(a.fit.change_unseen, b.fit.change_unseen)
+
+
+def test_effects_whose_tests_are_silent_are_tried_against_a_large_error_alone(noisy):
+    """White noise follows nothing that was measured; nor does the force of a chamber that lost its oil long before."""
+    every = hypotheses_for(noisy.model, noisy.data.ranges)[0]
+    tried = [one for one in every if set(one.effect.tests) & set(noisy.hints)]
+    assert all(noisy.suggests(one) for one in tried)
+    scale = 0.5 * limits().usual * noisy.data.force_rms / 100.0
+    quiet = replace(noisy, residual_fit=scale * noisy.residual_fit, residual_unseen=scale * noisy.residual_unseen)
+    assert not any(quiet.suggests(one) for one in tried)
