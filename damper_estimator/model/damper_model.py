@@ -146,8 +146,7 @@ class DamperModel:
         """The model with an additional entry at the position that its kind requires.
 
         A source goes before the first modifier of the top level, a modifier or channel effect to the end, an input
-        effect to the front; a series effect wraps all sources before the first modifier, the oil those that act through
-        it.
+        effect to the front; a series effect wraps all that makes the damper's force, the oil what acts through it.
         """
         head = [e for e in self.effects if e.effect.kind in ("source", "path", "series", "input")]
         count = next((i for i, e in enumerate(self.effects) if e not in head), len(self.effects))
@@ -157,6 +156,7 @@ class DamperModel:
         elif kind in ("source", "path"):
             effects = (*self.effects[:count], element, *self.effects[count:])
         elif kind == "series":
+            count = _carried_count(self.effects)
             effects = (*_wrapped(element, self.effects[:count]), *self.effects[count:])
         elif kind == "modifier":
             channels = [e for e in self.effects if e.effect.kind == "channel"]
@@ -174,16 +174,13 @@ class DamperModel:
         """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
 
         As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring; a series spring
-        takes the place of the present one, because two springs in a row are one, and carries the sources behind lags.
+        takes the place of the present one, because two springs in a row are one.
         """
         kind, present = element.effect.kind, self.spring
         if element.effect.is_series_spring and present is not None:
             place = self.effects.index(present)
             instead = _wrapped(element, present.path)
             return self._with((*self.effects[:place], *instead, *self.effects[place + 1 :]))
-        if element.effect.is_series_spring:
-            count = _carried_count(self.effects, element)
-            return self._with((*_wrapped(element, self.effects[:count]), *self.effects[count:]))
         is_carried = present is not None and not (present.effect.of_oil and element.effect.beside_oil)
         if kind in ("source", "path") and is_carried:
             longer = replace(present, path=(*present.path, element))
@@ -260,29 +257,26 @@ def _with_entries(
     return tuple(changed)
 
 
-def _carried_count(elements: tuple[Element, ...], spring: Element) -> int:
-    """How many entries, from the first, a series spring is wrapped around: all sources before the first modifier, and
-    those behind modifiers that only delay. Anything else would act on what is beside the spring as well.
-    """
-    count = 0
-    for i, element in enumerate(elements):
-        effect = element.effect
-        if effect.kind in ("source", "path", "series", "input"):
-            is_beside = spring.effect.of_oil and effect.beside_oil
-            count = count if is_beside and count < i else i + 1
-        elif not effect.delays:
-            break
-    return count
+def _carried_count(elements: tuple[Element, ...]) -> int:
+    """How many entries, from the first, a series effect is wrapped around: all before the measurement chain."""
+    return next((i for i, element in enumerate(elements) if element.effect.kind == "channel"), len(elements))
 
 
-def _wrapped(spring: Element, sources: tuple[Element, ...]) -> tuple[Element, ...]:
-    """A series spring around sources, followed by those that act beside it, as forces on the rod do beside the oil. A
-    path that the spring already has takes their place; the oil carries all if nothing else is left for it.
+def _wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
+    """A series effect around entries, followed by those that act beside it, as forces on the rod do beside the oil.
+
+    What a modifier acts on stays in front of it, and the oil carries all if nothing else is left for it. A path that
+    the effect already has takes the place of the same entries.
     """
-    beside = tuple(e for e in sources if spring.effect.of_oil and e.effect.beside_oil)
-    carried = spring.path or tuple(e for e in sources if e not in beside)
-    if not forces_of(carried, spring.effect) or any(e.effect.beside_oil for e in spring.path):
-        return (replace(spring, path=spring.path or sources),)
+    if spring.path:
+        names = [e.effect.name for e in spring.path]
+        others = tuple(e for e in entries if e.effect.name not in names)
+        return (spring, *others)
+    free = max((i for i, e in enumerate(entries, 1) if e.effect.kind == "modifier" and not e.effect.delays), default=0)
+    beside = tuple(e for i, e in enumerate(entries) if spring.effect.of_oil and e.effect.beside_oil and i >= free)
+    carried = tuple(e for e in entries if e not in beside)
+    if not forces_of(carried, spring.effect):
+        return (replace(spring, path=entries),)
     return (replace(spring, path=carried), *beside)
 
 

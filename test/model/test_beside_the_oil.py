@@ -58,8 +58,34 @@ def test_a_compliance_carries_sources_behind_a_lag_and_changes_nothing_if_it_is_
     np.testing.assert_allclose(on_oil.force(block)[late], force, atol=0.02 * np.abs(force).max())
 
 
-def test_a_compliance_ends_before_a_modifier_that_scales():
-    scaled = (entry("linear_viscous"), entry("position_gain"), entry("dahl"))
-    model = DamperModel("m", "s", scaled)
-    on_oil = model.with_missing(new_element(find_effect("oil_spring"), model.effects))
-    assert names_in(on_oil) == [("oil_spring", ["linear_viscous"]), ("position_gain", []), ("dahl", [])]
+MODIFIERS = ("position_gain", "temperature_gain", "pressure_relief", "force_lag")
+
+
+@given(
+    names=st.permutations(("linear_viscous", "coulomb", "gas_spring", *MODIFIERS)),
+    spring=st.sampled_from(("oil_spring", "rubber_mount", "gas_pocket")),
+)
+@settings(max_examples=40, deadline=None)
+def test_a_stiff_compliance_changes_nothing_wherever_the_modifiers_stand(names, spring):
+    model = DamperModel("m", "s", tuple(entry(name) for name in names))
+    element = new_element(find_effect(spring), model.effects)
+    stiff = {p.name: 1e9 if p.unit == "N/m" else 1e6 for p in element.effect.parameters if p.unit in ("N/m", "N")}
+    carried = model.with_missing(element.with_values(stiff))
+    assert carried.effects[0].effect.name == spring
+    block = sweep()
+    late = slice(20, None)  # the lag of a constant gas force is over
+    force = model.force(block)[late]
+    np.testing.assert_allclose(carried.force(block)[late], force, atol=0.02 * np.abs(force).max())
+
+
+def test_a_compliance_carries_modifiers_and_what_they_act_on():
+    def carried(spring, *names):
+        model = DamperModel("m", "s", tuple(entry(name) for name in names))
+        return names_in(model.with_missing(new_element(find_effect(spring), model.effects)))
+
+    assert carried("oil_spring", "linear_viscous", "position_gain", "dahl", "channel_skew") == [
+        ("oil_spring", ["linear_viscous", "position_gain", "dahl"]), ("channel_skew", [])
+    ]  # fmt: skip
+    scaled = ("linear_viscous", "gas_spring", "temperature_gain", "static_force")
+    assert carried("oil_spring", *scaled) == [("oil_spring", list(scaled[:3])), ("static_force", [])]
+    assert carried("rubber_mount", *scaled) == [("rubber_mount", list(scaled))]
