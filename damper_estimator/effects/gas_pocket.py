@@ -14,6 +14,8 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
+_ALIKE = 1.5  # ratio of the limits; the areas of the two chambers alone differ by more
+
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
@@ -37,8 +39,10 @@ def trial(ranges: Ranges) -> Trial:
     )
 
     def exclusion(values: Values) -> str:
-        nearest = min(number(values, name) for name in names)
-        return "hardly becomes softer: oil, or a mount" if nearest > 3.0 * ranges.force else ""
+        nearest, farther = sorted(number(values, name) for name in names)
+        if nearest > 3.0 * ranges.force:
+            return "hardly becomes softer: oil, or a mount"
+        return "becomes soft alike in both directions: no pocket in a chamber" if farther < _ALIKE * nearest else ""
 
     return Trial(starts[0] | {"at_rest": ranges.oil_at_rest}, limits, starts[1:], exclusion)
 

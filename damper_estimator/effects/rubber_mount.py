@@ -6,10 +6,14 @@ k in N/m, c in N s/m, d in m. Solved implicitly, second order in the step (``mod
 element.
 """
 
+from math import pi
+
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import V, X
+
+_MOST_LOSS = 1.0  # at 10 Hz, of the stiffness: three times that of rubber, as of a hydraulic bush
 
 
 @compiled
@@ -24,7 +28,12 @@ def trial(ranges: Ranges) -> Trial:
     least = max(20.0 * ranges.force / ranges.stroke, 5e4)
     starts = tuple({"stiffness": factor * least, "loss": 2e-3 * factor * least} for factor in (10.0, 40.0))
     limits = {"stiffness": (least, 1e9), "loss": (0.0, 2e4)}
-    return Trial({"stiffness": 4.0 * least, "loss": 8e-3 * least}, limits, starts)
+
+    def exclusion(values: Values) -> str:
+        lost = 2.0 * pi * 10.0 * number(values, "loss") / number(values, "stiffness")
+        return "loses more than it stores: a dashpot in series" if lost > _MOST_LOSS else ""
+
+    return Trial({"stiffness": 4.0 * least, "loss": 8e-3 * least}, limits, starts, exclusion)
 
 
 EFFECT = Effect(
