@@ -21,7 +21,7 @@ from damper_estimator.model.element import walk
 _FIRST, _MORE, _FINISHING = 6, 12, 3  # iterations on excerpts, on them where it is worth it, and on all rows
 _WORTH = 2.0  # times the squared error of the best after the first iterations
 _GAIN = 1e-3
-_MOST = 14  # parameters that are searched: more take too long, and a first-order refit has to do
+_MOST = 40  # parameters that are searched: more take too long, and a first-order refit has to do
 
 
 @dataclass(frozen=True)

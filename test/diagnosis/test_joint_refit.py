@@ -16,19 +16,25 @@ from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.identification import fit
 from damper_estimator.model import load_model, parse_model
 
-YIELD = [{"tanh_hysteresis": {"force": 400.0, "steepness": 900.0, "shift": 0.0}}, {"viscous": {"rate": 1500.0}}]
+YIELD = {"tanh_hysteresis": {"force": 400.0, "steepness": 900.0, "shift": 0.0}}
+
+
+def on_a_mount(base, other):
+    """The baseline of a yield force beside another one, fitted to a damper whose steep one sits behind a mount."""
+    inside = [YIELD, other]
+    mount = {"rubber_mount": {"stiffness": 1.2e6, "loss": 200.0, "path": inside}}
+    behind = parse_model({"name": "behind", "source": "test", "effects": [mount]}, "test")
+    slow = base.part(0, len(base.kinematics) // 2)
+    slow = replace(slow, force=behind.force(slow.kinematics.block))
+    first, last = halves(slow)
+    model = fit(parse_model({"name": "rigid", "source": "test", "effects": inside}, "test"), [first], starts=1).model
+    return baseline_of(model, data_of(model, [first], [last]))
 
 
 @pytest.fixture(scope="module")
 def softened(base):
-    """The baseline of a yield force that was fitted to a damper whose steep one sits behind a mount."""
-    mount = {"rubber_mount": {"stiffness": 1.2e6, "loss": 200.0, "path": YIELD}}
-    behind = parse_model({"name": "behind", "source": "test", "effects": [mount]}, "test")
-    slow = base.part(0, len(base.kinematics) // 2)
-    slow = replace(slow, force=behind.force(slow.kinematics.block))
-    first, other = halves(slow)
-    model = fit(parse_model({"name": "rigid", "source": "test", "effects": YIELD}, "test"), [first], starts=1).model
-    return baseline_of(model, data_of(model, [first], [other]))
+    """With few parameters."""
+    return on_a_mount(base, {"viscous": {"rate": 1500.0}})
 
 
 def fitted(baseline, *names):
@@ -47,6 +53,15 @@ def test_a_mount_behind_which_a_yield_force_is_steep_is_found(softened):
     steepness = next(slot.value for slot in hypothesis.joint.slots if slot.address == "tanh_hysteresis.steepness")
     old = next(slot.value for slot in softened.model.slots if slot.address == "tanh_hysteresis.steepness")
     assert steepness > 2.0 * old
+
+
+def test_it_is_found_behind_a_curve_of_many_points_too(base):
+    many = on_a_mount(base, {"viscous_curve": {}})
+    (mount,) = evaluated(many, fitted(many, "rubber_mount"), "refit")
+    ((hypothesis, left),) = jointly_refitted(many, [mount])
+    assert len(hypothesis.joint.slots) > 15
+    assert left.square < 0.1 * min(mount.evaluation.refitted.square, without_effects(many)[1].square)
+    assert hypothesis.fit.values["stiffness"] == pytest.approx(1.2e6, rel=0.01)
 
 
 def test_a_round_ranks_by_the_better_of_both_refits(softened):
