@@ -21,7 +21,8 @@ from damper_estimator.model.element import walk
 _FIRST, _MORE, _FINISHING = 6, 12, 3  # iterations on excerpts, on them where it is worth it, and on all rows
 _WORTH = 2.0  # times the squared error of the best after the first iterations
 _GAIN = 1e-3
-_MOST = 40  # parameters that are searched: more take too long, and a first-order refit has to do
+_MOST = 14  # parameters that are searched: more take too long, and a first-order refit has to do
+_MOST_BEHIND = 40  # of those behind a compliance: a curve, which is solved for elsewhere, is searched there
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,8 @@ def _begun(baseline: Baseline, hypothesis: Hypothesis, rows: LocalRows) -> _Desc
     long."""
     starts = replace(hypothesis, element=hypothesis.fitted_element), hypothesis
     problems = [one.joint_problem(baseline.model, rows) for one in starts]
-    if problems[0].searched.size > _MOST:
+    most = _MOST_BEHIND if hypothesis.effect.kind == "series" else _MOST
+    if problems[0].searched.size > most:
         return None
     ends = [_descended(problem, problem.start, _FIRST) for problem in problems]
     return min((_Descent(hypothesis, *pair) for pair in zip(problems, ends, strict=True)), key=lambda one: one.end.cost)
