@@ -130,6 +130,13 @@ class Round:
         others = [name for name in order if name != best.phenomenon and self.probabilities[name] >= limits().tied]
         return tuple(others[:MOST_TIED])
 
+    def supported(self, force_rms: float) -> list[Hypothesis]:
+        """The best hypothesis and the best ones that are tied with it, without those that the data do not support."""
+        if self.best is None:
+            return []
+        group = (self.best, *(self.best_of(name) for name in self.tied(self.best)))
+        return [one for one in group if not self.reason_against(one, force_rms)]
+
     def probability(self, group: Sequence[str]) -> float:
         """That one of these phenomena is what is missing, if it is one of those that were tried."""
         return float(sum(self.probabilities.get(name, 0.0) for name in group))

@@ -155,11 +155,9 @@ def _rounds(
 
 
 def _supported(found: Round, first: Round) -> Hypothesis | None:
-    """The best hypothesis of a round, if the data support it; ``first`` is the first round of the pass."""
-    best = found.best
-    if best is None or found.reason_against(best, found.baseline.data.force_rms) or not _counts(found, best, first):
-        return None
-    return best
+    """The best hypothesis that a round supports; ``first`` is the first round of the pass."""
+    supported = found.supported(found.baseline.data.force_rms)
+    return next((one for one in supported if _counts(found, one, first)), None)
 
 
 def as_if_by(first: Round) -> tuple[Accepted, ...]:

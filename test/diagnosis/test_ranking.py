@@ -104,6 +104,17 @@ def test_explanations_that_do_as_well_are_tied_and_share_the_confidence(noisy):
     assert clear.tied(clear.best) == () and clear.probability(("friction",)) > 0.95
 
 
+def test_a_tie_is_found_by_what_the_data_support_of_it(noisy):
+    """The first of a tie may explain too little on the unseen part alone, while the next one explains enough there."""
+    below, above = (1.0 - np.sqrt(1.0 - gain) for gain in (limits().gain - 0.02, limits().gain + 0.02))
+    first, second = tried(noisy, "coulomb", 0.2, below), tried(noisy, "inertia", 0.16, above)
+    current = rounded(noisy, first, second)
+    assert current.best.name == "coulomb" and current.tied(current.best) == ("inertia",)
+    assert [one.name for one in current.supported(FORCE)] == ["inertia"]
+    assert [one.name for one in rounded(noisy, first).supported(FORCE)] == []
+    assert rounded(noisy).supported(FORCE) == []
+
+
 def test_probabilities_add_up_and_follow_what_is_left(noisy):
     names = ("coulomb", "inertia", "oil_spring", "gas_spring")
     current = rounded(
