@@ -100,6 +100,7 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
     nothing = [one for one in done if not one["hidden"]]
     pair = [one for one in done if one["kind"] == "pair" and not rough(one)]
     against = [one for one in pair if one["against"]]
+    visible = [one for one in pair if one["shown"] * one["force_rms"] > one["base"]]
     skews = [one for one in hidden if one["hidden"] == ["channel_skew"] and not rough(one)]
     after = [one for one in done if "bias" in one and not set(one["hidden"]) & {"force_offset", "force_gain_error"}]
     off = [one for one in hidden if rough(one)]
@@ -115,6 +116,7 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
         "both of two named by diagnose": share([both(one) for one in pair]),
         "... added by improve": share([both_added(one) for one in pair if "steps" in one]),
         "... of those that act against each other, named": share([both(one) for one in against]),
+        "... of those that change the force by more than the model errs, named": share([both(one) for one in visible]),
         "skew within 0.3 ms, or tied": share([skew_found(one) for one in skews]),
         "hidden in real recordings and first": share([first(one) for one in put]),
         "removed from the best model of real recordings and first": share([first(one) for one in taken]),
