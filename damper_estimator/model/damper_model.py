@@ -38,6 +38,12 @@ class Slot:
     index: int | None
     fixed: bool
 
+    @property
+    def is_at_bound(self) -> bool:
+        """Whether identification left it at a bound of its declaration."""
+        low, high = self.parameter.lower, self.parameter.upper
+        return not self.fixed and min(self.value - low, high - self.value) <= 1e-6 * (high - low)
+
 
 @dataclass(frozen=True)
 class DamperModel:

@@ -179,8 +179,6 @@ def model_rows(model: object) -> list[dict[str, object]]:
     errors = dict(model.fit.get("standard_errors") or {})
     rows = []
     for slot in model.slots:
-        low, high = slot.parameter.lower, slot.parameter.upper
-        at_bound = not slot.fixed and min(slot.value - low, high - slot.value) <= 1e-6 * (high - low)
         value, error = with_error(slot.value, float(errors.get(slot.address, "nan")))
         rows.append(
             {
@@ -188,7 +186,7 @@ def model_rows(model: object) -> list[dict[str, object]]:
                 "value": value,
                 "error": "fixed" if slot.fixed else error or (UNDETERMINED if errors else ""),
                 "unit": _UNITS.get(slot.parameter.unit, slot.parameter.unit),
-                "at_bound": at_bound,
+                "at_bound": slot.is_at_bound,
             }
         )
     return rows

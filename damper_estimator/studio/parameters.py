@@ -1,6 +1,5 @@
 """The list of a model's parameters: a slider, a number, bounds, unit, and whether identification may move it."""
 
-import numpy as np
 from dash import dcc, html
 
 from damper_estimator.model import DamperModel
@@ -25,7 +24,7 @@ def parameter_list(model: DamperModel) -> list:
             title.append(
                 html.Button("take out", id={"type": "remove", "label": label}, title=f"take {label} out of the model")
             )
-        rows = [_row(slot, float(errors.get(slot.address, "nan")), places.get(slot.address, "")) for slot in slots]
+        rows = [_row(slot, _certainty(slot, errors), places.get(slot.address, "")) for slot in slots]
         rows = rows if movable else [_too_many(slots)]
         groups.append(html.Section([html.Div(title, className="title"), *rows], className="entry"))
     return groups
@@ -35,13 +34,18 @@ def _too_many(slots: list[Slot]) -> html.P:
     return html.P(f"{len(slots)} numbers: too many to move by hand; refit them instead.", className="hint")
 
 
-def _row(slot: Slot, error: float, place: str) -> html.Div:
+def _certainty(slot: Slot, errors: dict[str, float]) -> str:
+    """What the last identification says of a value; nothing where there was none."""
+    if slot.is_at_bound:
+        return "at its bound"
+    return plus_minus(slot.value, float(errors.get(slot.address, "nan"))) if errors and not slot.fixed else ""
+
+
+def _row(slot: Slot, certain: str, place: str) -> html.Div:
     low, high = slot.parameter.lower, slot.parameter.upper
     unit = _UNITS.get(slot.parameter.unit, slot.parameter.unit)
     name = slot.address.partition(".")[2]
     hint = f"{slot.parameter.meaning}; {low:g} to {high:g} {unit}"
-    at_bound = not slot.fixed and min(slot.value - low, high - slot.value) <= 1e-6 * (high - low)
-    certain = plus_minus(slot.value, error) if np.isfinite(error) else "at its bound" if at_bound else ""
     return html.Div(
         [
             html.Label([name, html.Small(f" {place}")], title=hint),
