@@ -10,9 +10,10 @@ import numpy as np
 
 from damper_estimator.effects.contract import Parameter
 from damper_estimator.errors import InputError
-from damper_estimator.model.element import Element, forces_of, labels, walk
+from damper_estimator.model.element import Element, labels, walk
 from damper_estimator.model.program import Program, compile_program, refilled
 from damper_estimator.model.stream import Stream
+from damper_estimator.model.wrapping import carried_count, removed, wrapped
 
 if TYPE_CHECKING:
     from damper_estimator.workflows import WrittenC, WrittenFmu
@@ -162,8 +163,8 @@ class DamperModel:
         elif kind in ("source", "path"):
             effects = (*self.effects[:count], element, *self.effects[count:])
         elif kind == "series":
-            count = _carried_count(self.effects)
-            effects = (*_wrapped(element, self.effects[:count]), *self.effects[count:])
+            count = carried_count(self.effects)
+            effects = (*wrapped(element, self.effects[:count]), *self.effects[count:])
         elif kind == "modifier":
             channels = [e for e in self.effects if e.effect.kind == "channel"]
             effects = (*(e for e in self.effects if e not in channels), element, *channels)
@@ -185,7 +186,7 @@ class DamperModel:
         kind, present = element.effect.kind, self.spring
         if element.effect.is_series_spring and present is not None:
             place = self.effects.index(present)
-            instead = _wrapped(element, present.path)
+            instead = wrapped(element, present.path)
             return self._with((*self.effects[:place], *instead, *self.effects[place + 1 :]))
         is_carried = present is not None and not (present.effect.of_oil and element.effect.beside_oil)
         if kind in ("source", "path") and is_carried:
@@ -205,7 +206,7 @@ class DamperModel:
         entries = dict(labels(self.effects))
         if label not in entries:
             raise InputError(f"model {self.name}: has no effect {label}; it has {', '.join(entries)}")
-        return self._with(_removed(self.effects, entries[label]))
+        return self._with(removed(self.effects, entries[label]))
 
     def _with(self, effects: tuple[Element, ...]) -> "DamperModel":
         """The model with other entries and no record of a fit; parameters that were fixed and remain stay fixed."""
@@ -261,36 +262,3 @@ def _with_entries(
             Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
         )
     return tuple(changed)
-
-
-def _carried_count(elements: tuple[Element, ...]) -> int:
-    """How many entries, from the first, a series effect is wrapped around: all before the measurement chain."""
-    return next((i for i, element in enumerate(elements) if element.effect.kind == "channel"), len(elements))
-
-
-def _wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
-    """A series effect around entries, followed by those that act beside it, as forces on the rod do beside the oil.
-
-    What a modifier acts on stays in front of it, and the oil carries all if nothing else is left for it. A path that
-    the effect already has takes the place of the same entries.
-    """
-    if spring.path:
-        names = [e.effect.name for e in spring.path]
-        others = tuple(e for e in entries if e.effect.name not in names)
-        return (spring, *others)
-    free = max((i for i, e in enumerate(entries, 1) if e.effect.kind == "modifier" and not e.effect.delays), default=0)
-    beside = tuple(e for i, e in enumerate(entries) if spring.effect.of_oil and e.effect.beside_oil and i >= free)
-    carried = tuple(e for e in entries if e not in beside)
-    if not forces_of(carried, spring.effect):
-        return (replace(spring, path=entries),)
-    return (replace(spring, path=carried), *beside)
-
-
-def _removed(elements: tuple[Element, ...], gone: Element) -> tuple[Element, ...]:
-    kept: list[Element] = []
-    for element in elements:
-        if element is gone:
-            kept += forces_of(element.path, element.effect) if element.effect.kind == "series" else ()
-        else:
-            kept.append(replace(element, path=_removed(element.path, gone)) if element.path else element)
-    return tuple(kept)

@@ -7,7 +7,7 @@ from test_damper_model import entry, sweep
 
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import DamperModel
-from damper_estimator.model.element import new_element
+from damper_estimator.model.element import make_element, new_element
 
 
 def names_in(model):
@@ -89,3 +89,12 @@ def test_a_compliance_carries_modifiers_and_what_they_act_on():
     scaled = ("linear_viscous", "gas_spring", "temperature_gain", "static_force")
     assert carried("oil_spring", *scaled) == [("oil_spring", list(scaled[:3])), ("static_force", [])]
     assert carried("rubber_mount", *scaled) == [("rubber_mount", list(scaled))]
+
+
+def test_a_compliance_with_a_path_leaves_everything_else_in_place():
+    first, second, lag = entry("coulomb"), entry("coulomb", force=9.0), entry("force_lag")
+    model = DamperModel("m", "s", (entry("linear_viscous"), first, second, lag))
+    spring = make_element(find_effect("oil_spring"), path=(entry("linear_viscous", rebound=1.0), first))
+    assert names_in(model.with_effect(spring)) == [
+        ("oil_spring", ["linear_viscous", "coulomb"]), ("coulomb", []), ("force_lag", [])
+    ]  # fmt: skip

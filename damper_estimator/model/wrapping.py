@@ -1,0 +1,48 @@
+"""What a series effect is wrapped around, what acts beside it, and what remains when it is removed."""
+
+from dataclasses import replace
+
+from damper_estimator.model.element import Element, forces_of
+
+
+def carried_count(elements: tuple[Element, ...]) -> int:
+    """How many entries, from the first, a series effect is wrapped around: all before the measurement chain."""
+    return next((i for i, element in enumerate(elements) if element.effect.kind == "channel"), len(elements))
+
+
+def wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
+    """A series effect around entries, followed by those that act beside it, as forces on the rod do beside the oil.
+
+    What a modifier acts on stays in front of it, and the oil carries all if nothing else is left for it. A path that
+    the effect already has takes the place of the same entries.
+    """
+    if spring.path:
+        return (spring, *_others(entries, spring.path))
+    free = max((i for i, e in enumerate(entries, 1) if e.effect.kind == "modifier" and not e.effect.delays), default=0)
+    beside = tuple(e for i, e in enumerate(entries) if spring.effect.of_oil and e.effect.beside_oil and i >= free)
+    carried = tuple(e for e in entries if e not in beside)
+    if not forces_of(carried, spring.effect):
+        return (replace(spring, path=entries),)
+    return (replace(spring, path=carried), *beside)
+
+
+def _others(entries: tuple[Element, ...], taken: tuple[Element, ...]) -> list[Element]:
+    """The entries that are not among the taken ones, whose values may have changed."""
+    names, others = [e.effect.name for e in taken], []
+    for element in entries:
+        if element.effect.name in names:
+            names.remove(element.effect.name)
+        else:
+            others.append(element)
+    return others
+
+
+def removed(elements: tuple[Element, ...], gone: Element) -> tuple[Element, ...]:
+    """The entries without one, in paths too; what a series effect wrapped remains."""
+    kept: list[Element] = []
+    for element in elements:
+        if element is gone:
+            kept += forces_of(element.path, element.effect) if element.effect.kind == "series" else ()
+        else:
+            kept.append(replace(element, path=removed(element.path, gone)) if element.path else element)
+    return tuple(kept)
