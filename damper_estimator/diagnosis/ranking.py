@@ -131,10 +131,14 @@ class Round:
         return tuple(others[:MOST_TIED])
 
     def supported(self, force_rms: float) -> list[Hypothesis]:
-        """The best hypothesis and the best ones that are tied with it, without those that the data do not support."""
+        """The best hypothesis and the best ones that are tied with it, without those that the data do not support.
+
+        A general effect, which can take most forms, does not stand for a tie.
+        """
         if self.best is None:
             return []
-        group = (self.best, *(self.best_of(name) for name in self.tied(self.best)))
+        tied = (self.best_of(name) for name in self.tied(self.best))
+        group = (self.best, *(one for one in tied if not one.effect.general))
         return [one for one in group if not self.reason_against(one, force_rms)]
 
     def probability(self, group: Sequence[str]) -> float:

@@ -6,8 +6,13 @@ from damper_estimator.model.element import Element, forces_of
 
 
 def carried_count(elements: tuple[Element, ...]) -> int:
-    """How many entries, from the first, a series effect is wrapped around: all before the measurement chain."""
-    return next((i for i, element in enumerate(elements) if element.effect.kind == "channel"), len(elements))
+    """How many entries, from the first, a series effect is wrapped around: all before the measurement chain, and before
+    what only delays the whole.
+    """
+    count = next((i for i, element in enumerate(elements) if element.effect.kind == "channel"), len(elements))
+    while count and elements[count - 1].effect.delays:
+        count -= 1
+    return count
 
 
 def wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:

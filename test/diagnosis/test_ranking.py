@@ -113,6 +113,9 @@ def test_a_tie_is_found_by_what_the_data_support_of_it(noisy):
     assert [one.name for one in current.supported(FORCE)] == ["inertia"]
     assert [one.name for one in rounded(noisy, first).supported(FORCE)] == []
     assert rounded(noisy).supported(FORCE) == []
+    general = next(one.name for one in known(noisy).values() if one.effect.general and one.phenomenon != "friction")
+    stands = rounded(noisy, first, tried(noisy, general, 0.18, above))
+    assert stands.best.name == "coulomb" and stands.tied(stands.best) and stands.supported(FORCE) == []
 
 
 def test_probabilities_add_up_and_follow_what_is_left(noisy):
