@@ -24,11 +24,12 @@ def wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...
     if spring.path:
         return (spring, *_others(entries, spring.path))
     free = max((i for i, e in enumerate(entries, 1) if e.effect.kind == "modifier" and not e.effect.delays), default=0)
-    beside = tuple(e for i, e in enumerate(entries) if spring.effect.of_oil and e.effect.beside_oil and i >= free)
-    carried = tuple(e for e in entries if e not in beside)
-    if not forces_of(carried, spring.effect):
+    carried, beside = list(entries[:free]), []
+    for element in entries[free:]:
+        (beside if spring.effect.of_oil and element.effect.beside_oil else carried).append(element)
+    if not forces_of(tuple(carried), spring.effect):
         return (replace(spring, path=entries),)
-    return (replace(spring, path=carried), *beside)
+    return (replace(spring, path=tuple(carried)), *beside)
 
 
 def _others(entries: tuple[Element, ...], taken: tuple[Element, ...]) -> list[Element]:

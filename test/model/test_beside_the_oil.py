@@ -89,6 +89,8 @@ def test_a_compliance_carries_modifiers_and_what_they_act_on():
     scaled = ("linear_viscous", "gas_spring", "temperature_gain", "static_force")
     assert carried("oil_spring", *scaled) == [("oil_spring", list(scaled[:3])), ("static_force", [])]
     assert carried("rubber_mount", *scaled) == [("rubber_mount", list(scaled))]
+    alike = ("linear_viscous", "static_force", "temperature_gain", "static_force")
+    assert carried("oil_spring", *alike) == [("oil_spring", list(alike[:3])), ("static_force", [])]
 
 
 def test_a_compliance_with_a_path_leaves_everything_else_in_place():
