@@ -15,7 +15,7 @@ from damper_estimator.diagnosis.diagnosis_data import slope_of
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
-from damper_estimator.numerics import COARSE_SHARES, FINE_SHARES, hats, play, speed_knots
+from damper_estimator.numerics import COARSE_SHARES, FINE_SHARES, hats, lagging, play, speed_knots
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import COMMAND, DT, TEMPERATURE, A, V, X
 
@@ -27,6 +27,8 @@ PLAYS = (*_PLAYS, *_LONG_PLAYS)
 _STEPS = (0.01, 0.05)  # of the driven speed: widths of a step at rest
 _LEAST_KELVIN = 1.0
 _LEAST_COMMAND = 0.02  # A: less than this is a standing current
+_LOOPS = (0.05, 0.2)  # of the largest command: half widths of the field's hysteresis
+_FIELD_LAGS = (0.02, 0.1)  # s
 
 Columns = list[np.ndarray]
 
@@ -204,6 +206,16 @@ def _current(view: View) -> Columns | None:
     return _times([*_coarse(view), *_step(view), *memory], view.command, view.command**2)
 
 
+def _earlier_commands(view: View) -> Columns | None:
+    """What the field keeps of the commands before, for a field that follows by a way of the command, or in time."""
+    command, dt = view.command, view.dt
+    if command is None:
+        return None
+    kept = [width * play(command, dt, width) for width in _LOOPS]
+    late = [command - lagging(command, dt, constant) for constant in _FIELD_LAGS]
+    return _times([*_step(view), view.v / view.ranges.speed], *kept, *late)
+
+
 def _mass(view: View) -> Columns:
     return [view.a]
 
@@ -243,6 +255,7 @@ TESTS = (
     Test("even", (), _even, "speed, alike in both directions"),
     Test("temperature", ("curve",), _warm, "velocity and temperature"),
     Test("current", (), _current, "velocity and command"),
+    Test("earlier commands", (), _earlier_commands, "velocity and the commands before"),
     Test("position", ("spring", "travel", "stops", "curve"), _position, "velocity and position"),
     Test("travel", ("spring", "stops"), _over_travel, "displacement alone"),
     Test("spring", (), _spring, "displacement alone, in a straight line"),

@@ -3,6 +3,9 @@
 Kept back are the last 40 %. Where these move faster, further, or at other commands than the rest, they would test how
 well a model extrapolates, and a fit to the rest would not be the user's damper: a staircase of sines has its fast ones
 at the end. Such a recording is divided into sections, as few as are necessary, and the last 40 % of each are kept back.
+
+What happened before a part begins still acts in it: fields, gas and fluids remember for seconds. So models run over
+some of the recording before each part, and nothing is judged there.
 """
 
 from collections.abc import Sequence
@@ -16,6 +19,8 @@ UNSEEN_SHARE = 0.4  # of each recording, where no other is given to judge on
 _SECTIONS = (1, 2, 3, 5, 8)
 _SHORTEST = 2.5  # s, of a section: a second is kept back
 _BEYOND = 1.25  # times the speed, and the range of displacement and command, of the part that parameters are found on
+_LEAD = 5.0  # s before a part, at most
+_LEAD_SHARE = 0.5  # of the part, at most: it costs time
 _TAIL = 0.005  # share of the samples at each end of a range that does not count
 
 
@@ -43,7 +48,20 @@ def _divided(measurement: Measurement, sections: int) -> tuple[Measurement, Meas
         cut = round(end - UNSEEN_SHARE * (end - begin))
         found.append(slice(round(begin), cut))
         kept.append(slice(cut, round(end)))
-    return measurement.parts(found), measurement.parts(kept)
+    return _led(measurement, found), _led(measurement, kept)
+
+
+def _led(measurement: Measurement, windows: Sequence[slice]) -> Measurement:
+    """The windows with what leads to them, which may not reach into the one before."""
+    time, end, parts, leads = measurement.kinematics.time, 0, [], []
+    for window in windows:
+        begin = time[min(window.start, time.size - 1)]
+        length = time[window.stop - 1] - begin if window.stop > window.start else 0.0
+        first = max(int(np.searchsorted(time, begin - min(_LEAD, _LEAD_SHARE * length))), end)
+        parts.append(slice(first, window.stop))
+        leads.append(window.start - first)
+        end = window.stop
+    return measurement.parts(parts, leads)
 
 
 def _goes_beyond(late: Measurement, early: Measurement) -> bool:

@@ -4,7 +4,7 @@ from damper_estimator.numerics.bootstrap import block_draws
 from damper_estimator.numerics.bounded import bounded_least_squares
 from damper_estimator.numerics.covariance import Directions, directions, standard_errors
 from damper_estimator.numerics.differences import ROUGH, SMOOTH, stepped
-from damper_estimator.numerics.form_free import COARSE_SHARES, FINE_SHARES, hats, play, speed_knots
+from damper_estimator.numerics.form_free import COARSE_SHARES, FINE_SHARES, hats, lagging, play, speed_knots
 from damper_estimator.numerics.long_run import (
     MEMORY,
     Spectrum,
@@ -32,6 +32,7 @@ __all__ = [
     "damped_step",
     "directions",
     "hats",
+    "lagging",
     "least_squares",
     "long_run_variance",
     "normal_equations",

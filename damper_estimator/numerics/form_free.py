@@ -1,6 +1,7 @@
-"""Columns of form-free regressions: hat functions of a variable, and the memory of a displacement."""
+"""Columns of form-free regressions: hat functions of a variable, and its memory of a way or a time."""
 
 from collections.abc import Sequence
+from math import exp
 
 import numpy as np
 
@@ -36,10 +37,26 @@ def _play_kernel(x, dt, width, out):
 
 
 def play(x: np.ndarray, dt: np.ndarray, width: float) -> np.ndarray:
-    """(n,) share -1 to 1 of the force that an elastic, perfectly plastic element of half width (m) has reached.
+    """(n,) share -1 to 1 of the force that an elastic, perfectly plastic element of half width (as ``x``) has reached.
 
     Source: Jenkin's element of the Prandtl-Ishlinskii model.
     """
     out = np.empty(x.size)
     _play_kernel(np.ascontiguousarray(x), np.ascontiguousarray(dt), width, out)
+    return out
+
+
+@compiled
+def _lagging_kernel(values, dt, constant, out):
+    for i in range(values.size):
+        if dt[i] <= 0.0 or i == 0:
+            out[i] = values[i]
+        else:
+            out[i] = values[i] + (out[i - 1] - values[i]) * exp(-dt[i] / constant)
+
+
+def lagging(values: np.ndarray, dt: np.ndarray, constant: float) -> np.ndarray:
+    """(n,) a variable behind a first-order lag of ``constant`` in s, exact for values held between samples."""
+    out = np.empty(values.size)
+    _lagging_kernel(np.ascontiguousarray(values), np.ascontiguousarray(dt), constant, out)
     return out

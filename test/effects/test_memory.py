@@ -242,3 +242,39 @@ def test_creep_has_an_end_in_steps_of_any_length():
     block = sine(20, amplitude=0.3, frequency=9.7)
     found = yield_over(block, 1.0, way=1e-6, spread=4.0)
     assert np.isfinite(found).all() and np.abs(found).max() <= 1.0
+
+
+def field(commands, name="command_hysteresis", hold=1, **values):
+    """Command (n,) that a linear yield force shows behind an effect of the command."""
+    block = sine(1000, (hold * len(commands) - 1) / 1000.0)
+    block[X], block[V], block[A] = 0.0, 1e8, 0.0
+    block[COMMAND] = np.repeat(np.asarray(commands, float), hold)
+    slip = make_element(find_effect("semi_active_squash"), {"gain": 1.0, "damping": 1e5, "stiffness": 0.0})
+    return DamperModel("m", "", (make_element(find_effect(name), values), slip)).force(block)
+
+
+def test_the_field_lags_by_the_width_after_a_long_way_of_the_current_and_ignores_its_speed():
+    up, down = np.linspace(0.0, 2.0, 400), np.linspace(2.0, 0.5, 300)
+    found = field(np.concatenate([up, down]), width=0.1)
+    assert found[399] == pytest.approx(1.9, abs=1e-6) and found[-1] == pytest.approx(0.6, abs=1e-5)
+    in_jumps = field([0.0, 2.0, 0.5], width=0.1)
+    assert in_jumps[1:] == pytest.approx([found[399], found[-1]], abs=1e-9)
+
+
+def test_a_held_current_holds_the_field_and_an_unknown_one_does_not_change_it():
+    held = field([0.0, 2.0, *[1.0] * 50], width=0.2)
+    assert np.ptp(held[2:]) == 0.0 and held[2] > 1.19
+    unknown = field([0.0, 2.0, np.nan, np.nan, 2.0], width=0.2)
+    assert unknown[4] == unknown[1]
+
+
+def test_a_narrow_loop_and_no_share_of_eddy_currents_change_nothing():
+    commands = [0.0, 1.0, 0.3, 0.8]
+    assert field(commands, width=1e-6) == pytest.approx(commands, abs=2e-6)
+    assert field(commands, "command_eddy", share=0.0) == pytest.approx(commands, abs=1e-9)
+
+
+def test_eddy_currents_hold_back_their_share_of_a_step_for_their_time():
+    found = field([0.0, *[1.0] * 200], "command_eddy", share=0.4, time_constant=0.05)
+    after = np.arange(1, 201) / 1000.0
+    assert found[1:] == pytest.approx(1.0 - 0.4 * np.exp(-after / 0.05), abs=1e-9)
