@@ -9,6 +9,7 @@ some of the recording before each part, and nothing is judged there.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -53,15 +54,16 @@ def _divided(measurement: Measurement, sections: int) -> tuple[Measurement, Meas
 
 def _led(measurement: Measurement, windows: Sequence[slice]) -> Measurement:
     """The windows with what leads to them, which may not reach into the one before."""
-    time, end, parts, leads = measurement.kinematics.time, 0, [], []
+    time, end, parts = measurement.kinematics.time, 0, []
+    judged = np.zeros_like(measurement.judged)
     for window in windows:
         begin = time[min(window.start, time.size - 1)]
         length = time[window.stop - 1] - begin if window.stop > window.start else 0.0
-        first = max(int(np.searchsorted(time, begin - min(_LEAD, _LEAD_SHARE * length))), end)
-        parts.append(slice(first, window.stop))
-        leads.append(window.start - first)
+        first = int(np.searchsorted(time, begin - min(_LEAD, _LEAD_SHARE * length)))
+        parts.append(slice(max(first, end), window.stop))
+        judged[window] = measurement.judged[window]
         end = window.stop
-    return measurement.parts(parts, leads)
+    return replace(measurement, judged=judged).parts(parts)
 
 
 def _goes_beyond(late: Measurement, early: Measurement) -> bool:

@@ -4,8 +4,8 @@
 
 I the command in A, M in A the command that has the same field; e without unit the share of the field that eddy
 currents hold back, tau in s the time in which they decay. The lag is exact for a command that is held between samples.
-The coil's lag is ``command_lag``. One state; exact. Source: the two time constants of a coil with eddy currents, Takesue,
-Furusho and Kiyota 2004.
+The coil's lag is ``command_lag``. One state; exact. Source: the slowest mode of the field's diffusion into a conducting
+core; what is faster follows at once.
 """
 
 from math import exp

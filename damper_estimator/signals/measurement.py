@@ -71,26 +71,19 @@ class Measurement:
         """Samples ``first`` to ``last``; the forces stay filtered, the warm-up starts again."""
         return self.parts([slice(first, last)])
 
-    def parts(self, windows: Sequence[slice], leads: Sequence[int] = ()) -> Measurement:
-        """Several parts in order of time as one recording with gaps; the warm-up starts again in each.
-
-        Args:
-            leads: number of samples at the beginning of each that give models their state and are not judged.
-        """
+    def parts(self, windows: Sequence[slice]) -> Measurement:
+        """Several parts in order of time as one recording with gaps; the warm-up starts again in each."""
         kinematics = Kinematics.joined([self.kinematics.select(window) for window in windows])
 
         def cut(values: np.ndarray) -> np.ndarray:
             whole = [values[window] for window in windows]
             return whole[0] if len(whole) == 1 else np.concatenate(whole)
 
-        judged = self.judged.copy()
-        for window, lead in zip(windows, leads, strict=False):
-            judged[window.start : window.start + lead] = False
         return replace(
             self,
             kinematics=kinematics,
             force=None if self.force is None else cut(self.force),
-            judged=cut(judged) & kinematics.warm(),
+            judged=cut(self.judged) & kinematics.warm(),
             gauge_stamp=self.kinematics.stamp if self.gauge_stamp is None else self.gauge_stamp,
             raw_displacement=cut(self.raw_displacement),
             acceleration=None if self.acceleration is None else cut(self.acceleration),
