@@ -90,7 +90,7 @@ def diagnose(
     if verdict == "missing":
         steps = _steps(state, found, mode, None)
         if not steps:
-            named = ()
+            named, found = (), replace(found, left_n=found.without_n)
             verdict, picture = judged(replace(found, accepted=named))
     if verdict == "parameters_changed":
         found = replace(found, accepted=named or as_if_by(found.rounds[0]))

@@ -48,6 +48,11 @@ class Search:
     mode: str
     is_survey: bool = False
 
+    @property
+    def without_n(self) -> float:
+        """Unseen error without any finding, N."""
+        return rmse(self.rounds[0].baseline, self.rounds[0].without)
+
 
 @dataclass(frozen=True)
 class _Pass:

@@ -7,6 +7,7 @@ import pytest
 from faults import changed, halves, late
 
 from damper_estimator.diagnosis import diagnose, search, with_misfit
+from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.thresholds import using
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import fit as identify
@@ -48,6 +49,13 @@ def test_every_candidate_is_ranked_or_named_untestable(found_soft):
     gains = [j.kept.gain for j in found_soft.ranking if j.kept and j.phenomenon != found_soft.findings[0].phenomenon]
     assert max(gains) <= found_soft.findings[0].gain + 0.03
     assert all(j.kept.low <= j.kept.high for j in found_soft.ranking if j.kept)
+
+
+def test_a_finding_that_delivers_nothing_does_not_lower_what_is_left(user_model, soft, monkeypatch):
+    monkeypatch.setattr(ModelState, "delivers", lambda *_: False)
+    found = diagnose(user_model, [soft[0]], [soft[1]], mode="kept")
+    assert found.verdict == "unexplained" and found.findings == ()
+    assert f"error of {found.rmse_n:.3g} N" in found.sentence and "left of" not in found.sentence
 
 
 def test_nothing_is_found_where_nothing_is_missing(user_model, base):
