@@ -21,7 +21,8 @@ from population.result_tables import table
 from population.user_models import DAMPER
 
 from damper_estimator.diagnosis.apply_finding import identified_first
-from damper_estimator.diagnosis.diagnose import begun, first_search
+from damper_estimator.diagnosis.diagnose import begun
+from damper_estimator.diagnosis.outcome import first_search
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.thresholds import limits, using
 

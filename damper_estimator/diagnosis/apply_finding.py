@@ -12,7 +12,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.correction import corrected, corrected_signals
 from damper_estimator.diagnosis.informative import informative
-from damper_estimator.diagnosis.local_fit import locally_fitted, with_mean
+from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.misfit import has_grown
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
@@ -130,7 +130,7 @@ def applied(
     if mode != "kept":
         found.append(after.with_model(identified(after, changed)))
         if joint is not None and _is_alike(joint, changed) and not found[0].fulfils(promised, before):
-            found.append(after.with_model(identified(after, with_mean(joint, after.fit_part))))
+            found.append(after.with_model(identified(after, joint)))
     if mode != "refit" and not any(one.fulfils(promised, before) for one in found):
         found.append(after.with_model(identified(after, changed, keep=True), "the other parameters are kept"))
     return min(found, key=lambda one: one.rmse_unseen_n)

@@ -1,7 +1,8 @@
 """Refits a model together with a missing effect, where derivatives at the old parameters do not show where that leads.
 
 A yield force that turns round smoothly, in place of a compliance that is missing, has to become steep again once the
-compliance is there: to first order about the smooth turn the compliance explains nothing.
+compliance is there: to first order about the smooth turn the compliance explains nothing. The gauge's zero is in the
+comparison, because the model was identified with it: what needs another zero explains nothing.
 """
 
 from collections.abc import Sequence
@@ -55,7 +56,7 @@ def jointly_refitted(baseline: Baseline, hypotheses: Sequence[Hypothesis]) -> li
     best: dict[str, Hypothesis] = {}
     for hypothesis in hypotheses:
         best.setdefault(hypothesis.phenomenon, hypothesis)
-    rows = LocalRows(sketch(baseline.data.fit))
+    rows = LocalRows(sketch(baseline.data.with_zero.fit))
     begun = [descent for one in best.values() if (descent := _begun(baseline, one, rows)) is not None]
     least = min((descent.end.cost for descent in begun), default=np.inf)
     promising = [descent for descent in begun if descent.end.cost <= _WORTH * least and np.isfinite(descent.end.cost)]
@@ -79,7 +80,7 @@ def _finished(baseline: Baseline, descent: _Descent) -> tuple[Hypothesis, Errors
     """On excerpts to the end, and from there on all rows; None where the model's force does not stay finite."""
     data, hypothesis = baseline.data, descent.hypothesis
     near = _descended(descent.few, descent.end.searched, _MORE)
-    problem = descent.few.on(LocalRows(data.fit))
+    problem = descent.few.on(LocalRows(data.with_zero.fit))
     end = _descended(problem, near.searched, _FINISHING)
     if not np.isfinite(end.cost):
         return None

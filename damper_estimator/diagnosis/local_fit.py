@@ -28,7 +28,6 @@ _STEPS = 5
 _SHORTEST = 0.1  # of a step
 _LEAST = 1e-3  # of the squared error: a smaller gain ends it
 _DAMPED_FROM = 1.0  # of a parameter's size: a longer step is damped
-_CONSTANT = 0.1  # of a force: what may be left of it where parameters are to change the mean alone
 
 
 def locally_fitted(
@@ -58,26 +57,6 @@ def locally_fitted(
     rows = [rows_of(m, w, zero_free=zero_free).thinned() for m, w in zip(measurements, weight, strict=True)]
     slots = list(free_slots(model, free, fix))
     return _recorded(*_descended(model, rows, slots), slots, rows)
-
-
-def with_mean(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
-    """The model moved along the parameters that change its mean alone, to the mean of the measured force; as it is
-    where there are none.
-
-    Fitted with the gauge's zero free, a model may err by far more than all else, and the first steps of an
-    identification would spoil the rest for it.
-    """
-    rows = [rows_of(m, weights(model, m)).thinned() for m in measurements]
-    slots = list(free_slots(model, (), ()))
-    force = force_rows(model, rows)
-    columns = near_derivatives(model, rows, slots, force)
-    size = np.sqrt(np.sum(columns**2, axis=0))
-    size[size <= 0.0] = np.inf
-    one = np.concatenate([part.of(np.ones(len(part.measurement.kinematics))) for part in rows])
-    direction = np.linalg.lstsq(columns / size, one, rcond=1e-4)[0] / size
-    if np.sum((columns @ direction - one) ** 2) > _CONSTANT**2 * np.sum(one**2):
-        return model
-    return _moved(model, slots, float(one @ (targets(rows) - force) / (one @ one)) * direction)
 
 
 def _descended(

@@ -1,6 +1,7 @@
 """What a diagnosis says of recordings in which the truth is known."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -56,6 +57,22 @@ def test_a_finding_that_delivers_nothing_does_not_lower_what_is_left(user_model,
     found = diagnose(user_model, [soft[0]], [soft[1]], mode="kept")
     assert found.verdict == "unexplained" and found.findings == ()
     assert f"error of {found.rmse_n:.3g} N" in found.sentence and "left of" not in found.sentence
+
+
+def test_a_second_search_follows_an_effect_that_delivers_nothing(user_model, soft, found_soft, monkeypatch):
+    module = import_module("damper_estimator.diagnosis.outcome")
+    original, first = module.steps_of, found_soft.findings[0].effect
+
+    def without_the_first(state, accepted, *arguments, **keywords):
+        if accepted[0].element.effect.name == first:
+            return []
+        return original(state, accepted, *arguments, **keywords)
+
+    monkeypatch.setattr(module, "steps_of", without_the_first)
+    found = diagnose(user_model, [soft[0]], [soft[1]], mode="kept")
+    assert found.verdict == "missing" and found.findings[0].effect != first
+    reasons = {row.effect: row.reason for row in found.ranking}
+    assert "does not lower the unseen error" in reasons[first] and found.ranking[0].reason == ""
 
 
 def test_nothing_is_found_where_nothing_is_missing(user_model, base):

@@ -2,12 +2,10 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from faults import halves
 
 from damper_estimator.diagnosis.apply_finding import applied, state_of
-from damper_estimator.diagnosis.local_fit import with_mean
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import DamperModel, make_element, parse_model
 
@@ -49,18 +47,3 @@ def test_a_joint_fit_of_another_model_is_ignored(behind):
     promised = 0.99 * before.rmse_unseen_n**2
     other = applied(before, mount, "both", promised, joint=model(VISCOUS))
     assert other.rmse_unseen_n == applied(before, mount, "both", promised).rmse_unseen_n
-
-
-@pytest.mark.parametrize("constant", [{"static_force": {"force": 20.0}}, {"viscous_curve": {}}])
-def test_the_mean_is_moved_and_nothing_else(base, constant):
-    damper = model(VISCOUS, constant)
-    force = damper.force(base.kinematics.block)
-    shifted = replace(base, force=force + 310.0)
-    moved = with_mean(damper, [shifted])
-    np.testing.assert_allclose(moved.force(base.kinematics.block), force + 310.0, atol=3.0)
-
-
-def test_a_model_without_a_constant_keeps_its_mean(base):
-    damper = model(VISCOUS)
-    shifted = replace(base, force=damper.force(base.kinematics.block) + 310.0)
-    assert with_mean(damper, [shifted]) is damper

@@ -126,7 +126,7 @@ def test_a_model_without_a_finite_force_has_an_infinite_error(rough, monkeypatch
 @pytest.mark.parametrize("is_here", [True, False])
 def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_fit(rough, monkeypatch, is_here):
     """Beneath the old error only a zero is found: news elsewhere, and none where the model was identified."""
-    module = import_module("damper_estimator.diagnosis.diagnose")
+    module = import_module("damper_estimator.diagnosis.outcome")
     original = module.search
 
     def only_a_zero(*arguments, trusted=False, **keywords):

@@ -1,0 +1,147 @@
+"""What a search comes to: the verdict, and the findings that keep their promise once they are in the model.
+
+An explanation is fitted beside the model, with the gauge's zero and drift left out of the comparison. Identified in the
+model it may not deliver what it promised. Then it is set aside, and the search is done once more without it.
+"""
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from damper_estimator.diagnosis.accepted import names_of, together
+from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.diagnosis_data import (
+    DiagnosisData,
+    data_of,
+    dynamic_force,
+    force_rows,
+    targets,
+    unweighted,
+)
+from damper_estimator.diagnosis.explanation import ranking_of
+from damper_estimator.diagnosis.misfit import has_grown, misfit_of, probability_of_change, without_misfit
+from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
+from damper_estimator.diagnosis.result import RankedEffect, Structure
+from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
+from damper_estimator.diagnosis.steps import Step, steps_of
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.diagnosis.verdict import verdict_on
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A search and what follows from it.
+
+    Attributes:
+        again: the model identified again; None where its parameters are trusted.
+        picture: of what is unexplained, where there is structure.
+        steps: findings that lower the error.
+        undelivered: effects that were set aside because they did not.
+    """
+
+    found: Search
+    again: Reidentified | None
+    verdict: str
+    picture: Structure | None = None
+    steps: tuple[Step, ...] = ()
+    undelivered: tuple[RankedEffect, ...] = ()
+
+
+def outcome_of(
+    state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
+) -> Outcome:
+    """The outcome of a search; of a second one without what the first one found, if only that delivers something.
+
+    Args:
+        floor_n: noise floor, N.
+        skip: effects that are not tried.
+    """
+    first = _searched(state, floor_n, mode, skip, workers, lambda text, share: progress(text, 0.05 + 0.85 * share))
+    if first.steps or not first.found.accepted or first.verdict != "unexplained":
+        return first
+    promising = set(names_of(together(first.found.accepted)[0]))
+    again = _searched(
+        state, floor_n, mode, {*skip, *promising}, workers, lambda text, share: progress(text, 0.9 + 0.1 * share)
+    )
+    if not again.steps:
+        return first
+    aside = tuple(row for row in ranking_of(first.found, set()) if row.effect in promising)
+    return replace(again, undelivered=aside)
+
+
+def _searched(
+    state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
+) -> Outcome:
+    found, data = first_search(state, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
+    if found.is_survey:
+        return Outcome(found, None, "nothing_missing")
+    progress("identifying the parameters of the model", 0.85)
+    again = reidentified(found.rounds[0], data) if mode != "kept" else None
+    force, here = dynamic_force(data), state.is_identified_here
+    judged = partial(verdict_on, again=again, force_n=force, floor_n=floor_n, is_identified_here=here)
+    verdict, picture = judged(found)
+    progress("adding what was found", 0.95)
+    steps, named = [], found.accepted
+    if verdict == "missing":
+        steps = steps_of(state, found.accepted, mode)
+        if not steps:
+            named, found = (), replace(found, left_n=found.without_n)
+            verdict, picture = judged(replace(found, accepted=named))
+    if verdict == "parameters_changed":
+        found = replace(found, accepted=named or as_if_by(found.rounds[0]))
+        steps = steps_of(state, found.accepted, mode, names_changes=again is not None)
+    # Without a candidate only a large growth is news: errors on good recordings of one damper differ by up to two.
+    share = float(max(state.rmse_fit_n, state.rmse_unseen_n) / force / np.sqrt(limits().growth))
+    is_old = share < limits().usual and not has_grown(state.model, share)
+    if verdict == "unexplained" and not here and is_old:
+        verdict, picture, found = "nothing_missing", None, replace(found, is_survey=True)
+    return Outcome(found, again, verdict, picture, tuple(steps))
+
+
+def first_search(
+    state: ModelState,
+    mode: str,
+    skip: Collection[str] = (),
+    workers: int = 1,
+    progress: Callable[[str, float], None] = lambda text, share: None,
+) -> tuple[Search, DiagnosisData]:
+    """What was found before it is added to the model, and on which recordings: without the error that the model had
+    when it was identified, if that accounts for part of the error and leaves more than it did then; otherwise as
+    measured. A usual error that the model has always had is surveyed only.
+    """
+    data = data_of(state.model, state.fit_part, state.unseen_part)
+    known = misfit_of(state.model.fit)
+    parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
+    news = data if known is None else data_of(state.model, *parts)
+    force = dynamic_force(data)
+    whole, left = (
+        unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
+        for source in (data, news)
+    )
+    leaves_news = known is None or known.leaves_news(left / force)
+    error = max(whole, state.rmse_fit_n, state.rmse_unseen_n) / force  # the last two with the gauge's zero
+    asks_for_change = mode == "both" and not state.is_identified_here
+    if asks_for_change:
+        change = probability_of_change(state.model, error)
+        data, news = replace(data, change=change), replace(news, change=change)
+    grown = has_grown(state.model, error)
+    # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
+    bound = limits().usual if not grown else 0.0 if leaves_news else limits().acceptable
+    is_usual = asks_for_change and error < bound
+    is_accounted_for = known is not None and left**2 < limits().accounted * whole**2
+    if is_accounted_for and left > limits().least_force * force and leaves_news:
+        found = search(
+            state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
+        )
+        # On the recordings of the identification a zero is no news, and the old error is what the model lacks.
+        zeros = {hypothesis.name for hypothesis in found.rounds[0].hidden if state.is_identified_here}
+        if {one.element.effect.name for one in found.accepted} - zeros:
+            return found, news
+    if is_usual:
+        return surveyed(state.model, data, skip, workers, progress), data
+    here = state.is_identified_here
+    return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data

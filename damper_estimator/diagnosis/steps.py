@@ -1,0 +1,82 @@
+"""Findings as steps: each put into the model, with the errors that it delivers."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from damper_estimator.diagnosis.accepted import Accepted, together
+from damper_estimator.diagnosis.apply_finding import ModelState, applied
+from damper_estimator.diagnosis.thresholds import limits
+
+Step = tuple[Accepted, ModelState, float, float]
+"""A finding, the model after it, and the unseen error without and with it, N."""
+
+
+def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_changes: bool = False) -> list[Step]:
+    """The findings that lower the error, faults of the measurement chain first.
+
+    Args:
+        names_changes: whether they name how parameters changed, with the errors of the evaluation: then all are steps.
+    """
+    steps: list[Step] = []
+    current = state
+    order = sorted(together(accepted), key=lambda group: all(one.element.effect.correct is None for one in group))
+    for group in order:
+        promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
+        taken = _applied_together(current, group, mode, promised, names_changes)
+        before, after = current, taken[-1][1]
+        if after.delivers(promised, before):
+            steps += _with_errors(before, taken)
+            current = after
+        elif names_changes:
+            steps += [(one, at, one.before_n, one.after_n) for one, at in taken]
+    return steps
+
+
+def _with_errors(before: ModelState, taken: Sequence[tuple[Accepted, ModelState]]) -> list[Step]:
+    """The findings of a group with the errors without and with each; both with those before and after the two, if the
+    first does little without the second.
+    """
+    between, after = taken[0][1], taken[-1][1]
+    if len(taken) == 2 and between.fall_from(before) < limits().gain * after.fall_from(before):
+        return [(replace(one, needs=True), at, before.rmse_unseen_n, after.rmse_unseen_n) for one, at in taken]
+    earlier = [before, *(at for _, at in taken)]
+    return [
+        (replace(one, needs=False), at, last.rmse_unseen_n, at.rmse_unseen_n)
+        for last, (one, at) in zip(earlier, taken, strict=False)
+    ]
+
+
+def _applied_together(
+    before: ModelState, group: Sequence[Accepted], mode: str, promised: float, names_changes: bool
+) -> list[tuple[Accepted, ModelState]]:
+    """The findings of a group with the model after each.
+
+    Of a pair only one, if the other does harm, or if the one that explains more does as well as both: identified with
+    all parameters, it may explain what it did not explain while they were kept. Both, if they name how parameters
+    changed.
+    """
+    taken, after = [], before
+    for one in sorted(group, key=lambda one: one.element.effect.correct is None):
+        after = _applied(after, one, mode, promised)
+        taken.append((one, after))
+    if len(group) == 1 or names_changes:
+        return taken
+    alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
+    best = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
+    first = max(alone, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
+    harms, suffices = best[1].better_than(after), not after.better_than(first[1])
+    if not (harms or suffices):
+        return taken
+    one, state = first if suffices else best
+    return [(replace(one, needs=False), state)]
+
+
+def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> ModelState:
+    """With a finding in its place: from its values next to all other findings, and if that keeps too little of the
+    promise, from those that it had alone.
+    """
+    after = applied(before, one.element, mode, promised, one.hypothesis.joint)
+    if after.fulfils(promised, before):
+        return after
+    alone = applied(before, one.hypothesis.fitted_element, mode, promised)
+    return min(after, alone, key=lambda state: state.rmse_unseen_n)
