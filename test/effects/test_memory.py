@@ -256,9 +256,22 @@ def field(commands, name="command_hysteresis", hold=1, **values):
 def test_the_field_lags_by_the_width_after_a_long_way_of_the_current_and_ignores_its_speed():
     up, down = np.linspace(0.0, 2.0, 400), np.linspace(2.0, 0.5, 300)
     found = field(np.concatenate([up, down]), width=0.1)
-    assert found[399] == pytest.approx(1.9, abs=1e-6) and found[-1] == pytest.approx(0.6, abs=1e-5)
+    assert found[399] == pytest.approx(1.9, abs=1e-6) and found[-1] == pytest.approx(0.6, abs=1e-6)
     in_jumps = field([0.0, 2.0, 0.5], width=0.1)
     assert in_jumps[1:] == pytest.approx([found[399], found[-1]], abs=1e-9)
+
+
+def test_the_field_never_moves_against_the_current_and_follows_a_parabola_after_a_reversal():
+    down = np.linspace(2.0, 1.7, 100)
+    found = field([0.0, *down], width=0.1)[1:]
+    assert (np.diff(found) <= 1e-12).all()
+    assert 2.0 - 0.1 - found == pytest.approx((2.0 - down) ** 2 / (8.0 * 0.1), abs=0.1 / 8)
+
+
+def test_noise_of_the_current_leaves_its_history_in_the_field():
+    noise = 0.004 * np.random.default_rng(0).standard_normal(2000)
+    noisy = field(np.concatenate([[0.0, 2.0], 1.0 + noise]), width=0.1)
+    assert noisy[-500:].mean() == pytest.approx(1.1, abs=0.02)
 
 
 def test_a_held_current_holds_the_field_and_an_unknown_one_does_not_change_it():
