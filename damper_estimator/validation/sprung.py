@@ -16,6 +16,7 @@ from damper_estimator.validation.form_free import FormFree, form_free
 
 _STIFFNESS = (np.inf, 1.6e7, 8e6, 4e6, 2e6, 1e6, 5e5, 2.5e5, 1.25e5, 6e4)  # N/m
 _FIRST = 3
+_BETWEEN = (0.0, -0.25, 0.25, -0.5, 0.5)  # octaves from the best of them
 _SEARCHED = 10_000  # samples in the middle of a recording; they show the stiffness as well as all
 _LONGEST = 2e-3  # s, step (a tenth longer will do) of the simulation
 _RIGID = 1e15  # N/m
@@ -50,18 +51,19 @@ def sprung(measurement: Measurement) -> Sprung:
     """The regression behind the spring with which it reproduces the force of a recording best."""
     first = max(len(measurement.kinematics) - _SEARCHED, 0) // 2
     middle = measurement.part(first, first + _SEARCHED) if first else measurement
-    tried: dict[int, tuple[float, Sprung]] = {}
+    tried: dict[float, tuple[float, Sprung]] = {}
 
-    def error(place: int) -> float:
-        if place not in tried:
-            tried[place] = _fitted(middle, _STIFFNESS[place])
-        return tried[place][0]
+    def error(stiffness: float) -> float:
+        if stiffness not in tried:
+            tried[stiffness] = _fitted(middle, stiffness)
+        return tried[stiffness][0]
 
-    best = _FIRST
+    place = _FIRST
     for step in (1, -1):
-        while 0 <= best + step < len(_STIFFNESS) and error(best + step) < error(best):
-            best += step
-    return _fitted(measurement, _STIFFNESS[best])[1] if first else tried[best][1]
+        while 0 <= place + step < len(_STIFFNESS) and error(_STIFFNESS[place + step]) < error(_STIFFNESS[place]):
+            place += step
+    best = min((_STIFFNESS[place] * 2.0**octaves for octaves in _BETWEEN), key=error)
+    return _fitted(measurement, best)[1] if first else tried[best][1]
 
 
 def _fitted(m: Measurement, stiffness: float) -> tuple[float, Sprung]:
