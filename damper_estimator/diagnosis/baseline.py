@@ -83,10 +83,15 @@ class Baseline:
     def suggests(self, hypothesis: Hypothesis) -> bool:
         """Whether one of the hypothesis's form-free tests explains enough for it to be tried.
 
-        True without any, and where the tests do not see a large error, as of a chamber that loses its oil to vapour for
-        many strokes.
+        A compliance changes how all that is behind it shows: friction turns round later. So its tests are those of the
+        model's effects as well. True without any, and where the tests do not see a large error, as of a chamber that
+        loses its oil to vapour for many strokes.
         """
-        hints = [self.hints[name] for name in hypothesis.effect.tests if name in self.hints]
+        effects = [hypothesis.effect]
+        if hypothesis.effect.kind == "series":
+            effects += [element.effect for element in walk(self.model.effects)]
+        names = {name for effect in effects for name in effect.tests}
+        hints = [self.hints[name] for name in names if name in self.hints]
         return not hints or max(hints) >= limits().hint or not self.is_seen
 
     @cached_property

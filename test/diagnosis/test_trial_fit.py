@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from faults import changed, halves
+from planted import known
 
 from damper_estimator.diagnosis.baseline import baseline_of, derivatives, first_order, near_derivatives, slot_size
 from damper_estimator.diagnosis.diagnosis_data import data_of, force_rows, weights
@@ -161,3 +162,14 @@ def test_effects_whose_tests_are_silent_are_tried_against_a_large_error_alone(no
     scale = 0.5 * limits().usual * noisy.data.force_rms / 100.0
     quiet = replace(noisy, residual_fit=scale * noisy.residual_fit, residual_unseen=scale * noisy.residual_unseen)
     assert not any(quiet.suggests(one) for one in tried)
+
+
+def test_a_compliance_is_tried_where_the_friction_behind_it_shows_it(base):
+    """Friction that turns round later, without a rate of the force that would give the compliance away."""
+    viscous, dahl = {"viscous": {"rate": 200.0}}, {"dahl": {"force": 400.0}}
+    for effects, expected in (([viscous], False), ([viscous, dahl], True)):
+        model = parse_model({"name": "m", "source": "test", "effects": effects}, "test")
+        baseline = baseline_of(model, data_of(model, [base], []))
+        vars(baseline)["hints"] = dict.fromkeys(baseline.hints, 0.0) | {"friction step": 0.8}
+        for name in ("joint_play", "rubber_mount", "oil_spring"):
+            assert baseline.suggests(known(baseline)[name]) == expected
