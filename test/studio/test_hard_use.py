@@ -58,8 +58,9 @@ def test_what_is_reported_twice_changes_nothing(folder):
     """Answers overlap on a slow machine; a list that is rebuilt takes the focus, and the next key, away."""
     with served(folder) as (_, url), open_page(url) as user:
         user.open(["hidden_fit.mcap"], ["before.yaml"], stop=SECONDS)
-        user.until(lambda: user.text_of("regions"))
-        lists = [f"document.querySelector('{name} > *').kept" for name in ("#regions", "#parameters", "#steps")]
+        places = [f"{name} > *" for name in ("#regions", "#parameters", "#steps")]
+        user.until(lambda: all(user.page.locator(place).count() for place in places))
+        lists = [f"document.querySelector('{place}').kept" for place in places]
         user.page.evaluate(" = ".join([*lists, "true"]))
         with user.page.expect_request(lambda sent: '"id":"rebuilt"' in (sent.post_data or "")) as asked:
             user.page.wait_for_timeout(100)
