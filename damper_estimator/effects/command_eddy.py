@@ -8,9 +8,8 @@ The coil's lag is ``command_lag``. One state; exact. Source: the slowest mode of
 core; what is faster follows at once.
 """
 
-from math import exp
-
 from damper_estimator.compiled import compiled
+from damper_estimator.effects.command_lag import lagged
 from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
 from damper_estimator.signals.layout import COMMAND, DT
@@ -21,11 +20,7 @@ def kernel(parameters, settings, kinematics, state, force):
     """I <- M, in this path's copy."""
     for i in range(force.size):
         command = kinematics[COMMAND, i]
-        dt = kinematics[DT, i]
-        if dt > 0.0 and state[0] == state[0]:  # not NaN: a command was received before
-            state[0] = command + (state[0] - command) * exp(-dt / parameters[1])
-        else:
-            state[0] = command
+        state[0] = lagged(state[0], command, kinematics[DT, i], parameters[1])
         kinematics[COMMAND, i] = command + parameters[0] * (state[0] - command)
 
 

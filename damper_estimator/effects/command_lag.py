@@ -9,6 +9,8 @@ Lozoya-Santos et al., section 5.
 
 from math import exp
 
+import numpy as np
+
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
@@ -16,15 +18,18 @@ from damper_estimator.signals.layout import COMMAND, DT
 
 
 @compiled
+def lagged(before, command, dt, constant):
+    """The current after a step of ``dt`` with a held command; the command itself where there was none before."""
+    if dt > 0.0 and np.isfinite(before):
+        return command + (before - command) * exp(-dt / constant)
+    return command
+
+
+@compiled
 def kernel(parameters, settings, kinematics, state, force):
     """I <- lag(I), in this path's copy."""
     for i in range(force.size):
-        command = kinematics[COMMAND, i]
-        dt = kinematics[DT, i]
-        if dt > 0.0 and state[0] == state[0]:  # not NaN: a command was received before
-            state[0] = command + (state[0] - command) * exp(-dt / parameters[0])
-        else:
-            state[0] = command
+        state[0] = lagged(state[0], kinematics[COMMAND, i], kinematics[DT, i], parameters[0])
         kinematics[COMMAND, i] = state[0]
 
 

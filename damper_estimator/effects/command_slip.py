@@ -17,6 +17,7 @@ from math import exp
 import numpy as np
 
 from damper_estimator.compiled import compiled
+from damper_estimator.effects.command_lag import lagged
 from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.elastic_slip import PARTS, crept
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, longest_yield, spread
@@ -36,10 +37,7 @@ def kernel(parameters, settings, kinematics, state, force):
             state[PARTS] = kinematics[X, i]
             state[_CURRENT] = command
         share = crept(state, kinematics[X, i], parameters[2], parameters[3], parameters[5] * max(dt, 0.0))
-        if dt > 0.0 and np.isfinite(state[_CURRENT]):
-            state[_CURRENT] = command + (state[_CURRENT] - command) * exp(-dt / parameters[4])
-        else:
-            state[_CURRENT] = command
+        state[_CURRENT] = lagged(state[_CURRENT], command, dt, parameters[4])
         if np.isfinite(state[_CURRENT]):
             force[i] += parameters[0] * (1.0 - exp(-abs(state[_CURRENT]) / parameters[1])) * share
 

@@ -13,6 +13,7 @@ from math import exp
 import numpy as np
 
 from damper_estimator.compiled import compiled
+from damper_estimator.effects.command_lag import lagged
 from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, longest_yield, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
@@ -31,10 +32,7 @@ def kernel(parameters, settings, kinematics, state, force):
         state[1] = x
         direction = 1.0 if move > 0.0 else -1.0
         state[0] = direction - (direction - state[0]) * exp(-abs(move) / parameters[2])
-        if dt > 0.0 and np.isfinite(state[2]):
-            state[2] = command + (state[2] - command) * exp(-dt / parameters[3])
-        else:
-            state[2] = command
+        state[2] = lagged(state[2], command, dt, parameters[3])
         if np.isfinite(state[2]):
             force[i] += parameters[0] * (1.0 - exp(-abs(state[2]) / parameters[1])) * state[0]
 
