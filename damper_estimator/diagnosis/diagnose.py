@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified_first, state_of
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
+from damper_estimator.diagnosis.beyond_region import beyond_sentence
 from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.diagnosis.explanation import (
     atlas_of,
@@ -97,6 +98,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
         model=before.model,
         verdict=verdict,
         sentence=identified_sentence(given, state)
+        + beyond_sentence(state)
         + (
             unexplained_sentence(atlas, picture, errors[0], found.left_n, floor, reference)
             if verdict == "unexplained"

@@ -127,6 +127,12 @@ class Thresholds:
         "the error on other recordings than those of the identification, if nothing has changed",
         "median of unchanged dampers in make bench-diagnosis",
     )
+    extrapolated: float = _threshold(
+        0.5,
+        _SQUARE,
+        "if more lies outside the region that the model was identified in, the diagnosis says so",
+        "then most of the error is one of extrapolation",
+    )
     poor: float = _threshold(
         0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
     )

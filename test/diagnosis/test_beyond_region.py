@@ -1,0 +1,54 @@
+"""What a diagnosis says of an error outside the region that the model was identified in."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from damper_estimator.diagnosis.apply_finding import state_of
+from damper_estimator.diagnosis.beyond_region import beyond_sentence
+from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
+from damper_estimator.signals.layout import V, X
+
+
+def identified(model: DamperModel, **region: object) -> DamperModel:
+    """The model with another region in its record."""
+    return replace(model, fit={**model.fit, "region": region})
+
+
+@pytest.fixture(scope="session")
+def wrong_at_the_ends(user_model: DamperModel, base: Measurement) -> Measurement:
+    """The recording with a force that the model does not know, in the outer half of the stroke only."""
+    x = base.kinematics.block[X]
+    middle, half = 0.5 * (x.max() + x.min()), 0.5 * np.ptp(x)
+    more = 2e4 * np.maximum(np.abs(x - middle) - 0.5 * half, 0.0) * np.sign(x - middle)
+    return replace(base, force=user_model.force(base.kinematics.block) + more)
+
+
+def test_an_error_where_the_model_was_never_identified_is_called_one_of_extrapolation(user_model, wrong_at_the_ends):
+    x = wrong_at_the_ends.kinematics.block[X]
+    middle, half = 0.5 * (x.max() + x.min()), 0.5 * np.ptp(x)
+    region = [middle - 0.45 * half, middle + 0.45 * half]
+    model = identified(user_model, displacement=region, velocity=[-9.0, 9.0])
+    sentence = beyond_sentence(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends]))
+    assert f"{1e3 * region[0]:.3g} to {1e3 * region[1]:.3g} mm" in sentence and "displacement" in sentence
+    assert int(sentence.split(" %")[0]) > 95
+
+
+def test_the_same_error_inside_the_region_is_none(user_model, wrong_at_the_ends):
+    assert beyond_sentence(state_of(user_model, [wrong_at_the_ends], [wrong_at_the_ends])) == ""
+
+
+def test_an_error_that_is_everywhere_is_none_of_extrapolation(user_model, base):
+    force = user_model.force(base.kinematics.block) + 100.0 * np.sin(40.0 * base.kinematics.time)
+    everywhere = replace(base, force=force)
+    narrow = identified(user_model, displacement=[-1e-3, 1e-3], velocity=np.quantile(
+        base.kinematics.block[V], [0.3, 0.7]).tolist())  # fmt: skip
+    assert beyond_sentence(state_of(narrow, [everywhere], [everywhere])) == ""
+
+
+@pytest.mark.parametrize("region", [None, "wide", {}, {"displacement": 3.0}, {"displacement": ["a", "b"]}])
+def test_a_record_that_was_edited_by_hand_is_no_error(user_model, wrong_at_the_ends, region):
+    model = replace(user_model, fit={**user_model.fit, "region": region})
+    assert beyond_sentence(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends])) == ""
