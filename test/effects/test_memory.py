@@ -5,6 +5,7 @@ import pytest
 
 from damper_estimator.effects.delay_line import STATES, delayed
 from damper_estimator.effects.discovery import all_effects, find_effect
+from damper_estimator.effects.trial import Ranges
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERATURE, A, T, V, X
@@ -206,6 +207,20 @@ def test_a_small_loop_of_elastic_slip_closes_and_the_large_one_goes_on():
 def test_elastic_slip_of_equal_parts_is_elastic_and_then_slides():
     x, found = slip_over([0.0, 3e-3], force=100.0, way=1e-3, spread=0.1)
     np.testing.assert_allclose(found, 100.0 * np.minimum(x / 1e-3, 1.0), atol=3.0)
+
+
+def test_friction_of_contacts_is_elastic_slip_without_creep():
+    block = sine(500)
+    expected = force("elastic_slip", block.copy(), force=80.0, way=2e-4, spread=0.7)
+    np.testing.assert_allclose(force("contact_friction", block, force=80.0, travel=2e-4, spread=0.7), expected)
+
+
+def test_contacts_that_slide_late_are_no_friction():
+    ranges = Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0)
+    excluded = find_effect("contact_friction").trial(ranges).exclusion
+    assert not excluded({"force": 80.0, "travel": 2e-4, "spread": 1.0})
+    assert "no friction" in excluded({"force": 80.0, "travel": 8e-4, "spread": 1.0})
+    assert "no friction" in excluded({"force": 80.0, "travel": 4e-4, "spread": 2.0})
 
 
 def yield_over(block, creep, way=1e-3, spread=1.0):
