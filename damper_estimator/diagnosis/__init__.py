@@ -3,6 +3,7 @@
 from damper_estimator.diagnosis.acceleration_templates import Template
 from damper_estimator.diagnosis.atlas_curves import AtlasCurve
 from damper_estimator.diagnosis.atlas_terms import TESTS
+from damper_estimator.diagnosis.by_recording import by_recording, independent
 from damper_estimator.diagnosis.correction import corrected, corrected_signals, in_yaml
 from damper_estimator.diagnosis.diagnose import MODES, diagnose
 from damper_estimator.diagnosis.diagnosis_data import ranges_of
@@ -46,6 +47,7 @@ __all__ = [
     "Structure",
     "Template",
     "all_divided",
+    "by_recording",
     "corrected",
     "corrected_signals",
     "diagnose",
@@ -53,6 +55,7 @@ __all__ = [
     "general_margin",
     "improve",
     "in_yaml",
+    "independent",
     "limits",
     "locally_fitted",
     "ranges_of",

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from damper_estimator.diagnosis.by_recording import ByRecording, by_recording, independent
 from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
@@ -51,6 +52,27 @@ class DiagnosisData:
     def force_rms(self) -> float:
         """Of the unseen rows, N."""
         return float(np.sqrt(np.mean(targets(self.unseen) ** 2)))
+
+    @cached_property
+    def fit_recordings(self) -> ByRecording:
+        """Whose the fitted rows are."""
+        return by_recording(self.fit)
+
+    @cached_property
+    def unseen_recordings(self) -> ByRecording:
+        """Whose the unseen rows are."""
+        return by_recording(self.unseen)
+
+    @cached_property
+    def witnesses(self) -> float:
+        """How many independent ones the recordings are."""
+        return independent(self.fit)
+
+    def by_recording(self, blocks: np.ndarray) -> np.ndarray:
+        """(b, recordings) sums over blocks (b,) of the unseen rows, each in the column of its recording."""
+        owner = np.zeros(blocks.size, int)
+        owner[self.blocks] = self.unseen_recordings.rows
+        return np.where(owner[:, None] == np.arange(self.unseen_recordings.weight.size), blocks[:, None], 0.0)
 
     @cached_property
     def with_zero(self) -> "DiagnosisData":

@@ -10,8 +10,9 @@ import numpy as np
 
 from damper_estimator.diagnosis.atlas_terms import Test
 from damper_estimator.diagnosis.baseline import Baseline, first_order
-from damper_estimator.diagnosis.diagnosis_data import unweighted
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, unweighted
 from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import TrialFit
 from damper_estimator.numerics import block_draws
 
@@ -38,28 +39,41 @@ class Errors:
 
 
 @dataclass(frozen=True)
+class Remaining:
+    """The share of the squared error that is left, as a round ranks.
+
+    Attributes:
+        error: geometric mean of both parts, because an effect may show little on what happens to be unseen; in each the
+            recordings judge one by one.
+        drawn: (replicates,) the same with the unseen part drawn again.
+        unseen: of the unseen part, all recordings together.
+    """
+
+    error: float
+    drawn: np.ndarray
+    unseen: float
+
+
+@dataclass(frozen=True)
 class Evaluation:
     """What is left with one hypothesis, evaluated both ways.
 
     Attributes:
         kept, refitted: what is left with the model's parameters as they are, and refitted to first order.
         kept_gains, refitted_gains: (replicates,) gain against the model without the effect, evaluated the same way.
-        left_unseen, left_fit: shares of the squared error without the effect that are left, as the round ranks.
+        remaining: of the error without the effect, as the round ranks.
     """
 
     kept: Errors
     refitted: Errors
     kept_gains: np.ndarray
     refitted_gains: np.ndarray
-    left_unseen: float
-    left_fit: float
+    remaining: Remaining
 
     @property
     def error(self) -> float:
-        """Share of the squared error that is left, geometric mean of both parts: an effect may show little on the
-        recordings that happen to be unseen.
-        """
-        return float(np.sqrt(self.left_unseen * self.left_fit))
+        """Share of the squared error that is left, as the round ranks."""
+        return self.remaining.error
 
 
 @dataclass(frozen=True)
@@ -70,20 +84,19 @@ class TestEvaluation:
         size: number of its columns.
         left: what is left after it.
         gains: (replicates,) gain against the model without it.
-        left_unseen, left_fit: shares of the squared error without it that are left.
+        remaining: of the error without it.
     """
 
     test: Test
     size: int
     left: Errors
     gains: np.ndarray
-    left_unseen: float
-    left_fit: float
+    remaining: Remaining
 
     @property
     def error(self) -> float:
-        """Share of the squared error that is left, geometric mean of both parts."""
-        return float(np.sqrt(self.left_unseen * self.left_fit))
+        """Share of the squared error that is left."""
+        return self.remaining.error
 
 
 def evaluated_tests(baseline: Baseline, mode: str) -> list[TestEvaluation]:
@@ -96,9 +109,8 @@ def evaluated_tests(baseline: Baseline, mode: str) -> list[TestEvaluation]:
         fit = np.hstack([baseline.found_fit, baseline.base_fit[:, refitted], one.fit])
         unseen = np.hstack([baseline.found_unseen, baseline.base_unseen[:, refitted], one.unseen])
         left = errors(baseline.data.blocks, *first_order(baseline.residual_fit, fit, baseline.residual_unseen, unseen))
-        found.append(
-            TestEvaluation(one.test, one.fit.shape[1], left, gains(drawn, left, without), *_left(left, without))
-        )
+        remaining = remaining_of(baseline.data, left, without, drawn)
+        found.append(TestEvaluation(one.test, one.fit.shape[1], left, gains(drawn, left, without), remaining))
     return found
 
 
@@ -149,23 +161,30 @@ def evaluated(baseline: Baseline, hypotheses: Sequence[Hypothesis], mode: str) -
     for hypothesis in hypotheses:
         left = _harmless(*(with_effects(baseline, [hypothesis.fit], base) for base in (False, True)))
         gained = (gains(drawn, one, before) for one, before in zip(left, without, strict=True))
-        evaluation = Evaluation(*left, *gained, *_left(left[ranked_by], without[ranked_by]))
+        remaining = remaining_of(baseline.data, left[ranked_by], without[ranked_by], drawn)
+        evaluation = Evaluation(*left, *gained, remaining)
         found.append(replace(hypothesis, evaluation=evaluation))
     return sorted(found, key=lambda hypothesis: hypothesis.score)
 
 
-def with_refitted(hypothesis: Hypothesis, left: Errors, without: Errors) -> Hypothesis:
+def with_refitted(data: DiagnosisData, hypothesis: Hypothesis, left: Errors, without: Errors) -> Hypothesis:
     """A hypothesis whose refit with the model leaves ``left``, where refitted errors rank."""
-    before = hypothesis.evaluation
-    drawn = gains(block_draws(without.blocks.size), left, without)
-    evaluation = Evaluation(before.kept, left, before.kept_gains, drawn, *_left(left, without))
+    before, drawn = hypothesis.evaluation, block_draws(without.blocks.size)
+    remaining = remaining_of(data, left, without, drawn)
+    evaluation = Evaluation(before.kept, left, before.kept_gains, gains(drawn, left, without), remaining)
     return replace(hypothesis, evaluation=evaluation)
 
 
-def _left(errors: Errors, without: Errors) -> tuple[float, float]:
-    """Shares of the squared error that are left, unseen and fit."""
-    before = float(np.sum(without.fit**2))
-    return errors.square / max(without.square, 1e-300), float(np.sum(errors.fit**2)) / max(before, 1e-300)
+def remaining_of(data: DiagnosisData, errors: Errors, without: Errors, drawn: np.ndarray | None = None) -> Remaining:
+    """The share of the error ``without`` that ``errors`` are; the unseen part also as drawn (replicates, blocks)."""
+    ignored = (limits().least_force * data.force_rms) ** 2
+    fit, unseen = data.fit_recordings, data.unseen_recordings
+    of_fit = fit.left(fit.squares(errors.fit), fit.squares(without.fit), ignored)
+    after, before = (data.by_recording(one.blocks) for one in (errors, without))
+    of_unseen = unseen.left(after.sum(axis=0), before.sum(axis=0), ignored)
+    again = of_unseen[None] if drawn is None else unseen.left(drawn @ after, drawn @ before, ignored)
+    whole = errors.square / max(without.square, 1e-300)
+    return Remaining(float(np.sqrt(of_unseen * of_fit)), np.sqrt(again * of_fit), whole)
 
 
 def gains(drawn: np.ndarray, errors: Errors, without: Errors) -> np.ndarray:

@@ -67,7 +67,7 @@ def _depends(tests: Sequence[TestEvaluation], effect: Effect) -> str:
 
 
 def _percent(test: TestEvaluation) -> str:
-    return f"{100.0 * max(1.0 - test.left_unseen, 0.0):.0f} %"
+    return f"{100.0 * max(1.0 - test.remaining.unseen, 0.0):.0f} %"
 
 
 def _listed(names: Sequence[str], last: str = "and") -> str:

@@ -127,7 +127,7 @@ def atlas_of(current: Round) -> tuple[AtlasRow, ...]:
         tried = (*current.hypotheses, *current.hidden)
         known = {hypothesis.phenomenon for hypothesis in tried if test.test.name in hypothesis.effect.tests}
         name, shows, phenomena = test.test.name, test.test.shows, tuple(sorted(known))
-        rows.append(AtlasRow(name, phenomena, shows, 1.0 - test.left_unseen, float(low), float(high)))
+        rows.append(AtlasRow(name, phenomena, shows, 1.0 - test.remaining.unseen, float(low), float(high)))
     return tuple(sorted(rows, key=lambda row: -row.explains))
 
 

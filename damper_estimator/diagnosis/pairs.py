@@ -18,7 +18,7 @@ import numpy as np
 from damper_estimator.diagnosis.accepted import Accepted, accepted_in, fitted_together, positions
 from damper_estimator.diagnosis.baseline import baseline_of
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
-from damper_estimator.diagnosis.evaluation import Errors, errors, rmse
+from damper_estimator.diagnosis.evaluation import Errors, errors, remaining_of, rmse
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
@@ -220,8 +220,7 @@ def _penalty(effects: Sequence[Hypothesis]) -> float:
 
 
 def _left(current: Round, left: Errors) -> float:
-    fit, unseen = np.sum(left.fit**2) / np.sum(current.without.fit**2), left.square / current.without.square
-    return float(np.sqrt(fit * unseen))
+    return remaining_of(current.baseline.data, left, current.without).error
 
 
 def _round_without(

@@ -2,19 +2,21 @@
 
     left_e = sqrt(left_fit,e left_unseen,e) + penalty_e          of an effect; of a form-free test likewise left_t
     left_p = min over the effects e of p of left_e^(1 - w)  x  min over the tests t of p of left_t^w
-    P(p)   = left_p^-k / sum over q of left_q^-k,                averaged over a bootstrap of the unseen part
+    P(p)   = left_p^-kn / sum over q of left_q^-kn,              averaged over a bootstrap of the unseen part
+
+n is the number of independent witnesses that the recordings are (``by_recording``).
 
 left is a share of the squared error. The tests assume no form: a phenomenon whose real form differs from that of the
 effect in the library keeps part of its credit, and one whose effect fits while the error does not depend on its
 variables loses part of it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.diagnosis.evaluation import TestEvaluation
+from damper_estimator.diagnosis.evaluation import Remaining, TestEvaluation
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.thresholds import limits
 
@@ -35,17 +37,8 @@ class PhenomenonScore:
     replicates: np.ndarray
 
 
-def scores_of(
-    hypotheses: Sequence[Hypothesis],
-    tests: Sequence[TestEvaluation],
-    replicates_of: Callable[[Hypothesis], np.ndarray],
-) -> list[PhenomenonScore]:
-    """Every phenomenon that was tried, the one that explains most first.
-
-    Args:
-        hypotheses: evaluated.
-        replicates_of: (replicates,) gain of a hypothesis with the unseen part drawn again.
-    """
+def scores_of(hypotheses: Sequence[Hypothesis], tests: Sequence[TestEvaluation]) -> list[PhenomenonScore]:
+    """Every phenomenon that was tried by the evaluated hypotheses, the one that explains most first."""
     best: dict[str, tuple[float, Hypothesis]] = {}
     for hypothesis in hypotheses:
         left = hypothesis.score + general_margin(hypothesis.evaluation.error) * hypothesis.effect.general
@@ -54,11 +47,11 @@ def scores_of(
     found = []
     for phenomenon, (left, hypothesis) in best.items():
         penalty = left - hypothesis.evaluation.error
-        drawn = _drawn(replicates_of(hypothesis), hypothesis.evaluation.left_fit) + penalty
+        drawn = hypothesis.evaluation.remaining.drawn + penalty
         names = {name for one in hypotheses if one.phenomenon == phenomenon for name in one.effect.tests}
         test = min((test for test in tests if test.test.name in names), key=lambda test: test.error, default=None)
-        free = (1.0, np.ones_like(drawn)) if test is None else (test.error, _drawn(test.gains, test.left_fit))
-        found.append(PhenomenonScore(phenomenon, float(_blended(left, free[0])), _blended(drawn, free[1])))
+        free = Remaining(1.0, np.ones_like(drawn), 1.0) if test is None else test.remaining
+        found.append(PhenomenonScore(phenomenon, float(_blended(left, free.error)), _blended(drawn, free.drawn)))
     return sorted(found, key=lambda score: score.left)
 
 
@@ -69,21 +62,19 @@ def general_margin(left: float | np.ndarray, whole: float | np.ndarray = 1.0) ->
     return np.minimum(limits().general_margin * whole, limits().general_share * left)
 
 
-def _drawn(gains: np.ndarray, left_fit: float) -> np.ndarray:
-    return np.sqrt(np.maximum(1.0 - gains, 0.0) * left_fit)
-
-
 def _blended(left: float | np.ndarray, free: float | np.ndarray) -> np.ndarray:
     """What an effect and the test of its phenomenon leave, as one share."""
     share = limits().form_free
     return np.maximum(left, _LEAST) ** (1.0 - share) * np.maximum(free, _LEAST) ** share
 
 
-def probabilities(found: Sequence[PhenomenonScore]) -> dict[str, float]:
-    """The probability of each phenomenon, given that it is one of them."""
+def probabilities(found: Sequence[PhenomenonScore], witnesses: float = 1.0) -> dict[str, float]:
+    """The probability of each phenomenon, given that it is one of them, if the recordings are so many independent
+    witnesses.
+    """
     if not found:
         return {}
     left = np.array([score.replicates for score in found])
-    weight = (left / left.min(axis=0)) ** -limits().sharpness
+    weight = (left / left.min(axis=0)) ** -(witnesses * limits().sharpness)
     share = np.mean(weight / weight.sum(axis=0), axis=1)
     return {score.phenomenon: float(p) for score, p in zip(found, share, strict=True)}

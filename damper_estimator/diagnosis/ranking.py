@@ -51,12 +51,12 @@ class Round:
     @cached_property
     def scores(self) -> list[PhenomenonScore]:
         """All phenomena, the one that explains most first."""
-        return scores_of(self.hypotheses, self.tests, self.replicates)
+        return scores_of(self.hypotheses, self.tests)
 
     @cached_property
     def probabilities(self) -> dict[str, float]:
         """Of each phenomenon, given that what is missing is one of them."""
-        return probabilities(self.scores)
+        return probabilities(self.scores, self.baseline.data.witnesses)
 
     @property
     def best(self) -> Hypothesis | None:
@@ -182,7 +182,8 @@ def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str, jointl
     kept, refitted = without_effects(baseline)
     hypotheses = evaluated(baseline, [hypothesis for hypothesis in fitted if not hypothesis.fit.hidden], mode)
     if jointly and needs_joint_refit(baseline):
-        joint = {one.name: with_refitted(one, left, refitted) for one, left in jointly_refitted(baseline, hypotheses)}
+        refits = jointly_refitted(baseline, hypotheses)
+        joint = {one.name: with_refitted(baseline.data, one, left, refitted) for one, left in refits}
         together = (min(joint.get(one.name, one), one, key=lambda either: either.score) for one in hypotheses)
         hypotheses = sorted(together, key=lambda one: one.score)
     tests = evaluated_tests(baseline, mode)
