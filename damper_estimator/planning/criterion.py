@@ -10,23 +10,24 @@ the old ones, with M_B = J_B'J_B of the old rows:
 f in rows of the comparison's band, J with a column for the gauge's zero. A's own parameters are uncertain too: D is
 that of draws from their covariance on the old recordings (Bayesian, as in Box and Hill 1967).
 
-The decision is the one that a diagnosis takes from both recordings: a phenomenon is named alone once its rival leaves
-more squared error by the factor r, with r^k = (1 - p) / p from the bound p of a tie and k, the sharpness of the
-diagnosis for effects (its form-free tests are taken to speak for both alike).
-With S_A, S_B left on the old recordings, E the squared error expected on the new one, of noise and of model form, and
-what a diagnosis charges both for their parameters, C = c (E + |f - f_0|^2) with f_0 the force without any of them,
+The decision is the one that a diagnosis takes from all recordings: a phenomenon is named alone once its odds against
+each rival exceed (1 - p) / p, p the bound of a tie. Recordings judge one by one there. With o the odds before the test,
+n_0 and n the independent witnesses without and with it, w its weight among the recordings, and k the sharpness of the
+diagnosis for effects (its form-free tests are taken to speak for both alike), the odds after the test are
 
-    P(right) = Phi((S_B + E + D + C_B - r (S_A + E + C_A)) / s)
-    P(wrong) = Phi(((S_A + E + C_A) / r - (S_B + E + D + C_B)) / s)
+    log odds = n (1 - w) (log o / n_0 + k log(1 + H / S)) + n w k log rho,      rho = (E + D + C_B) / (E + C_A)
+
+S is what is left on the old recordings, H what the rival's refit adds there, E the squared error expected on the test,
+of noise and of model form, and C = c (E + |f - f_0|^2) what a diagnosis charges for parameters, f_0 the force without
+any of them. With r and q the ratios rho at which the truth and the rival would be named alone,
+
+    P(right) = Phi((E + D + C_B - r (E + C_A)) / s),      P(wrong) = Phi((q (E + C_A) - (E + D + C_B)) / s)
     s^2 = 4 sum_i (m_i D_i s_m^2 + n_i D_i s_n^2)
 
 averaged over log E, which is uncertain by a factor of 2.5. n_i is how often step i is driven, s_n^2 and s_m^2 are the
 long-run variances of noise and of the model's form. A repeated step averages noise, but repeats what the model's form
 gets wrong, m_i = n_i^2, and so does each cycle of a sine; at rest all rows err alike. Random motion is another one each
 time, m_i = n_i.
-
-Where the diagnosis of the old recordings gave probabilities P, they say where the decision stands:
-S_B / S_A = (P_A / P_B)^(1/k). Old recordings that speak for the wrong phenomenon have to be outweighed.
 """
 
 from collections.abc import Mapping
@@ -43,6 +44,7 @@ _UNSURE = 2.5  # factor by which the expected squared error is wrong on new moti
 _NODES, _WEIGHTS = hermegauss(7)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 _FACTORS = _UNSURE**_NODES
+_FARTHEST = 20.0  # logarithm of a ratio of squared errors: nothing is further
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,8 @@ class Pair:
         truth, rival: positions in the hypotheses.
         normal: (s, k, k) J_B'J_B of each step; right: (s, k, d) J_B'(f_A - f_B) for each draw; square: (s, d).
         prior: (k, k) of the old recordings.
-        left: S_A and S_B.
+        ahead: log o, of the truth against the rival before the test.
+        left: S.
         charged: (2, s) C_A and C_B of each step; nothing without.
     """
 
@@ -63,11 +66,12 @@ class Pair:
     right: np.ndarray
     square: np.ndarray
     prior: np.ndarray
-    left: tuple[float, float]
+    ahead: float
+    left: float
     charged: np.ndarray | None = None
 
     def differences(self, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """D (d,) of a test that drives step i ``counts[i]`` times, and D_i (s, d) of its steps."""
+        """H (d,) of a test that drives step i ``counts[i]`` times, and D_i (s, d) of its steps."""
         used = np.flatnonzero(counts)
         n = counts[used]
         normal = np.tensordot(n, self.normal[used], 1) + self.prior
@@ -81,7 +85,29 @@ class Pair:
         )
         each = np.maximum(each, 0.0)
         held = np.einsum("kd,kl,ld->d", moved, self.prior, moved, optimize=True)
-        return np.maximum(n @ each[used] + held, 0.0), each
+        return np.maximum(held, 0.0), each
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """How a diagnosis weighs the test beside the recordings that are there.
+
+    Attributes:
+        before, after: n_0 and n, independent witnesses without and with the test.
+        weight: w of the test.
+    """
+
+    before: float = 1.0
+    after: float = 2.0
+    weight: float = 0.5
+
+    def carried(self, ahead: float, held: np.ndarray) -> np.ndarray:
+        """Log odds that the old recordings give, from those before the test and the factor (1 + H / S) of the rival."""
+        return self.after * (1.0 - self.weight) * (ahead / self.before + sharpness() * np.log(held))
+
+    def ratio(self, log_odds: np.ndarray) -> np.ndarray:
+        """rho that adds such log odds."""
+        return np.exp(np.clip(log_odds / (self.after * self.weight * sharpness()), -_FARTHEST, _FARTHEST))
 
 
 @dataclass(frozen=True)
@@ -90,7 +116,7 @@ class Margins:
 
     Attributes:
         right, wrong: standard deviations by which the truth is named alone, and by which the rival is.
-        progress: logarithm of the rival's squared error over the truth's, relative to that of r; from 0 to 1.
+        progress: towards the odds of a decision, as their share; from 0 to 1.
         evidence: see ``Chances``.
     """
 
@@ -138,6 +164,7 @@ class Criterion:
         form, noise: (h, s) long-run variances of a row, s_m^2 and s_n^2.
         is_random: (s,) bool, steps whose motion is another one each time.
         probable: of each phenomenon, before the test; all alike without.
+        weighing: of the test in the decision.
     """
 
     pairs: tuple[Pair, ...]
@@ -147,6 +174,7 @@ class Criterion:
     noise: np.ndarray
     is_random: np.ndarray
     probable: Mapping[str, float] = field(default_factory=dict)
+    weighing: Weighing = Weighing()
 
     def score(self, counts: np.ndarray) -> float:
         """Mean over pairs and draws of P(right) and of the progress towards a decision; what the search makes large.
@@ -186,21 +214,23 @@ class Criterion:
         return Chances(right, mistaken, float(weakest), tuple(chances))
 
     def _margins(self, pair: Pair, counts: np.ndarray) -> Margins:
-        difference, each = pair.differences(counts)
+        held, each = pair.differences(counts)
         truth = pair.truth
-        expected = float(counts @ self.expected[truth]) * _FACTORS
-        ours, theirs = pair.left[0] + expected, pair.left[1] + expected + difference[:, None]
+        expected = float(counts @ self.expected[truth]) * _FACTORS + 1e-300
+        ours, theirs = expected[None], expected + (counts @ each)[:, None]
         if pair.charged is not None:
             ours, theirs = (one + counts @ extra for one, extra in zip((ours, theirs), pair.charged, strict=True))
-        r = ratio()
+        sure = decisive()
+        carried = self.weighing.carried(pair.ahead, 1.0 + held / pair.left)[:, None]
         repeats = repeated(counts, self.is_random)
         chance = 4.0 * ((repeats * self.form[truth] + counts * self.noise[truth]) @ each)
         spread = np.sqrt(chance + 1e-300)[:, None]
         rows = np.where(counts > 0, self.form[truth] + self.noise[truth], 1.0)
+        gained = np.log(theirs / ours) / np.log(self.weighing.ratio(np.ones(1)))
         return Margins(
-            right=(theirs - r * ours) / spread,
-            wrong=(ours / r - theirs) / spread,
-            progress=np.clip(np.log(theirs / ours) / np.log(r), 0.0, 1.0),
+            right=(theirs - self.weighing.ratio(sure - carried) * ours) / spread,
+            wrong=(self.weighing.ratio(-sure - carried) * ours - theirs) / spread,
+            progress=np.clip((carried + gained) / sure, 0.0, 1.0),
             evidence=float(np.mean((counts / rows) @ each) / 2.0),
         )
 
@@ -210,7 +240,6 @@ def sharpness() -> float:
     return limits().sharpness * (1.0 - limits().form_free)
 
 
-def ratio() -> float:
-    """Factor r between the squared errors of two phenomena from which on a diagnosis names one of them alone."""
-    tied = limits().tied
-    return float(((1.0 - tied) / tied) ** (1.0 / sharpness()))
+def decisive() -> float:
+    """Log odds of two phenomena from which on a diagnosis names one of them alone."""
+    return float(np.log((1.0 - limits().tied) / limits().tied))

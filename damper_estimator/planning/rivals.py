@@ -6,9 +6,16 @@ from itertools import permutations
 
 import numpy as np
 
-from damper_estimator.diagnosis import Explanations, FittedExplanation, general_margin, limits
+from damper_estimator.diagnosis import (
+    Explanations,
+    FittedExplanation,
+    by_recording,
+    general_margin,
+    independent,
+    limits,
+)
 from damper_estimator.effects.discovery import all_effects
-from damper_estimator.planning.criterion import Criterion, Pair, ratio, sharpness
+from damper_estimator.planning.criterion import Criterion, Pair, Weighing, decisive, sharpness
 from damper_estimator.planning.expected_error import Errors, force_of
 from damper_estimator.planning.simulated import Simulated
 from damper_estimator.planning.steps import Step
@@ -16,9 +23,10 @@ from damper_estimator.planning.steps import Step
 DRAWS = 8  # of the truth's parameters, antithetic, besides the values themselves
 _REACH = 0.5  # of its size a parameter may be off or moved: derivatives do not hold beyond
 _FREE = 1e-9  # the gauge's zero is held by nothing
+_IMPROBABLE = 1e-6
 _WORSE = 1.05  # times the squared error without any effect: an explanation never leaves more
 _SILENT = 1e-9  # of it: a change by less is none
-_STANDING = 0.5  # of the logarithm of r: how far apart tied phenomena may stand before the test
+_STANDING = 0.5  # of the log odds of a decision: how far apart tied phenomena may stand before the test
 
 
 def criterion(
@@ -41,11 +49,12 @@ def criterion(
     rows = found.rows[0].rate / on.rows.rate  # of a recording, for one of a step
     counts = rows * np.array([part.stop - part.start for part in slices])
     expected = counts * (errors.noise + form)
-    left, charged = _left(hypotheses, probable), _charged(hypotheses, on, rows, expected)
+    weighing = weighed(found, on)
+    ahead, charged = _ahead(hypotheses, probable, weighing.before), _charged(hypotheses, on, rows, expected)
     pairs = [
         replace(
             _pair(hypotheses, on, rows, draws, truth, rival),
-            left=(left[truth, rival], left[rival, truth]),
+            ahead=ahead[truth, rival],
             charged=np.stack([charged[truth], charged[rival]]),
         )
         for truth, rival in permutations(range(len(hypotheses)), 2)
@@ -59,29 +68,35 @@ def criterion(
         np.full(form.shape, errors.noise),
         np.array([step.is_random for step in steps]),
         dict(probable or {}),
+        weighing,
     )
 
 
-def _left(hypotheses: Sequence[FittedExplanation], probable: Mapping[str, float] | None) -> np.ndarray:
-    """(h, h) N^2 that each hypothesis leaves on the old recordings beside each other one.
+def weighed(found: Explanations, on: Simulated) -> Weighing:
+    """How a diagnosis would weigh a test of these steps beside the old recordings."""
+    both = (*found.rows, on.rows)
+    return Weighing(independent(found.rows), independent(both), float(by_recording(both).weight[-1]))
 
-    Of two phenomena the one that stands better leaves what the best hypothesis does. Without a diagnosis they are taken
-    to stand as their sums of squares, no further apart than a tie may be.
+
+def _ahead(
+    hypotheses: Sequence[FittedExplanation], probable: Mapping[str, float] | None, witnesses: float
+) -> np.ndarray:
+    """(h, h) log odds of each hypothesis against each other one on the old recordings.
+
+    Without a diagnosis they stand as their sums of squares, no further apart than a tie may be.
     """
     squares = np.array([max(float(np.sum(one.residual**2)), 1e-300) for one in hypotheses])
-    best = {name: min(s for s, one in zip(squares, hypotheses, strict=True) if one.phenomenon == name)
-            for name in {one.phenomenon for one in hypotheses}}  # fmt: skip
-    found = np.full((squares.size,) * 2, squares.min())
-    for i, one in enumerate(hypotheses):
-        for j, other in enumerate(hypotheses):
-            names = one.phenomenon, other.phenomenon
-            if probable is None:
-                behind = np.clip(np.log(best[names[0]] / best[names[1]]), 0.0, _STANDING * np.log(ratio()))
-            else:
-                behind = max(0.0, np.log(probable[names[1]] / probable[names[0]])) / sharpness()
-            # A phenomenon's second form is further behind.
-            found[i, j] *= np.exp(behind) * squares[i] / best[names[0]]
-    return found
+    names = [one.phenomenon for one in hypotheses]
+    best = np.array([min(s for s, other in zip(squares, names, strict=True) if other == name) for name in names])
+    per_error = witnesses * sharpness()
+    if probable is None:
+        most = _STANDING * decisive()
+        odds = np.clip(per_error * np.log(best[None, :] / best[:, None]), -most, most)
+    else:
+        standing = np.log([max(probable[name], _IMPROBABLE) for name in names])
+        odds = standing[:, None] - standing[None, :]
+    behind = per_error * np.log(squares / best)  # a phenomenon's second form
+    return odds - behind[:, None] + behind[None, :]
 
 
 def _charged(hypotheses: Sequence[FittedExplanation], on: Simulated, rows: float, expected: np.ndarray) -> np.ndarray:
@@ -161,5 +176,6 @@ def _pair(
         np.array([columns[part].T @ change[part] for part in on.slices]),
         np.array([np.sum(change[part] ** 2, axis=0) for part in on.slices]),
         information(hypotheses[rival], best / max(hypotheses[rival].residual.size, 1)),
-        (best, best),
+        0.0,
+        max(best, 1e-300),
     )

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper_estimator.planning.criterion import Criterion, Pair, ratio
+from damper_estimator.planning.criterion import Criterion, Pair, Weighing, decisive, sharpness
 from damper_estimator.planning.search import chosen, repeated_one
 
 
@@ -14,8 +14,14 @@ def pair(rng, difference, columns, prior=1e-9, left=100.0):
     k = columns.shape[-1]
     return Pair(
         0, 1, np.einsum("srk,srl->skl", columns, columns), np.einsum("srk,sr->sk", columns, difference)[..., None],
-        np.sum(difference**2, axis=1)[:, None], prior * np.eye(k), (left, left),
+        np.sum(difference**2, axis=1)[:, None], prior * np.eye(k), 0.0, left,
     )  # fmt: skip
+
+
+def remaining(compared, counts):
+    """The difference that a refitted rival leaves, on the old recordings and the test."""
+    held, each = compared.differences(counts)
+    return held[0] + counts @ each[:, 0]
 
 
 @pytest.fixture
@@ -26,7 +32,7 @@ def rng():
 def test_a_difference_that_the_rival_can_take_over_is_worth_nothing(rng):
     columns = rng.standard_normal((4, 50, 3))
     distinguished = pair(rng, columns @ np.array([1.0, -2.0, 0.5]), columns)
-    assert distinguished.differences(np.ones(4))[0][0] < 1e-6 * distinguished.square.sum()
+    assert remaining(distinguished, np.ones(4)) < 1e-6 * distinguished.square.sum()
 
 
 def test_what_is_left_is_the_residual_of_least_squares(rng):
@@ -36,7 +42,7 @@ def test_what_is_left_is_the_residual_of_least_squares(rng):
     rows = np.repeat(np.arange(4), counts.astype(int))
     design, target = columns[rows].reshape(-1, 3), difference[rows].ravel()
     residual = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
-    assert told_apart.differences(counts)[0][0] == pytest.approx(float(residual @ residual), rel=1e-6)
+    assert remaining(told_apart, counts) == pytest.approx(float(residual @ residual), rel=1e-6)
 
 
 def test_more_steps_never_take_difference_away(rng):
@@ -44,14 +50,14 @@ def test_more_steps_never_take_difference_away(rng):
     counts, last = np.zeros(5), 0.0
     for step in (2, 0, 0, 4, 1):
         counts[step] += 1.0
-        now = told_apart.differences(counts)[0][0]
+        now = remaining(told_apart, counts)
         assert now >= last - 1e-9
         last = now
 
 
 def test_knowledge_from_old_recordings_holds_the_rival_back(rng):
     difference, columns = rng.standard_normal((3, 40)), rng.standard_normal((3, 40, 6))
-    free, held = (pair(rng, difference, columns, prior).differences(np.ones(3))[0][0] for prior in (1e-6, 1e6))
+    free, held = (remaining(pair(rng, difference, columns, prior), np.ones(3)) for prior in (1e-6, 1e6))
     assert free < held <= np.sum(difference**2) * (1.0 + 1e-9)
 
 
@@ -83,8 +89,8 @@ def test_repeats_average_noise_but_not_what_the_form_gets_wrong(rng):
 def test_a_phenomenon_that_the_old_recordings_speak_against_is_confirmed_less_often(rng):
     columns, difference = rng.standard_normal((1, 200, 2)), 1.5 * rng.standard_normal((1, 200))
     rights = []
-    for left in ((300.0, 390.0), (300.0, 300.0), (390.0, 300.0)):
-        compared = replace(pair(rng, difference, columns), left=left)
+    for ahead in (1.5, 0.0, -1.5):
+        compared = replace(pair(rng, difference, columns), ahead=ahead)
         rights.append(judge(compared, 200.0, 0.5, 0.5).chances(np.ones(1)).right)
     assert rights[0] > rights[1] > rights[2]
 
@@ -113,7 +119,18 @@ def test_the_mean_over_phenomena_weighs_each_by_its_probability(rng):
 
 
 def test_the_factor_of_a_decision_follows_from_the_diagnosis():
-    assert ratio() == pytest.approx(9.0 ** (1.0 / (8.0 * 0.9)), rel=1e-6)
+    """Two witnesses of equal weight: the test alone has to bring odds of nine."""
+    assert decisive() == pytest.approx(np.log(9.0)) and sharpness() == pytest.approx(8.0 * 0.9)
+    assert Weighing().ratio(decisive()) == pytest.approx(9.0 ** (1.0 / (8.0 * 0.9)), rel=1e-6)
+
+
+@pytest.mark.parametrize("odds", [3.0, -3.0])
+def test_of_two_witnesses_each_adds_its_odds(odds):
+    """What the old recordings say, and what the refit of the rival adds there, count like what the test says."""
+    both = Weighing(before=1.0, after=2.0, weight=0.5)
+    assert both.carried(odds, 1.0) == pytest.approx(odds)
+    assert both.carried(odds, 1.3) == pytest.approx(odds + sharpness() * np.log(1.3))
+    assert Weighing(1.0, 1.0, 0.5).carried(odds, 1.0) == pytest.approx(0.5 * odds), "the same motion is one witness"
 
 
 def test_the_search_finds_what_helps_and_keeps_to_the_time():
