@@ -9,8 +9,8 @@ second order in the step, from the reversals. Source: Gao et al., eq. (3); Bouc 
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.trial import Ranges, Trial, slides_early
 from damper_estimator.signals.layout import DT, X
 
 _PART = 0.3  # of the length over which z settles
@@ -68,13 +68,20 @@ PARAMETERS = (
 )
 
 
+def exclusion(values: Values) -> str:
+    """Sliding soon it would be dry friction; at its first slope z reaches saturation after z_s / delta."""
+    delta = number(values, "delta")
+    saturated = (delta / (number(values, "beta") + number(values, "gamma"))) ** (1.0 / number(values, "n"))
+    return slides_early(saturated / delta)
+
+
 def trial(ranges: Ranges) -> Trial:
     """z settles over a distance between a thousandth and a fifth of the stroke; alpha sets its scale."""
     way = 0.02 * ranges.stroke
     limits = dict.fromkeys(("delta", "beta", "gamma"), (2.0 / ranges.stroke, 500.0 / ranges.stroke))
     values = {"delta": 1.0 / way, "beta": 0.6 / way, "gamma": 0.4 / way, "n": 1.2}
     starts = tuple({k: v * f for k, v in values.items() if k != "n"} for f in (0.3, 3.0))
-    return Trial(values, {**limits, "n": (1.0, 2.0)}, starts)
+    return Trial(values, {**limits, "n": (1.0, 2.0)}, starts, exclusion, imitates="friction step")
 
 
 EFFECT = Effect(

@@ -9,9 +9,11 @@ the Kwok and Guo forms (Lozoya-Santos et al., eqs. (1), (2)), here over velocity
 from math import tanh
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import A, V
+
+_LEAST_OPEN = 0.5  # of the step's width: how far the largest acceleration shifts it
 
 
 @compiled
@@ -26,7 +28,13 @@ def trial(ranges: Ranges) -> Trial:
     steep = 1.0 / ranges.speed
     limits = {"steepness": (1.5 * steep, 100.0 * steep), "shift": (-0.03, 0.03)}
     values = {"steepness": 10.0 * steep, "shift": 0.003}
-    return Trial(values, limits, spread(steepness=(4.0 * steep, 30.0 * steep), shift=(-0.005, 0.01)))
+    starts = spread(steepness=(4.0 * steep, 30.0 * steep), shift=(-0.005, 0.01))
+
+    def exclusion(values: Values) -> str:
+        opened = abs(number(values, "shift")) * ranges.acceleration * number(values, "steepness")
+        return "its loop is closed: a step of friction" if opened < _LEAST_OPEN else ""
+
+    return Trial(values, limits, starts, exclusion, imitates="friction step")
 
 
 EFFECT = Effect(

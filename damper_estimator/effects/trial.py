@@ -110,6 +110,17 @@ def slides_late(force: float, stiffness: float) -> str:
     return f"would slide after {1e3 * travel:.2g} mm only: no friction" if travel > _LONGEST_TRAVEL else ""
 
 
+_SHORTEST_MEMORY = 3e-4  # m
+
+
+def slides_early(travel: float) -> str:
+    """Why a hysteresis that slides after this travel (m) is dry friction; "" if it is not.
+
+    Between this and the longest travel of friction it may be either.
+    """
+    return f"slides after {1e3 * travel:.2g} mm already: dry friction" if travel < _SHORTEST_MEMORY else ""
+
+
 _STANDING = 0.05  # of the largest command: a smaller change counts as constant
 _NOISE = 0.02  # A (or V): so does the noise of a current that is switched off
 

@@ -220,7 +220,20 @@ def test_contacts_that_slide_late_are_no_friction():
     excluded = find_effect("contact_friction").trial(ranges).exclusion
     assert not excluded({"force": 80.0, "travel": 2e-4, "spread": 1.0})
     assert "no friction" in excluded({"force": 80.0, "travel": 8e-4, "spread": 1.0})
-    assert "no friction" in excluded({"force": 80.0, "travel": 4e-4, "spread": 2.0})
+    assert not excluded({"force": 80.0, "travel": 4e-4, "spread": 2.0}), "half of them slide within 0.4 mm"
+
+
+@pytest.mark.parametrize(
+    ("name", "friction", "hysteresis"),
+    [
+        ("bouc_wen", *({"delta": d, "beta": 0.6 * d, "gamma": 0.4 * d, "n": 1.0} for d in (5e3, 1e3))),
+        ("tanh_hysteresis", {"steepness": 50.0, "shift": 2e-4}, {"steepness": 50.0, "shift": 3e-3}),
+    ],
+)  # fmt: skip
+def test_hysteresis_without_memory_is_friction(name, friction, hysteresis):
+    tried = find_effect(name).trial(Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0))
+    assert "friction" in tried.exclusion(friction) and tried.imitates == "friction step"
+    assert not tried.exclusion(hysteresis)
 
 
 def yield_over(block, creep, way=1e-3, spread=1.0):
