@@ -6,6 +6,9 @@ S and S_0 are squared errors with the effect and without. Their sum over recordi
 forces alone: a test of small strokes, driven to break a tie, has a hundredth of the squared error of a rough road. e_r
 is what no effect is asked to explain, so that a recording at rest does not decide.
 
+An explanation that raises the error of many recordings is contradicted by them, however much of another one it
+explains: it does something on that motion that the model gets wrong, and is not what is missing.
+
 Recordings of different motion are independent witnesses, because a form that is not quite the damper's errs otherwise
 in each. Of recordings with weights w and distributions p_r over the cells of motion, command and temperature, so many
 count as independent:
@@ -18,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.rows import Rows
 from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, V, X
 
@@ -51,8 +55,17 @@ class ByRecording:
         """
         if self.weight.size == 1:
             return after[..., 0] / np.maximum(before[..., 0], 1e-300)
+        return np.exp(np.log(self._shares(after, before, ignored)) @ self.weight)
+
+    def worsened(self, after: np.ndarray, before: np.ndarray, ignored: float) -> float:
+        """Weight of the recordings whose squared error rises by more than ``limits().worse``; 0 if there is one."""
+        if self.weight.size == 1:
+            return 0.0
+        return float(self.weight[self._shares(after, before, ignored) > limits().worse].sum())
+
+    def _shares(self, after: np.ndarray, before: np.ndarray, ignored: float) -> np.ndarray:
         floor = ignored * np.bincount(self.rows, minlength=self.weight.size) + 1e-300
-        return np.exp(np.log((after + floor) / (before + floor)) @ self.weight)
+        return (after + floor) / (before + floor)
 
 
 def by_recording(rows: Sequence[Rows]) -> ByRecording:

@@ -47,11 +47,13 @@ class Remaining:
             recordings judge one by one.
         drawn: (replicates,) the same with the unseen part drawn again.
         unseen: of the unseen part, all recordings together.
+        worsened: weight of the recordings that are worse than without, in both parts.
     """
 
     error: float
     drawn: np.ndarray
     unseen: float
+    worsened: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -179,12 +181,14 @@ def remaining_of(data: DiagnosisData, errors: Errors, without: Errors, drawn: np
     """The share of the error ``without`` that ``errors`` are; the unseen part also as drawn (replicates, blocks)."""
     ignored = (limits().least_force * data.force_rms) ** 2
     fit, unseen = data.fit_recordings, data.unseen_recordings
-    of_fit = fit.left(fit.squares(errors.fit), fit.squares(without.fit), ignored)
+    fit_sums = fit.squares(errors.fit), fit.squares(without.fit)
     after, before = (data.by_recording(one.blocks) for one in (errors, without))
-    of_unseen = unseen.left(after.sum(axis=0), before.sum(axis=0), ignored)
+    unseen_sums = after.sum(axis=0), before.sum(axis=0)
+    of_fit, of_unseen = fit.left(*fit_sums, ignored), unseen.left(*unseen_sums, ignored)
+    worsened = min(fit.worsened(*fit_sums, ignored), unseen.worsened(*unseen_sums, ignored))
     again = of_unseen[None] if drawn is None else unseen.left(drawn @ after, drawn @ before, ignored)
     whole = errors.square / max(without.square, 1e-300)
-    return Remaining(float(np.sqrt(of_unseen * of_fit)), np.sqrt(again * of_fit), whole)
+    return Remaining(float(np.sqrt(of_unseen * of_fit)), np.sqrt(again * of_fit), whole, worsened)
 
 
 def gains(drawn: np.ndarray, errors: Errors, without: Errors) -> np.ndarray:

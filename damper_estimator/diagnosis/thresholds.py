@@ -75,6 +75,15 @@ class Thresholds:
         "that it is right, where the effect leaves much",
         "a third of the findings that explain less than half of the error are wrong there",
     )
+    worse: float = _threshold(
+        1.1,
+        "times the squared error of a recording",
+        "an effect that raises it by more is contradicted by the recording",
+        "what is missing never did in the ties of make bench-plan",
+    )
+    contradicted: float = _threshold(
+        0.33, "weight of the recordings", "an effect that so many contradict is not what is missing", "one of two"
+    )
     named: float = _threshold(
         0.2,
         "probability",

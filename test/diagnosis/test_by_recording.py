@@ -85,3 +85,16 @@ def test_a_short_recording_counts_less(user_model, base):
     weight = by_recording(rows).weight
     seconds = [part.picks.size / part.rate for part in rows]
     assert weight[1] / weight[0] == pytest.approx(seconds[1] / min(seconds[0], 20.0))
+
+
+def test_what_raises_the_error_of_one_of_two_recordings_is_contradicted(two, noisy):
+    rows = two.unseen_recordings.rows
+    before = with_residual(two, noisy, np.where(rows == 0, 1000.0, 500.0))
+    after, little = (with_residual(two, noisy, np.where(rows == 0, 100.0, size)) for size in (550.0, 510.0))
+    assert remaining_of(two, after, before).worsened == pytest.approx(0.5, abs=0.01)
+    assert remaining_of(two, little, before).worsened == 0.0
+    hypothesis = tried(noisy, "coulomb", 0.6)
+    evaluation = evaluated(noisy, [hypothesis], "kept")[0].evaluation
+    contradicted = replace(evaluation, remaining=remaining_of(two, after, before))
+    assert "other recordings" in replace(hypothesis, evaluation=contradicted).exclusion
+    assert not replace(hypothesis, evaluation=evaluation).exclusion
