@@ -192,22 +192,23 @@ class Criterion:
         return self.probable.get(name, 1.0)
 
     def chances(self, counts: np.ndarray) -> Chances:
-        """Of a test that drives step i ``counts[i]`` times; with several rivals each must be beaten (Bonferroni)."""
-        lost: dict[int, dict[str, float]] = {}
+        """Of a test that drives step i ``counts[i]`` times; with several rivals each must be beaten."""
+        beaten: dict[int, dict[str, np.ndarray]] = {}  # (d, f) by truth and rival
         wrong: dict[int, dict[str, float]] = {}
         weakest = np.inf
         for pair in self.pairs:
-            margins = self._margins(pair, counts)
-            named, renamed = (float(np.mean(ndtr(margin) @ _WEIGHTS)) for margin in (margins.right, margins.wrong))
+            margins, rival = self._margins(pair, counts), self.names[pair.rival]
             # Of a rival's forms the one that is hardest to beat counts.
-            for into, chance in ((lost, 1.0 - named), (wrong, renamed)):
-                of_truth = into.setdefault(pair.truth, {})
-                of_truth[self.names[pair.rival]] = max(of_truth.get(self.names[pair.rival], 0.0), chance)
+            named, renamed = beaten.setdefault(pair.truth, {}), wrong.setdefault(pair.truth, {})
+            named[rival] = np.minimum(named.get(rival, 1.0), ndtr(margins.right))
+            renamed[rival] = max(renamed.get(rival, 0.0), float(np.mean(ndtr(margins.wrong) @ _WEIGHTS)))
             weakest = min(weakest, margins.evidence)
         chances = []
-        for name in dict.fromkeys(self.names[k] for k in lost):
-            forms = [k for k in lost if self.names[k] == name]
-            right = float(np.mean([max(0.0, 1.0 - sum(lost[k].values())) for k in forms]))
+        for name in dict.fromkeys(self.names[k] for k in beaten):
+            forms = [k for k in beaten if self.names[k] == name]
+            # Given the truth's parameters and the size of the error, the rivals are beaten independently.
+            each = [float(np.mean(np.prod(list(beaten[k].values()), axis=0) @ _WEIGHTS)) for k in forms]
+            right = float(np.mean(each))
             chances.append((name, right, min(1.0 - right, float(np.mean([sum(wrong[k].values()) for k in forms])))))
         weights = [self._weight(name) for name, _, _ in chances]
         right, mistaken = (float(np.average([entry[k] for entry in chances], weights=weights)) for k in (1, 2))

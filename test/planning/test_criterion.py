@@ -105,6 +105,17 @@ def test_what_a_diagnosis_charges_the_rival_helps_the_truth(rng):
     assert helped > plain > hindered
 
 
+def test_two_rivals_that_are_alike_are_beaten_together(rng):
+    """The size of the error is one for both, so beating one is no second hurdle where that decides."""
+    columns, difference = rng.standard_normal((1, 200, 2)), 0.9 * rng.standard_normal((1, 200))
+    one = judge(pair(rng, difference, columns), 200.0, 1e-6, 1e-6).chances(np.ones(1)).right
+    compared = (pair(rng, difference, columns), replace(pair(rng, difference, columns), rival=2))
+    every = np.ones((3, 1))
+    both = Criterion(compared, ("a", "b", "c"), 200.0 * every, 1e-6 * every, 1e-6 * every, np.zeros(1, bool))
+    assert 0.1 < one < 0.9
+    assert both.chances(np.ones(1)).right == pytest.approx(one, abs=0.02)
+
+
 def test_the_mean_over_phenomena_weighs_each_by_its_probability(rng):
     columns = rng.standard_normal((1, 200, 2))
     clear, hidden = (pair(rng, size * rng.standard_normal((1, 200)), columns) for size in (30.0, 1e-3))
