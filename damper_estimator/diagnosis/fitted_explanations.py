@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import identified_first, state_of
-from damper_estimator.diagnosis.baseline import baseline_of, near_derivatives, slot_size
+from damper_estimator.diagnosis.baseline import Baseline, baseline_of, near_derivatives, slot_size
 from damper_estimator.diagnosis.diagnosis_data import data_of, force_rows, targets
-from damper_estimator.diagnosis.hypotheses import hypotheses_for
+from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for
 from damper_estimator.diagnosis.informative import informative
 from damper_estimator.diagnosis.misfit import without_misfit
-from damper_estimator.diagnosis.trial_fit import trial_fit
+from damper_estimator.diagnosis.trial_fit import TrialFit, trial_fit
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.errors import InputError
@@ -93,8 +93,8 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
             effects = (name for name, effect in all_effects().items() if effect.phenomenon == phenomenon)
             why = next((untestable[name] for name in effects if name in untestable), "no effect stands for it")
             raise InputError(f"{measurements[0].recording}: cannot show {phenomenon} ({why}); plan without it")
-        ends = [(trial_fit(bare, hypothesis, in_any_case=True), hypothesis) for hypothesis in hypotheses]
-        left = np.array([float(np.sum((bare.residual_fit + one.change_fit) ** 2)) for one, _ in ends])
+        ends = [(_trial_fit(bare, hypothesis), hypothesis) for hypothesis in hypotheses]
+        left = np.array([float(np.sum(_left(bare, one) ** 2)) for one, _ in ends])
         for i in np.argsort(left, kind="stable")[:_FORMS]:
             one, hypothesis = ends[i]
             if left[i] <= _NEAR * left.min():
@@ -102,6 +102,21 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
                 free = None if state.is_identified_here else hypothesis.added_to(model)[1]
                 found.append(_explanation(phenomenon, hypothesis.name, with_it, data.fit, free))
     return Explanations(model, tuple(found), data.fit, data.ranges, untestable)
+
+
+def _trial_fit(bare: Baseline, hypothesis: Hypothesis) -> TrialFit:
+    """Of one hypothesis; with the gauge's zero in the comparison where that hides it, so that it has a value at all."""
+    fit = trial_fit(bare, hypothesis, in_any_case=True)
+    if not fit.hidden:
+        return fit
+    data = bare.data.with_zero
+    seen = trial_fit(baseline_of(bare.model, data, base=()), hypothesis, in_any_case=True)
+    return replace(seen, hidden=True)
+
+
+def _left(bare: Baseline, fit: TrialFit) -> np.ndarray:
+    """(r,) N that a fit leaves with the zero free: of one that the zero hides, all of it."""
+    return bare.residual_fit if fit.hidden else bare.residual_fit + fit.change_fit
 
 
 def sensitivities(explanation: FittedExplanation, rows: Sequence[Rows]) -> tuple[np.ndarray, np.ndarray]:

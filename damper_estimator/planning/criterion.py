@@ -44,6 +44,7 @@ _UNSURE = 2.5  # factor by which the expected squared error is wrong on new moti
 _NODES, _WEIGHTS = hermegauss(7)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 _FACTORS = _UNSURE**_NODES
+_LEAST = 1e-9  # of the expected squared error: what does not vary decides by its sign
 _FARTHEST = 20.0  # logarithm of a ratio of squared errors: nothing is further
 
 
@@ -225,7 +226,7 @@ class Criterion:
         carried = self.weighing.carried(pair.ahead, 1.0 + held / pair.left)[:, None]
         repeats = repeated(counts, self.is_random)
         chance = 4.0 * ((repeats * self.form[truth] + counts * self.noise[truth]) @ each)
-        spread = np.sqrt(chance + 1e-300)[:, None]
+        spread = np.sqrt(chance)[:, None] + _LEAST * ours
         rows = np.where(counts > 0, self.form[truth] + self.noise[truth], 1.0)
         gained = np.log(theirs / ours) / np.log(self.weighing.ratio(np.ones(1)))
         return Margins(

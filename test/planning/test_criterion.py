@@ -105,6 +105,11 @@ def test_what_a_diagnosis_charges_the_rival_helps_the_truth(rng):
     assert helped > plain > hindered
 
 
+def test_without_a_step_everything_stays_tied(rng):
+    judged = judge(pair(rng, rng.standard_normal((1, 200)), rng.standard_normal((1, 200, 2))), 200.0, 0.5, 0.5)
+    assert judged.chances(np.zeros(1)).tied == pytest.approx(1.0)
+
+
 def test_two_rivals_that_are_alike_are_beaten_together(rng):
     """The size of the error is one for both, so beating one is no second hurdle where that decides."""
     columns, difference = rng.standard_normal((1, 200, 2)), 0.9 * rng.standard_normal((1, 200))

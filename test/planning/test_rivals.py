@@ -44,3 +44,13 @@ def test_phenomena_that_are_nearly_tied_count_as_rivals():
     probable = {"a": 0.5, "b": 0.3, "c": 0.02, "d": 0.04, "e": 0.08, "f": 0.06}
     assert _near(("a", "b"), probable) == ["e", "f"]
     assert not _near((), probable)
+
+
+def test_a_constant_that_the_free_zero_hides_has_a_value_all_the_same(fitted, old):
+    """Nothing holds it where the zero is free; simulated with a value at its bound it would obey no limit of a rig."""
+    (measurement,) = old.measurements["damper"]
+    force = measurement.force + 40.0
+    shifted = [replace(measurement, force=force)]
+    found = explanations(fitted, shifted, ("force_offset", "gas_spring"))
+    offset = next(one for one in found.fitted if one.phenomenon == "force_offset")
+    assert abs(offset.model.effects[-1].parameters["offset"]) < 200.0
