@@ -151,6 +151,7 @@ def test_what_imitates_a_changed_curve_must_explain_clearly_more_than_that(noisy
 
 def test_what_effects_imitate_is_a_test_that_exists(noisy):
     imitated = {one.name: one.imitates for one in known(noisy).values() if one.imitates}
-    assert imitated == {"bypass_groove": "curve", "valve_inertia": "mass"}
+    friction = dict.fromkeys(("bouc_wen", "tanh_hysteresis"), "friction step")
+    assert imitated == {"bypass_groove": "curve", "valve_inertia": "mass", **friction}
     assert set(imitated.values()) <= {test.name for test in TESTS}
     assert all(known(noisy)[name].excludes is not None for name in imitated)
