@@ -4,14 +4,14 @@ A gas spring that was identified over 19 mm may be anything at 50 mm. What a mod
 a missing effect, however well one would explain it.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.runtime import REGION_ROWS
+from damper_estimator.identification.fit_record import in_region, recorded_region
 from damper_estimator.signals import Measurement
 
 _MARGIN = 0.1  # of the region's width on either side: nobody drives twice to the same millimetre
@@ -62,23 +62,20 @@ def beyond_sentence(state: ModelState) -> str:
 
 def _each(state: ModelState) -> Iterator[Beyond]:
     """Every channel that has a region and leaves it."""
-    region = state.model.fit.get("region")
-    if not isinstance(region, Mapping):
-        return
     parts = [_squared_error(state, m) for m in (*state.fit_part, *state.unseen_part)]
     whole = sum(float(square.sum()) for square, _ in parts)
     count = sum(square.size for square, _ in parts)
     for channel in _UNITS:
-        try:
-            low, high = (float(end) for end in region[channel])
-        except (KeyError, TypeError, ValueError):  # a file edited by hand
+        region = recorded_region(state.model, channel)
+        if region is None:
             continue
+        low, high = region
         margin = _MARGIN * (high - low)
-        outside = [(block[REGION_ROWS[channel]] < low - margin) | (block[REGION_ROWS[channel]] > high + margin)
-                   for _, block in parts]  # fmt: skip
-        error = sum(float(square[out].sum()) for (square, _), out in zip(parts, outside, strict=True))
+        inside = [in_region(block, channel, low - margin, high + margin) for _, block in parts]
+        error = sum(float(square[~within].sum()) for (square, _), within in zip(parts, inside, strict=True))
         if error > 0.0:
-            yield Beyond(channel, low, high, error / whole, sum(int(out.sum()) for out in outside) / count)
+            outside = sum(int(np.count_nonzero(~within)) for within in inside)
+            yield Beyond(channel, low, high, error / whole, outside / count)
 
 
 def _squared_error(state: ModelState, measurement: Measurement) -> tuple[np.ndarray, np.ndarray]:

@@ -17,6 +17,7 @@ from damper_estimator.diagnosis.by_recording import ByRecording, by_recording, i
 from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
+from damper_estimator.identification.fit_record import recorded_region
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
@@ -214,8 +215,5 @@ def _at_rest(model: DamperModel, measurement: Measurement) -> tuple[float, float
 
 def _identified_at(model: DamperModel | None, channel: str) -> float | None:
     """Middle of a channel over the recordings that a model was identified on; None if its record does not say."""
-    region = model.fit.get("region") if model is not None else None
-    try:
-        return float(np.mean([float(end) for end in region[channel]]))
-    except (TypeError, KeyError, ValueError):
-        return None
+    region = recorded_region(model, channel) if model is not None else None
+    return None if region is None else float(np.mean(region))

@@ -70,3 +70,18 @@ def region_of(channels: Channels) -> dict[str, list[float]]:
     """Lowest and highest value of each recorded channel, without the outermost thousandth on either side."""
     values = {name: channels(row) for name, row in REGION_ROWS.items()}
     return {name: channel.percentiles(REGION) for name, channel in values.items() if channel.size}
+
+
+def recorded_region(model: DamperModel, channel: str) -> tuple[float, float] | None:
+    """Lowest and highest value of a channel that a model was identified at; None if its record does not say."""
+    region = model.fit.get("region")
+    try:
+        low, high = (float(end) for end in region[channel])
+    except (KeyError, TypeError, ValueError):
+        return None
+    return low, high
+
+
+def in_region(block: np.ndarray, channel: str, low: float, high: float) -> np.ndarray:
+    """(n,) bool, samples of a block whose channel is unknown or lies between two values."""
+    return ~((block[REGION_ROWS[channel]] < low) | (block[REGION_ROWS[channel]] > high))
