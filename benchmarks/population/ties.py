@@ -130,7 +130,7 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "plan_seconds": process_time() - processor, "minutes": found.minutes, "right": predicted[truth][0],
         "wrong": predicted[truth][1], "best": chances.best, "overall": [chances.right, chances.wrong],
-        "predicted": predicted, "probable": {name: probable[name] for name in tie.group},
+        "predicted": predicted, "probable": {name: probable.get(name) for name in tie.group},
         "effects": list(found.effects),
         "steps": [words for _, words in found.listed],
     }  # fmt: skip
