@@ -19,7 +19,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.command_lag import lagged
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.elastic_slip import PARTS, crept
+from damper_estimator.effects.elastic_slip import PARTS, held
 from damper_estimator.effects.trial import Ranges, Trial, changing_command, longest_yield, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
 
@@ -32,11 +32,8 @@ def kernel(parameters, settings, kinematics, state, force):
     for i in range(force.size):
         dt, command = kinematics[DT, i], kinematics[COMMAND, i]
         if dt <= 0.0:
-            for k in range(PARTS):
-                state[k] = 0.0
-            state[PARTS] = kinematics[X, i]
             state[_CURRENT] = command
-        share = crept(state, kinematics[X, i], parameters[2], parameters[3], parameters[5] * max(dt, 0.0))
+        share = held(state, kinematics[X, i], dt, parameters[2], parameters[3], parameters[5])
         state[_CURRENT] = lagged(state[_CURRENT], command, dt, parameters[4])
         if np.isfinite(state[_CURRENT]):
             force[i] += parameters[0] * (1.0 - exp(-abs(state[_CURRENT]) / parameters[1])) * share

@@ -12,7 +12,7 @@ its lubrication.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Values, number
-from damper_estimator.effects.elastic_slip import PARTS, slipped
+from damper_estimator.effects.elastic_slip import PARTS, held
 from damper_estimator.effects.trial import Ranges, Trial, slides_late, spread
 from damper_estimator.signals.layout import DT, X
 
@@ -21,11 +21,7 @@ from damper_estimator.signals.layout import DT, X
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_c mean s_k."""
     for i in range(force.size):
-        if kinematics[DT, i] <= 0.0:
-            for k in range(PARTS):
-                state[k] = 0.0
-            state[PARTS] = kinematics[X, i]
-        force[i] += parameters[0] * slipped(state, kinematics[X, i], parameters[1], parameters[2])
+        force[i] += parameters[0] * held(state, kinematics[X, i], kinematics[DT, i], parameters[1], parameters[2], 0.0)
 
 
 def exclusion(values: Values) -> str:

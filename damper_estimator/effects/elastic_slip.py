@@ -80,15 +80,21 @@ def crept(state, x, way, spread, creep):
 
 
 @compiled
+def held(state, x, dt, way, spread, creep):
+    """Mean share of the parts at ``x``, ``dt`` after the last sample, with ``creep`` in m/s; they start unloaded."""
+    if dt <= 0.0:
+        for k in range(PARTS):
+            state[k] = 0.0
+        state[PARTS] = x
+    return crept(state, x, way, spread, creep * max(dt, 0.0))
+
+
+@compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_y mean s_k."""
     for i in range(force.size):
-        if kinematics[DT, i] <= 0.0:
-            for k in range(PARTS):
-                state[k] = 0.0
-            state[PARTS] = kinematics[X, i]
-        creep = parameters[3] * max(kinematics[DT, i], 0.0)
-        force[i] += parameters[0] * crept(state, kinematics[X, i], parameters[1], parameters[2], creep)
+        x, dt = kinematics[X, i], kinematics[DT, i]
+        force[i] += parameters[0] * held(state, x, dt, parameters[1], parameters[2], parameters[3])
 
 
 def trial(ranges: Ranges) -> Trial:
