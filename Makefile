@@ -18,8 +18,9 @@ help: ## this list
 env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it is up to date
 	@tools/environment "$(PYTHON)"
 
-test: env ## run all tests, including those of the ROS node (browser settings go to out)
-	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" $(BIN)/python -m pytest $(PYTEST_ARGUMENTS)
+test: env ## run all tests on all processors, including those of the ROS node (browser settings go to out)
+	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+		$(BIN)/python -m pytest -n auto --dist loadgroup $(PYTEST_ARGUMENTS)
 
 check: env ## style, faults, types and the imports of every test, without running any
 	@$(BIN)/ruff check .
