@@ -97,9 +97,7 @@ def improve(
         verdict=found.verdict,
         sentence=_sentence(improving, found),
         noise_floor_n=found.noise_floor_n,
-        model=with_misfit(improving.current.model, improving.current.fit)
-        if len(improving.steps) > 1
-        else improving.current.model,
+        model=_with_misfit(improving),
         signals=improving.current.fit[0].signals,
         rejected=found.ranking,
         fit=improving.current.fit,
@@ -107,6 +105,12 @@ def improve(
         first=first,
         final=found,
     )
+
+
+def _with_misfit(improving: _Improving) -> DamperModel:
+    """The model as improved, with what it gets wrong on all of the recordings; as given where nothing was improved."""
+    current = improving.current
+    return with_misfit(current.model, [*current.fit, *current.unseen]) if len(improving.steps) > 1 else current.model
 
 
 def _diagnosed(improving: _Improving, workers: int, progress: Progress) -> Diagnosis:

@@ -22,10 +22,11 @@ from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.fit_record import recorded
-from damper_estimator.identification.rows import Rows, excerpts
+from damper_estimator.identification.rows import SAMPLES_PER_BAND, Rows, excerpts
 from damper_estimator.model import DamperModel
 from damper_estimator.numerics import normal_equations
 from damper_estimator.signals import Measurement
+from damper_estimator.signals.butterworth import low_pass_zero_phase
 
 _KEPT = ("curve", "memory", "travel", "shift", "series", "lags", "history")
 _FORMER = {"friction step": "memory"}  # names of tests in files of earlier versions
@@ -34,6 +35,7 @@ _DIGITS = 5
 _SAMPLES = 100_000  # of long recordings, in excerpts
 _EXCERPT = 20.0  # s
 _CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
+_FOLDS = 3.0  # of the band: low enough to fold nothing into it, high enough to leave it as it is
 KEY = "misfit"
 
 
@@ -165,11 +167,18 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
-    """The measurement less what the model is known to get wrong, if that is finite: what is left to explain is news."""
+    """The measurement less what the model is known to get wrong, if that is finite: what is left to explain is news.
+
+    Far above the comparison's band, in which it was found, the prediction is mostly noise, of rates of the force and of
+    accelerations. It would fold into the band where the recording is thinned.
+    """
     known = misfit_of(model.fit)
     if known is None or measurement.force is None:
         return measurement
-    left = measurement.force - known.force(model, measurement)
+    k, band, predicted = measurement.kinematics, measurement.band, known.force(model, measurement)
+    if 0.0 < SAMPLES_PER_BAND * band < k.rate:
+        predicted = low_pass_zero_phase(_FOLDS * band, k.dt, predicted)
+    left = measurement.force - predicted
     is_known = np.isfinite(left) | ~np.isfinite(measurement.force)
     return replace(measurement, force=left) if is_known.all() else measurement
 

@@ -11,9 +11,12 @@ from damper_estimator.diagnosis import apply_finding, diagnose, with_misfit
 from damper_estimator.diagnosis.accepted import accepted_in
 from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, probability_of_change, without_misfit
-from damper_estimator.identification import fit
+from damper_estimator.identification import fit, rows_of
 from damper_estimator.model import load_model, parse_model
 from damper_estimator.model.model_files import model_yaml
+from damper_estimator.signals import SignalMap, default_signals
+from damper_estimator.signals.channels import ChannelData
+from damper_estimator.signals.measurement import measured
 
 
 @pytest.fixture(scope="module")
@@ -146,3 +149,20 @@ def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_
     assert state.is_identified_here == is_here
     found, _ = module.first_search(state, "both")
     assert found.mode == ("refit" if is_here else "both")
+
+
+def test_a_prediction_is_the_same_where_the_recording_is_thinned():
+    """Its columns hold rates of the force and accelerations, whose noise must not fold into the band."""
+    rng, rate = np.random.default_rng(1), 3000.0
+    time = np.arange(0.0, 15.0, 1.0 / rate)
+    x = 0.01 * np.sin(2.0 * np.pi * 1.3 * time) + 6e-5 * rng.standard_normal(time.size)
+    stamp, number = np.round(1e9 * time).astype(np.int64), np.arange(time.size)
+    channels = {"displacement": ChannelData(stamp, number, x), "force": ChannelData(stamp, number, 0.0 * x)}
+    recording = measured("fast", "front", channels, SignalMap(60.0, 30.0, {"front": default_signals("front")}))
+    record = {"compression": -0.01, "extension": 0.01, "speed": 0.1, "newtons": {"lags": [1.0] * 7}}
+    model = replace(load_model("linear_viscous"), fit={KEY: record})
+    rows = rows_of(without_misfit(model, recording))
+    whole, thinned = (float(np.std(part.target)) for part in (rows, rows.thinned()))
+    in_band = recording.in_band(misfit_of(model.fit).force(model, recording))
+    assert whole == pytest.approx(float(np.std(in_band[rows.picks])), rel=0.01)
+    assert thinned == pytest.approx(whole, rel=0.03)
