@@ -3,13 +3,14 @@
 import argparse
 import ast
 import importlib
-import os
 import sys
 from collections.abc import Collection, Sequence
+from contextlib import redirect_stdout
 from pathlib import Path
 
 from damper_estimator import __doc__ as PURPOSE
 from damper_estimator import __version__
+from damper_estimator.cli.closable_output import ClosableOutput
 from damper_estimator.errors import InputError, did_you_mean
 
 PROGRAM = "damper-estimator"
@@ -46,17 +47,15 @@ def main(words: Sequence[str] | None = None) -> int:
         reader closed the output.
     """
     words = list(sys.argv[1:] if words is None else words)
+    output = ClosableOutput(sys.stdout)
     try:
-        arguments = _parser(words).parse_args(words)
-        status = arguments.run(arguments)
-        sys.stdout.flush()
-        return status
+        with redirect_stdout(output):
+            arguments = _parser(words).parse_args(words)
+            status = arguments.run(arguments)
+            output.flush()
+        return OUTPUT_CLOSED if output.is_closed else status
     except InputError as error:
         return _refuse(error)
-    except BrokenPipeError:
-        # Python flushes standard output once more at exit and would complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return OUTPUT_CLOSED
     except OSError as error:
         return _refuse(InputError(": ".join(str(part) for part in (error.filename, error.strerror or error) if part)))
     except KeyboardInterrupt:

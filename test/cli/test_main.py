@@ -2,6 +2,7 @@
 
 import ast
 import errno
+import json
 import subprocess
 import sys
 import types
@@ -13,6 +14,7 @@ from damper_estimator import __version__
 from damper_estimator.cli import main as command_line
 from damper_estimator.errors import InputError
 
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 HEAVY = ("numpy", "scipy", "numba", "plotly", "rosbags", "mcap")
 
 
@@ -165,6 +167,16 @@ def test_a_reader_that_leaves_early_causes_no_complaint():
     assert process.stderr.read() == b""
     assert process.wait() == 141
     process.stderr.close()
+
+
+def test_files_are_written_although_the_reader_of_the_text_leaves(tmp_path):
+    """As ``| head`` does."""
+    target = tmp_path / "compared.json"
+    words = ["compare", BAGS / "hidden_fit.mcap", "-m", "linear_viscous", "--json", target]
+    process = subprocess.Popen([sys.executable, "-m", "damper_estimator.cli.main", *words], stdout=subprocess.PIPE)
+    process.stdout.close()
+    assert process.wait() == 141
+    assert json.loads(target.read_text())["dampers"]
 
 
 @pytest.mark.parametrize(
