@@ -20,7 +20,7 @@ env: ## set up .venv (ROS 2 Jazzy, messages, project, test tools); quick when it
 
 test: env ## run all tests on all processors, including those of the ROS node (browser settings go to out)
 	@XDG_CONFIG_HOME="$(CURDIR)/out/home" XDG_CACHE_HOME="$(CURDIR)/out/home" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-		$(BIN)/python -m pytest -n auto --dist loadgroup $(PYTEST_ARGUMENTS)
+		$(BIN)/python -m pytest -n auto --dist loadfile $(PYTEST_ARGUMENTS)
 
 check: env ## style, faults, types and the imports of every test, without running any
 	@$(BIN)/ruff check .

@@ -6,21 +6,12 @@ from pathlib import Path
 
 import pytest
 
-TESTS = Path(__file__).resolve().parent
-
 with suppress(ImportError):
     from hypothesis import settings
 
     # The duration of an example depends on the load of the machine.
     settings.register_profile("untimed", deadline=None)
     settings.load_profile("untimed")
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Under ``pytest -n`` one process runs a file, and one runs all of the node, whose tests watch real time."""
-    for item in items:
-        group = "node" if item.path.parent.name == "node" else str(item.path.relative_to(TESTS))
-        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @pytest.fixture(scope="session")
