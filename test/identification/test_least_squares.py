@@ -82,3 +82,13 @@ def test_a_start_without_a_finite_force_is_no_end(problems):
     problem, _ = problems
     point, converged = refine(problem, np.array([np.nan, 0.0]), np.array([30.0, 0.01]))
     assert not converged and point.cost == np.inf
+
+
+def test_a_search_that_begins_with_steps_far_too_short_does_not_end_there(entry, model_of, measured):
+    """What is gained within the first radius says nothing of a minimum beyond it."""
+    truth = model_of(entry("viscous", rate=1800.0), entry("coulomb", force=300.0), entry("channel_skew", skew=0.004))
+    start = model_of(entry("viscous"), entry("coulomb"), entry("channel_skew"))
+    rows = rows_of(measured(truth))
+    problem = Problem(start, LocalRows([rows]), range(len(start.slots)))
+    point, _ = refine(problem, problem.start, np.array([1e-6]), 10, 1e-3)
+    assert point.searched == pytest.approx([0.004], rel=0.02)

@@ -23,6 +23,7 @@ _GAIN = 1e-8  # of the cost: a promised gain below this is a hundredth of a stan
 _SKETCH_GAIN = 1e-5  # the same while starts are compared
 _THINNED_GAIN = 1e-6  # the same on thinned data, and on all data after them: a twentieth of a standard error
 _MOVE = 1e-7  # of a parameter's size
+_WIDEST = 1e6  # of the sizes: no parameter has further to go
 _CREEP = 1e-3  # of the cost: a smaller gain in two steps is slow
 _PERFECT = 1e-22  # of the force's square: rounding
 _STARTS = 5
@@ -138,14 +139,19 @@ def refine(
         reduced = problem.linearised(point, scale).reduced
         if not np.isfinite(reduced).all():
             return point, False
+        is_failed = False
         while True:
             step, promised = _step(problem, point, reduced, radius * scale)
             length = float(np.max(np.abs(step) / scale))
+            if promised <= gain * point.cost and length > 0.9 * radius and not is_failed and radius < _WIDEST:
+                radius *= 10.0  # the radius, not the minimum, is what promises little
+                continue
             if promised <= gain * point.cost or point.cost <= perfect or length <= _MOVE:
                 return point, True
             trial = problem.point(problem.clipped(point.searched + step))
             ratio = (point.cost - trial.cost) / promised
             if ratio < 0.25:
+                is_failed = True
                 radius = 0.25 * min(radius, length)
             elif ratio > 0.7 and length > 0.9 * radius:
                 radius *= 3.0
