@@ -9,14 +9,14 @@ compared to first order, about the values that each effect has alone,
 the best of them are fitted, and then each place of the best pair goes to what explains most with the other one there.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted, accepted_in, fitted_together, positions
-from damper_estimator.diagnosis.baseline import baseline_of
+from damper_estimator.diagnosis.baseline import Baseline, baseline_of
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.evaluation import Errors, errors, remaining_of, rmse
 from damper_estimator.diagnosis.hypotheses import Hypothesis
@@ -24,7 +24,7 @@ from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import TrialFit, linearised
-from damper_estimator.model import DamperModel
+from damper_estimator.model import DamperModel, Element
 from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step
 
@@ -67,6 +67,15 @@ class _Term:
     high: np.ndarray | float
 
 
+@dataclass(frozen=True)
+class _Pair:
+    """Two effects fitted together: what they leave, their names, and the model with them."""
+
+    left: float
+    names: tuple[str, str]
+    model: DamperModel
+
+
 def paired(
     current: Round,
     tried: Sequence[Hypothesis],
@@ -84,25 +93,52 @@ def paired(
         return None
     about_fits, about_starts = _couples(current, most)
     promising = [*_promising(about_fits, most), *_promising(about_starts, most)]
-    fitted = [_fitted(current, one, names) for one in promising]
-    best = min(fitted, key=lambda one: one[0], default=None)
-    if best is None or best[0] > most:
-        return None
-    left, model, (other, alone) = best
-    data = current.baseline.data
-    within = max(_RIVALS * left, _INEXACT * most)
-    near = [one.names for one in (*about_fits, *about_starts) if one.left < within]
-    found: list[Accepted] = []
+    for pair in sorted((_fitted(current, one, names) for one in promising), key=lambda pair: pair.left):
+        if pair.left > most:
+            break
+        within = max(_RIVALS * pair.left, _INEXACT * most)
+        near = [one.names for one in (*about_fits, *about_starts) if one.left < within]
+        found = _in_their_places(current, pair, tried, near, within, names, workers, progress)
+        if found is not None:
+            return found
+    return None
+
+
+def _in_their_places(
+    current: Round,
+    pair: _Pair,
+    tried: Sequence[Hypothesis],
+    near: Sequence[tuple[str, str]],
+    within: float,
+    names: Collection[str],
+    workers: int,
+    progress: Callable[[int], None],
+) -> tuple[list[Accepted], DamperModel] | None:
+    """What explains most in each place of a pair with the other one there, and the model with both; None where the data
+    do not support it.
+
+    Args:
+        near: pairs whose effects compete where they have one effect in common with this one.
+        within: what else leaves less than this, to first order, beside the other one competes as well.
+        names: of effects that were found before.
+    """
+    data, model, found = current.baseline.data, pair.model, []
+    other, alone = pair.names
     for _ in range(2):
-        rivals = {alone, *(name for both in near if other in both for name in both)} - {*names, other}
-        among = [one for one in tried if one.name in rivals]
-        again = _round_without(current, among, model, [*names, other], alone, workers, progress)
-        best_one = again.best
-        if best_one is None or again.reason_against(best_one, data.force_rms):
+        less, element = _without(model, alone)
+        base = None if current.refits else ()
+        baseline = baseline_of(less, data, positions(less, [*names, other]), base)
+        free = [h for h in tried if h.name not in {*names, other}]
+        rivals = {alone, *(name for both in near if other in both for name in both)}
+        rivals |= set(_resembling(current, baseline, [h for h in free if h.name not in rivals], within))
+        among = [replace(h, element=element) if h.name == alone else h for h in free if h.name in rivals]
+        again = round_of(baseline, all_fitted(baseline, among, 0.0, workers, progress), current.mode)
+        best = again.best
+        if best is None or again.reason_against(best, data.force_rms):
             return None
-        found.append(accepted_in(again, best_one))
-        alone, other = other, best_one.name
-        changed = best_one.fitted_into(again.baseline.model)
+        found.append(accepted_in(again, best))
+        alone, other = other, best.name
+        changed = best.fitted_into(again.baseline.model)
         model = fitted_together(changed, [*names, alone, other], data, current.refits)
     return _in_order(current, found), model
 
@@ -134,12 +170,20 @@ def _couples(current: Round, most: float) -> tuple[list[Couple], list[Couple]]:
     ended = [(replace(one, element=one.fitted_element), one.fit) for one in tried if one.fit.derivatives_fit.shape[1]]
     felt: list[tuple[Hypothesis, TrialFit]] = []
     if min((test.error for test in current.tests), default=1.0) <= most:
-        begun = [(one, linearised(current.baseline, one)) for one in tried if one.effect.kind != "series"]
+        begun = [(one, linearised(current.baseline, one)) for one in _begun(tried) if one.effect.kind != "series"]
         felt = [(one, fit) for one, fit in begun if fit.sizes.any()]
     return (
         _combined(current, [_Term(one, fit, -np.inf, np.inf) for one, fit in ended]),
         _combined(current, [_Term(one, fit, *_bounds(current, one, fit)) for one, fit in felt]),
     )
+
+
+def _begun(tried: Sequence[Hypothesis]) -> Iterator[Hypothesis]:
+    """Each at its start values; with a single parameter, at all of them: first order does not reach far."""
+    for one in tried:
+        yield one
+        if one.size == 1:
+            yield from (replace(one, element=one.element.with_values(start)) for start in one.starts)
 
 
 def _combined(current: Round, terms: Sequence[_Term]) -> list[Couple]:
@@ -148,8 +192,8 @@ def _combined(current: Round, terms: Sequence[_Term]) -> list[Couple]:
         effects = one.effect, other.effect
         is_one_spring = {effect.effect.kind for effect in effects} == {"series"}
         if effects[0].phenomenon != effects[1].phenomenon and not is_one_spring:
-            left, steps = _first_order(current, one, other)
-            couples.append(Couple(left + _penalty(effects), effects, steps))
+            left, (step, other_step) = _first_order(current, current.baseline, one, other)
+            couples.append(Couple(left + _penalty(effects), effects, (step, other_step)))
     return sorted(couples, key=lambda one: one.left)
 
 
@@ -179,9 +223,9 @@ def _promising(couples: Sequence[Couple], most: float) -> list[Couple]:
     return found
 
 
-def _first_order(current: Round, *terms: _Term) -> tuple[float, tuple[np.ndarray, np.ndarray]]:
+def _first_order(current: Round, baseline: Baseline, *terms: _Term) -> tuple[float, list[np.ndarray]]:
     """What effects leave, and the steps of their parameters, which end at their bounds."""
-    baseline, residual, columns = current.baseline, [], []
+    residual, columns = [], []
     for part in ("fit", "unseen"):
         fits = [one.fit for one in terms]
         residual.append(getattr(baseline, f"residual_{part}") + sum(getattr(fit, f"change_{part}") for fit in fits))
@@ -191,16 +235,16 @@ def _first_order(current: Round, *terms: _Term) -> tuple[float, tuple[np.ndarray
         )
         columns.append(np.hstack([*(getattr(fit, f"derivatives_{part}") for fit in fits), *known]))
     step = damped_step(columns[0], residual[0], _FAR)
-    first, both = np.cumsum([one.fit.sizes.size for one in terms])
-    for one, part in zip(terms, (slice(first), slice(first, both)), strict=True):
+    ends = np.cumsum([0, *(one.fit.sizes.size for one in terms)])
+    parts = [slice(*pair) for pair in pairwise(ends)]
+    for one, part in zip(terms, parts, strict=True):
         step[part] = np.clip(step[part], one.low, one.high)
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
-    steps = step[:first] * terms[0].fit.sizes, step[first:both] * terms[1].fit.sizes
+    steps = [step[part] * one.fit.sizes for one, part in zip(terms, parts, strict=True)]
     return _left(current, errors(baseline.data.blocks, *after)), steps
 
 
-def _fitted(current: Round, couple: Couple, names: Collection[str]) -> tuple[float, DamperModel, tuple[str, str]]:
-    """What a pair leaves, the model with it, and its names."""
+def _fitted(current: Round, couple: Couple, names: Collection[str]) -> _Pair:
     model, data = current.baseline.model, current.baseline.data
     added = couple.names
     for hypothesis, step in zip(couple.effects, couple.steps, strict=True):
@@ -212,7 +256,7 @@ def _fitted(current: Round, couple: Couple, names: Collection[str]) -> tuple[flo
     model = fitted_together(model, [*names, *added], data, current.refits)
     rows = [force_rows(model, part) - targets(part) for part in (data.fit, data.unseen)]
     left = _left(current, errors(data.blocks, *rows)) + _penalty(couple.effects)
-    return (left if np.isfinite(left) else np.inf), model, added
+    return _Pair(left if np.isfinite(left) else np.inf, added, model)
 
 
 def _penalty(effects: Sequence[Hypothesis]) -> float:
@@ -223,19 +267,18 @@ def _left(current: Round, left: Errors) -> float:
     return remaining_of(current.baseline.data, left, current.without).error
 
 
-def _round_without(
-    current: Round,
-    tried: Sequence[Hypothesis],
-    model: DamperModel,
-    others: Collection[str],
-    name: str,
-    workers: int,
-    progress: Callable[[int], None],
-) -> Round:
-    """A round on the model without its effect ``name``, which competes against all others again."""
+def _resembling(current: Round, baseline: Baseline, hypotheses: Sequence[Hypothesis], within: float) -> Iterator[str]:
+    """Names of effects that leave less than this beside what is in the model, to first order about their starts."""
+    for hypothesis in hypotheses:
+        if hypothesis.effect.kind != "series":
+            fit = linearised(baseline, hypothesis)
+            if fit.sizes.any():
+                term = _Term(hypothesis, fit, *_bounds(current, hypothesis, fit))
+                if _first_order(current, baseline, term)[0] + _penalty([hypothesis]) < within:
+                    yield hypothesis.name
+
+
+def _without(model: DamperModel, name: str) -> tuple[DamperModel, Element]:
+    """The model without an effect, and the effect's entry."""
     label, element = [(label, one) for label, one in labels(model.effects) if one.effect.name == name][-1]
-    less = model.without(label)
-    base = None if current.refits else ()
-    baseline = baseline_of(less, current.baseline.data, positions(less, others), base)
-    rivals = [replace(h, element=element) if h.name == name else h for h in tried]
-    return round_of(baseline, all_fitted(baseline, rivals, 0.0, workers, progress), current.mode)
+    return model.without(label), element

@@ -35,7 +35,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Channels of a logger are out of step by milliseconds."""
-    return Trial({"spring_rate": ranges.spring_rate}, limits={"skew": (-0.03, 0.03)})
+    starts = ({"skew": 0.003}, {"skew": -0.003})
+    return Trial({"spring_rate": ranges.spring_rate}, {"skew": (-0.03, 0.03)}, starts)
 
 
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
