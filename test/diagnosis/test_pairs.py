@@ -8,7 +8,7 @@ from damper_estimator.diagnosis import diagnose
 from damper_estimator.diagnosis.diagnosis_data import slope_of
 
 
-@pytest.mark.parametrize(("delay", "share"), [(0.003, 1.0), (0.002, 1.3)])
+@pytest.mark.parametrize(("delay", "share"), [(0.003, 1.0), (0.002, 1.3), (0.005, 1.0), (0.006, 1.1)])
 def test_both_of_two_that_act_against_each_other_are_found(user_model, base, delay, share):
     a = base.kinematics.acceleration
     slope = slope_of(user_model, base.kinematics.block)
