@@ -110,6 +110,7 @@ def test_undo_and_redo_work_wherever_the_focus_is(folder):
         moved(user, -950)
         user.until(lambda: user.rms() != given)
         changed = user.rms()
+        user.until(user.page.locator("#undo").is_enabled)
         zoomed(user)
         stretch = user.seen()
         number = user.page.locator("#parameters input.dash-input-element").first
