@@ -1,4 +1,4 @@
-"""Standard output whose reader may leave early, as ``head`` does: what a verb computes and writes to files goes on."""
+"""Output whose reader may leave early, as ``head`` does: what a verb computes and writes to files goes on."""
 
 import os
 from collections.abc import Callable

@@ -5,7 +5,7 @@ import ast
 import importlib
 import sys
 from collections.abc import Collection, Sequence
-from contextlib import redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 from damper_estimator import __doc__ as PURPOSE
@@ -47,13 +47,18 @@ def main(words: Sequence[str] | None = None) -> int:
         reader closed the output.
     """
     words = list(sys.argv[1:] if words is None else words)
-    output = ClosableOutput(sys.stdout)
+    output, messages = ClosableOutput(sys.stdout), ClosableOutput(sys.stderr)
+    with redirect_stdout(output), redirect_stderr(messages):
+        status = _run(words)
+        output.flush()
+    return OUTPUT_CLOSED if status == DONE and (output.is_closed or messages.is_closed) else status
+
+
+def _run(words: Sequence[str]) -> int:
+    """The exit status of a verb; what users can correct, and bugs, are reported."""
     try:
-        with redirect_stdout(output):
-            arguments = _parser(words).parse_args(words)
-            status = arguments.run(arguments)
-            output.flush()
-        return OUTPUT_CLOSED if output.is_closed else status
+        arguments = _parser(words).parse_args(words)
+        return arguments.run(arguments)
     except InputError as error:
         return _refuse(error)
     except OSError as error:

@@ -169,11 +169,13 @@ def test_a_reader_that_leaves_early_causes_no_complaint():
     process.stderr.close()
 
 
-def test_files_are_written_although_the_reader_of_the_text_leaves(tmp_path):
-    """As ``| head`` does."""
-    target = tmp_path / "compared.json"
-    words = ["compare", BAGS / "hidden_fit.mcap", "-m", "linear_viscous", "--json", target]
-    process = subprocess.Popen([sys.executable, "-m", "damper_estimator.cli.main", *words], stdout=subprocess.PIPE)
+@pytest.mark.parametrize("errors", [None, subprocess.STDOUT], ids=["text", "text and progress"])
+def test_files_are_written_although_the_reader_of_the_text_leaves(tmp_path, errors):
+    """As ``| head`` and ``2>&1 | head`` do."""
+    target = tmp_path / "diagnosed.json"
+    words = ["diagnose", BAGS / "hidden_fit.mcap", "-m", "linear_viscous", "--json", target]
+    command = [sys.executable, "-m", "damper_estimator.cli.main", *words]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors)
     process.stdout.close()
     assert process.wait() == 141
     assert json.loads(target.read_text())["dampers"]
