@@ -35,7 +35,7 @@ _DIGITS = 5
 _SAMPLES = 100_000  # of long recordings, in excerpts
 _EXCERPT = 20.0  # s
 _CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
-_FOLDS = 3.0  # of the band: low enough to fold nothing into it, high enough to leave it as it is
+_PASSES = 3.0  # times the band: high enough to leave the band as it is, low enough that nothing folds into it
 KEY = "misfit"
 
 
@@ -177,7 +177,7 @@ def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
         return measurement
     k, band, predicted = measurement.kinematics, measurement.band, known.force(model, measurement)
     if 0.0 < SAMPLES_PER_BAND * band < k.rate:
-        predicted = low_pass_zero_phase(_FOLDS * band, k.dt, predicted)
+        predicted = low_pass_zero_phase(_PASSES * band, k.dt, predicted)
     left = measurement.force - predicted
     is_known = np.isfinite(left) | ~np.isfinite(measurement.force)
     return replace(measurement, force=left) if is_known.all() else measurement

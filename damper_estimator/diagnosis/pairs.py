@@ -6,7 +6,8 @@ compared to first order, about the values that each effect has alone,
 
     residual + change_1 + change_2 + C_1 s_1 + C_2 s_2 -> min,
 
-the best of them are fitted, and then each place of the best pair goes to what explains most with the other one there.
+the best of them are fitted, and then each place of the best one that the data support goes to what explains most with
+the other one there.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -46,7 +47,7 @@ class Couple:
 
     left: float
     effects: tuple[Hypothesis, Hypothesis]
-    steps: tuple[np.ndarray, np.ndarray]
+    steps: tuple[np.ndarray, ...]
 
     @property
     def names(self) -> tuple[str, str]:
@@ -192,8 +193,8 @@ def _combined(current: Round, terms: Sequence[_Term]) -> list[Couple]:
         effects = one.effect, other.effect
         is_one_spring = {effect.effect.kind for effect in effects} == {"series"}
         if effects[0].phenomenon != effects[1].phenomenon and not is_one_spring:
-            left, (step, other_step) = _first_order(current, current.baseline, one, other)
-            couples.append(Couple(left + _penalty(effects), effects, (step, other_step)))
+            left, steps = _first_order(current, current.baseline, one, other)
+            couples.append(Couple(left + _penalty(effects), effects, steps))
     return sorted(couples, key=lambda one: one.left)
 
 
@@ -223,7 +224,7 @@ def _promising(couples: Sequence[Couple], most: float) -> list[Couple]:
     return found
 
 
-def _first_order(current: Round, baseline: Baseline, *terms: _Term) -> tuple[float, list[np.ndarray]]:
+def _first_order(current: Round, baseline: Baseline, *terms: _Term) -> tuple[float, tuple[np.ndarray, ...]]:
     """What effects leave, and the steps of their parameters, which end at their bounds."""
     residual, columns = [], []
     for part in ("fit", "unseen"):
@@ -240,7 +241,7 @@ def _first_order(current: Round, baseline: Baseline, *terms: _Term) -> tuple[flo
     for one, part in zip(terms, parts, strict=True):
         step[part] = np.clip(step[part], one.low, one.high)
     after = [rows + by @ step for rows, by in zip(residual, columns, strict=True)]
-    steps = [step[part] * one.fit.sizes for one, part in zip(terms, parts, strict=True)]
+    steps = tuple(step[part] * one.fit.sizes for one, part in zip(terms, parts, strict=True))
     return _left(current, errors(baseline.data.blocks, *after)), steps
 
 

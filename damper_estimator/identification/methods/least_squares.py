@@ -143,17 +143,18 @@ def refine(
         while True:
             step, promised = _step(problem, point, reduced, radius * scale)
             length = float(np.max(np.abs(step) / scale))
-            if promised <= gain * point.cost and length > 0.9 * radius and not is_failed and radius < _WIDEST:
-                radius *= 10.0  # the radius, not the minimum, is what promises little
+            promises_little, is_limited = promised <= gain * point.cost, length > 0.9 * radius
+            if promises_little and is_limited and not is_failed and radius < _WIDEST:
+                radius *= 10.0  # a minimum may lie beyond it
                 continue
-            if promised <= gain * point.cost or point.cost <= perfect or length <= _MOVE:
+            if promises_little or point.cost <= perfect or length <= _MOVE:
                 return point, True
             trial = problem.point(problem.clipped(point.searched + step))
             ratio = (point.cost - trial.cost) / promised
             if ratio < 0.25:
                 is_failed = True
                 radius = 0.25 * min(radius, length)
-            elif ratio > 0.7 and length > 0.9 * radius:
+            elif ratio > 0.7 and is_limited:
                 radius *= 3.0
             if ratio > 1e-4:
                 passed = [*passed[-2:], trial]
