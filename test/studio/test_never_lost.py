@@ -74,7 +74,8 @@ def test_a_reload_a_restart_and_a_colleague_see_the_same(folder):
         process.wait()
         user.until(user.page.locator("#gone").is_visible)
         with served(folder, "--port", port):
-            user.done("opening")  # the page goes on by itself
+            user.until(user.page.locator("#gone").is_hidden)  # the page goes on by itself
+            user.done("opening")
             user.until(lambda: user.rms() == before[0])
             user.until(lambda: state(user) == before)
             assert user.page.locator("#gone").is_hidden()
