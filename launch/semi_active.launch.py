@@ -5,8 +5,8 @@ ros2 launch damper_estimator semi_active.launch.py model:=/path/to/models table:
 
 Without a table the controller requests forces and the estimator commands currents by the inverse of its model; with a
 table the controller commands the currents, from the same estimates and the same law. Missing arguments are as in
-params_file, or else the defaults of the nodes (config/node.yaml, config/controller.yaml). params_file, safe_current and
-the arguments that estimator.launch.py shares are for both nodes.
+params_file, or else the defaults of the nodes (config/node.yaml, config/controller.yaml). params_file, safe_current,
+lead and the arguments that estimator.launch.py shares are for both nodes.
 """
 
 from pathlib import Path

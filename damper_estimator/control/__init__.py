@@ -15,11 +15,12 @@ from damper_estimator.control.corner import (
 )
 from damper_estimator.control.current_table import CurrentTable, load_table, table_from_samples
 from damper_estimator.control.influence import checked_limits, influence
-from damper_estimator.control.inverse import Inverse, InverseModel
+from damper_estimator.control.inverse import LEAD, Inverse, InverseModel
 from damper_estimator.control.laws import LAWS, BodyVelocity, Law, groundhook, mixed, passive, skyhook
 
 __all__ = [
     "LAWS",
+    "LEAD",
     "Action",
     "BodyVelocity",
     "Command",

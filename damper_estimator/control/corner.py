@@ -5,6 +5,10 @@
 
 The body's velocity comes from its accelerometer, the wheel's from the difference to that of the suspension. Table and
 inverse model receive the same desired force and kinematics.
+
+A command acts on the motion after the sample. The law therefore desires the force for the same later moment, both
+``lead`` seconds ahead with constant accelerations: the force desired for the present, reached at another velocity, is
+right at neither moment (docs/control.md).
 """
 
 from dataclasses import dataclass
@@ -16,7 +20,7 @@ import numpy as np
 from damper_estimator.control.current_table import CurrentTable
 from damper_estimator.control.inverse import InverseModel
 from damper_estimator.control.laws import BodyVelocity, Law
-from damper_estimator.signals.layout import DT, V
+from damper_estimator.signals.layout import DT, A, V
 
 
 class Command(Protocol):
@@ -38,14 +42,14 @@ class InverseCommand:
 
 
 class TableCommand:
-    """Uses a look-up table; final."""
+    """Uses a look-up table, at the velocity ``lead`` s after the sample; final."""
 
-    def __init__(self, table: CurrentTable):
-        self.table = table
+    def __init__(self, table: CurrentTable, lead: float = 0.0):
+        self._table, self._lead = table, lead
 
     def current(self, sample: np.ndarray, wanted: float) -> float:
         """See `Command`."""
-        return self.table.current_for(float(sample[V]), wanted)
+        return self._table.current_for(float(sample[V] + self._lead * sample[A]), wanted)
 
 
 class ConstantCommand:
@@ -61,7 +65,7 @@ class ConstantCommand:
 
 @dataclass(frozen=True)
 class Action:
-    """A controller's decision: the desired force (N) and the current (A)."""
+    """A controller's decision: the desired force (N), for the time ``lead`` after the sample, and the current (A)."""
 
     wanted: float
     current: float
@@ -70,10 +74,15 @@ class Action:
 class CornerController:
     """The running controller of one corner; final."""
 
-    def __init__(self, law: Law, command: Command, rest_force: float = 0.0, fallback: float = 0.0):
-        """``rest_force`` in N is added to the force of the law; ``fallback`` in A is used if there is no current."""
+    def __init__(self, law: Law, command: Command, rest_force: float = 0.0, fallback: float = 0.0, lead: float = 0.0):
+        """
+        Args:
+            rest_force: N, added to the force of the law.
+            fallback: A, used if there is no current.
+            lead: s after a sample for which the force is desired; that of the command.
+        """
         self._law, self._command = law, command
-        self._rest_force, self._fallback = rest_force, fallback
+        self._rest_force, self._fallback, self._lead = rest_force, fallback, lead
         self._body = BodyVelocity()
 
     def step(
@@ -87,8 +96,9 @@ class CornerController:
             added: N, desired additionally by another controller.
             limit: N, largest desired force relative to the force at rest, in both directions.
         """
-        body = self._body.step(body_acceleration, float(sample[DT]))
-        wanted = added + self._law.force(body, body - float(sample[V]))
+        lead = self._lead
+        body = self._body.step(body_acceleration, float(sample[DT])) + lead * body_acceleration
+        wanted = added + self._law.force(body, body - float(sample[V] + lead * sample[A]))
         wanted = self._rest_force + (copysign(limit, wanted) if abs(wanted) > limit else wanted)
         current = self._command.current(sample, wanted)
         return Action(wanted, current if np.isfinite(current) else self._fallback)

@@ -47,7 +47,7 @@ class ControllerNode(Node):
             mixed(settings.damping, settings.share) if settings.law == "mixed" else LAWS[settings.law](settings.damping)
         )
         self._settings = settings
-        self._table = TableCommand(load_table(settings.table)) if settings.table else None
+        self._table = TableCommand(load_table(settings.table), settings.lead) if settings.table else None
         self._corners: dict[str, ControlledCorner] = {}
         self._before: dict[str, CornerTally] = {}
         self._currents = CurrentTopics(self)
@@ -77,8 +77,9 @@ class ControllerNode(Node):
         """The corner of the damper; the first call creates its topics."""
         if name not in self._corners:
             command = ConstantCommand(float("nan")) if self._table is None else self._table
-            controller = CornerController(self._law, command, self._settings.rest_force, self._settings.safe_current)
-            corner = self._corners[name] = ControlledCorner(controller, self._settings)
+            settings = self._settings
+            controller = CornerController(self._law, command, settings.rest_force, settings.safe_current, settings.lead)
+            corner = self._corners[name] = ControlledCorner(controller, settings)
 
             def take_acceleration(message: AccelStamped) -> None:
                 corner.add_acceleration(message.accel.linear.z, self._now())

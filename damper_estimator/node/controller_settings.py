@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from damper_estimator.control import LAWS
+from damper_estimator.control import LAWS, LEAD
 from damper_estimator.node.parameter import STARTING, Declaration, declarations_of, parameter
 
 
@@ -35,6 +35,15 @@ class ControllerSettings:
         changes=STARTING,
         low=-1e5,
         high=1e5,
+    )
+    lead: float = parameter(
+        LEAD,
+        "s after an estimate for which the force is desired; that of the estimator's lead",
+        "s after an estimate for which the force is desired, with constant accelerations. The same as the estimator's "
+        "lead; with a table, its velocity is predicted too. 0.0 predicts nothing.",
+        changes=STARTING,
+        low=0.0,
+        high=1.0,
     )
     extrapolating_limit: float = parameter(
         500.0,

@@ -26,7 +26,9 @@ RESPAWN_DELAY = 1.0  # s
 Value = str | float | int | bool
 
 TIME = {"use_sim_time": Declaration(False, "take the time from /clock")}
-ESTIMATOR_PARAMETERS = {name: DECLARATIONS[name] for name in ("model", "signals", "safe_current", "autostart")} | TIME
+ESTIMATOR_PARAMETERS = {
+    name: DECLARATIONS[name] for name in ("model", "signals", "safe_current", "lead", "autostart")
+} | TIME
 COMMON = {
     "params_file": Declaration("", "YAML file with parameters; see config/node.yaml and controller.yaml"),
     "namespace": Declaration("", "namespace of the nodes and their relative topics, one per vehicle"),

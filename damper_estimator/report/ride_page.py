@@ -86,7 +86,7 @@ def _at_the_ends(trial: Trial) -> str:
     """Why the current jumps between its ends: how often it is there, and how often because nothing better is left."""
     ride, (low, high) = trial.ride, trial.attainable
     judged = slice(round(1.0 / ride.step), None)
-    current, wanted = ride.current[judged], ride.wanted[judged]
+    current, wanted = ride.current[judged], trial.desired[judged]
     least, most = LIMITS
     margin = 0.02 * (most - least)
     ends = (current <= least + margin) | (current >= most - margin)
@@ -159,7 +159,7 @@ def _strongest(trial: Trial) -> float:
     """s, where the stretch with the largest desired force begins; after the rest at the start."""
     ride = trial.ride
     size = round(SHOWN / ride.step)
-    summed = np.cumsum(ride.wanted**2)
+    summed = np.cumsum(trial.desired**2)
     first = round(1.0 / ride.step)
     return ride.step * (first + int(np.argmax(summed[first + size :] - summed[first:-size])))
 
@@ -180,7 +180,7 @@ def _trace(trial: Trial, start: float, way: str) -> Figure:
     ]
     data = [
         *edges,
-        line(time, np.clip(ride.wanted[part], low, high), "wanted, cut to the attainable", INK, 1.2, line={
+        line(time, np.clip(trial.desired[part], low, high), "wanted, cut to the attainable", INK, 1.2, line={
             "color": INK, "width": 1.2, "dash": "dot"}),
         line(time, ride.force[part], f"force by {way}", COLOURS[way], 1.8),
     ]  # fmt: skip

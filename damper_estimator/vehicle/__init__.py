@@ -4,7 +4,15 @@ record = drive("road", DAMPERS["passenger_front"], seconds=60.0, seed=1)     # c
 run = on_posts(load_car("compact_car"), {"front": model, "rear": model}, four_posts(sweep(0.003)))
 """
 
-from damper_estimator.vehicle.closed_loop import CornerSensors, Ride, RunningRide, Sensed, attainable, ride
+from damper_estimator.vehicle.closed_loop import (
+    CornerSensors,
+    Ride,
+    RunningRide,
+    Sensed,
+    attainable,
+    desired_force,
+    ride,
+)
 from damper_estimator.vehicle.command_comparison import Trial, compare_commands, tracking_ratio
 from damper_estimator.vehicle.damper_drives import EXCITATIONS, ROADS, drive
 from damper_estimator.vehicle.four_posts import PostRun, Transfer, four_posts, on_posts, sweep, transfer
@@ -44,6 +52,7 @@ __all__ = [
     "attainable",
     "bump_height",
     "compare_commands",
+    "desired_force",
     "drive",
     "four_posts",
     "library_vehicles",

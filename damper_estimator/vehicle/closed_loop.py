@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper_estimator.control import Action, CornerController
+from damper_estimator.control import Action, CornerController, Law
 from damper_estimator.plant import STEP, Damper, Drive
 from damper_estimator.plant import kernel as plant_kernel
 from damper_estimator.plant.damper import parts_of
@@ -37,7 +37,7 @@ class Ride:
     Attributes:
         travel: m, positive in extension.
         force: of the damper.
-        wanted: the desired force, held from sample to sample.
+        wanted: the force that the controller desired, held from sample to sample.
         current: A, as set by the driver.
         body_acceleration: m/s^2.
         tyre_force: N, change from the static load.
@@ -162,6 +162,14 @@ def ride(
         estimates = estimator.block(np.array([sensed.stamp]), np.array([sensed.travel]), sensed.current)
         running.act(controller.step(estimates.kinematics.block[:, 0], sensed.felt))
     return running.ride()
+
+
+def desired_force(ride: Ride, law: Law, rest_force: float) -> np.ndarray:
+    """(n,) N, the force of a law at the true velocities of a ride from rest, without a sensor's errors or delay."""
+    a = ride.body_acceleration
+    body = ride.step * np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]))])
+    wheel = body - np.gradient(ride.travel, ride.step)
+    return rest_force + np.asarray(law.force(body, wheel))
 
 
 def attainable(damper: Damper, travel: np.ndarray, limits: tuple[float, float], step: float) -> np.ndarray:

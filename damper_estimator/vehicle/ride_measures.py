@@ -34,15 +34,15 @@ class RideMeasures:
     peak_stroke: float
 
 
-def ride_measures(ride: Ride, attainable: np.ndarray, start: float, desired: np.ndarray | None = None) -> RideMeasures:
+def ride_measures(ride: Ride, desired: np.ndarray, attainable: np.ndarray, start: float) -> RideMeasures:
     """Measures from ``start`` s on.
 
     Args:
+        desired: (n,) N, the force that the damper should have at this moment.
         attainable: (2, n) N, lowest and highest force on this motion.
-        desired: (n,) N, replaces the ride's desired force.
     """
     part = slice(round(start / ride.step), None)
-    raw = (ride.wanted if desired is None else desired)[part]
+    raw = desired[part]
     wanted = np.clip(raw, attainable[0, part], attainable[1, part])
     force, travel = ride.force[part], ride.travel[part]
     tyre = ride.tyre_force[part] / ride.static_load

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from damper_estimator.control import LAWS, ConstantCommand, InverseCommand, InverseModel, Law, TableCommand
+from damper_estimator.control import LAWS, LEAD, ConstantCommand, InverseCommand, InverseModel, Law, TableCommand
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model, save_model
 from damper_estimator.vehicle import (
@@ -148,8 +148,8 @@ def _commands(trained: Trained) -> dict[str, ConstantCommand | TableCommand | In
     """New ones for each road; they have memory."""
     return {
         "passive": ConstantCommand(PASSIVE_CURRENT),
-        "table": TableCommand(trained.table),
-        "model": InverseCommand(InverseModel(trained.model, LIMITS)),
+        "table": TableCommand(trained.table, LEAD),
+        "model": InverseCommand(InverseModel(trained.model, LIMITS, lead=LEAD)),
     }
 
 

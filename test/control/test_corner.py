@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 from commanded_models import HIGHEST, LOWEST, commanded_models, entry, model_of, smooth_motion
+from hypothesis import given
+from hypothesis import strategies as st
 
 from damper_estimator.control import (
+    Action,
     ConstantCommand,
     CornerController,
     CurrentTable,
@@ -12,9 +15,10 @@ from damper_estimator.control import (
     InverseModel,
     TableCommand,
     groundhook,
+    mixed,
     skyhook,
 )
-from damper_estimator.signals.layout import COMMAND, V
+from damper_estimator.signals.layout import COMMAND, DT, A, V
 
 TABLE = CurrentTable(np.array([-1.0, 1.0]), np.array([LOWEST, HIGHEST]), np.array([[-500.0, -1500.0], [500.0, 1500.0]]))
 
@@ -33,6 +37,37 @@ def test_the_desired_force_is_that_of_the_law_plus_the_force_at_rest_for_every_c
     assert desired[0] == desired[1] == desired[2]
     assert desired[0][0] == -300.0
     assert np.ptp(desired[0]) > 10.0
+
+
+@given(
+    velocity=st.floats(-1.0, 1.0),
+    acceleration=st.floats(-50.0, 50.0),
+    felt=st.floats(-5.0, 5.0),
+    lead=st.sampled_from([0.0, 0.004, 0.02]),
+)
+def test_law_and_command_refer_to_the_same_moment(velocity, acceleration, felt, lead):
+    """Ahead by ``lead`` s is the same as at a sample that is so much later, if accelerations are constant."""
+    law = mixed(2000.0, 0.7)
+
+    def answer(ahead: float, start: float) -> Action:
+        controller = CornerController(law, TableCommand(TABLE, ahead), 450.0, lead=ahead)
+        sample = np.zeros(8)
+        for k in range(5):
+            time = start + 0.1 * k
+            sample[DT], sample[V], sample[A] = 0.1 * (k > 0), velocity + acceleration * time, acceleration
+            action = controller.step(sample, felt)
+        return action
+
+    early, late = answer(lead, 0.0), answer(0.0, lead)
+    # The body's velocity is integrated from rest on, so only it is not ``lead`` s further.
+    assert early.wanted == pytest.approx(late.wanted + law.body * lead * felt - law.wheel * lead * felt, abs=1e-6)
+
+
+def test_a_table_is_read_at_the_velocity_ahead():
+    sample = np.zeros(8)
+    sample[V], sample[A] = 0.4, -20.0
+    assert TableCommand(TABLE, 0.01).current(sample, 350.0) == pytest.approx(TABLE.current_for(0.2, 350.0))
+    assert TableCommand(TABLE).current(sample, 350.0) == pytest.approx(TABLE.current_for(0.4, 350.0))
 
 
 def test_currents_are_those_of_the_command():

@@ -28,6 +28,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from damper_estimator.control import (
+    LEAD,
     Action,
     CornerController,
     InverseCommand,
@@ -54,6 +55,7 @@ from damper_estimator.vehicle import (
     Ride,
     RunningRide,
     attainable,
+    desired_force,
     ride,
     ride_measures,
     surface_height,
@@ -90,7 +92,7 @@ class Scenario:
         law = self.corner.law
         total = law.body + law.wheel
         rest = RunningRide(self.corner.car, self.corner.damper, np.zeros(2)).rest_force
-        return {"law": "mixed", "damping": total, "share": law.body / total, "rest_force": rest}
+        return {"law": "mixed", "damping": total, "share": law.body / total, "rest_force": rest, "lead": LEAD}
 
 
 class PlantLoop:
@@ -231,10 +233,12 @@ def offline(scenario: Scenario) -> Ride:
     """
     model = load_model(scenario.model)
     command = (
-        TableCommand(load_table(scenario.table)) if scenario.table else InverseCommand(InverseModel(model, LIMITS))
+        TableCommand(load_table(scenario.table), LEAD)
+        if scenario.table
+        else InverseCommand(InverseModel(model, LIMITS, lead=LEAD))
     )
     law = scenario.law
-    controller = CornerController(mixed(law["damping"], law["share"]), command, law["rest_force"])
+    controller = CornerController(mixed(law["damping"], law["share"]), command, law["rest_force"], lead=LEAD)
     estimator = DamperEstimator(deployed(model, load_signal_map(None).cutoff, DEFAULT_MAX_GAP))
     return ride(scenario.corner.car, scenario.corner.damper, scenario.road, controller, estimator)
 
@@ -260,7 +264,9 @@ def main() -> int:
         print(f"live_ride: {error}", file=sys.stderr)
         return 1
     for name, driven in rides.items():
-        measures = ride_measures(driven, attainable(corner.damper, driven.travel, LIMITS, driven.step), REST)
+        limits = attainable(corner.damper, driven.travel, LIMITS, driven.step)
+        desired = desired_force(driven, corner.law, scenario.law["rest_force"])
+        measures = ride_measures(driven, desired, limits, REST)
         print(
             f"{arguments.corner}, {surface.name}, {name}: force error {measures.tracking_n:.1f} N rms of "
             f"{measures.wanted_n:.0f} N desired; body {measures.weighted_acceleration:.3f} m/s^2 (Wk), tyre load "
