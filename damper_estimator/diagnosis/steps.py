@@ -51,9 +51,8 @@ def _applied_together(
 ) -> list[tuple[Accepted, ModelState]]:
     """The findings of a group with the model after each.
 
-    Of a pair only one, if the other does harm, or if the one that explains more does as well as both: identified with
-    all parameters, it may explain what it did not explain while they were kept. Both, if they name how parameters
-    changed.
+    Of a pair only one, if the other one adds less to it than a second finding must: identified with all parameters, it
+    may explain what it did not explain while they were kept. Both, if they name how parameters changed.
     """
     taken, after = [], before
     for one in sorted(group, key=lambda one: one.element.effect.correct is None):
@@ -62,12 +61,11 @@ def _applied_together(
     if len(group) == 1 or names_changes:
         return taken
     alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
-    best = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
-    first = max(alone, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
-    harms, suffices = best[1].better_than(after), not after.better_than(first[1])
-    if not (harms or suffices):
+    worth = 1.0 + limits().second
+    enough = [(one, state) for one, state in alone if worth * state.fall_from(before) >= after.fall_from(before)]
+    if not enough:
         return taken
-    one, state = first if suffices else best
+    one, state = max(enough, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
     return [(replace(one, needs=False), state)]
 
 
