@@ -39,6 +39,7 @@ class Hypothesis:
         excludes: says why the effect with fitted values is not what it represents; None if it always is.
         imitates: name of the form-free test of what such values imitate; "" if there is none.
         conditions: other settings by name, of which the trial fit takes the best.
+        prior: its probability beside others that explain as much, relative to theirs.
         fit: its fitted parameters and what they change; None before the trial fit.
         evaluation: what is left with it on unseen data; None before.
         joint: the model with it, all free parameters fitted together; None where the model's are kept, or refitted to
@@ -51,6 +52,7 @@ class Hypothesis:
     excludes: Callable[[Mapping[str, Any]], str] | None = None
     imitates: str = ""
     conditions: Sequence[Mapping[str, float]] = ()
+    prior: float = 1.0
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
     joint: DamperModel | None = None
@@ -183,7 +185,7 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
             values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
     starts = [*trial.starts, *_as_stiff(effect, model.spring)]
     element = new_element(effect, model.effects, values)
-    return Hypothesis(element, physical, starts, trial.exclusion, trial.imitates, trial.conditions)
+    return Hypothesis(element, physical, starts, trial.exclusion, trial.imitates, trial.conditions, trial.prior)
 
 
 def _as_stiff(effect: Effect, present: Element | None) -> list[dict[str, float]]:

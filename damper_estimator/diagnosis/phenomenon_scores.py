@@ -2,9 +2,10 @@
 
     left_e = sqrt(left_fit,e left_unseen,e) + penalty_e          of an effect; of a form-free test likewise left_t
     left_p = min over the effects e of p of left_e^(1 - w)  x  min over the tests t of p of left_t^w
-    P(p)   = left_p^-kn / sum over q of left_q^-kn,              averaged over a bootstrap of the unseen part
+    P(p)   = prior_p left_p^-kn / sum over q of prior_q left_q^-kn,    averaged over a bootstrap of the unseen part
 
-n is the number of independent witnesses that the recordings are (``by_recording``).
+prior_p is that of its effect, 1 for most; n is the number of independent witnesses that the recordings are
+(``by_recording``).
 
 left is a share of the squared error. The tests assume no form: a phenomenon whose real form differs from that of the
 effect in the library keeps part of its credit, and one whose effect fits while the error does not depend on its
@@ -30,11 +31,13 @@ class PhenomenonScore:
     Attributes:
         left: share of the squared error, of the best effect and the best test.
         replicates: (replicates,) the same with the unseen part drawn again.
+        prior: of its best effect.
     """
 
     phenomenon: str
     left: float
     replicates: np.ndarray
+    prior: float = 1.0
 
 
 def scores_of(hypotheses: Sequence[Hypothesis], tests: Sequence[TestEvaluation]) -> list[PhenomenonScore]:
@@ -51,7 +54,8 @@ def scores_of(hypotheses: Sequence[Hypothesis], tests: Sequence[TestEvaluation])
         names = {name for one in hypotheses if one.phenomenon == phenomenon for name in one.effect.tests}
         test = min((test for test in tests if test.test.name in names), key=lambda test: test.error, default=None)
         free = Remaining(1.0, np.ones_like(drawn), 1.0) if test is None else test.remaining
-        found.append(PhenomenonScore(phenomenon, float(_blended(left, free.error)), _blended(drawn, free.drawn)))
+        blended = float(_blended(left, free.error)), _blended(drawn, free.drawn)
+        found.append(PhenomenonScore(phenomenon, *blended, hypothesis.prior))
     return sorted(found, key=lambda score: score.left)
 
 
@@ -75,6 +79,7 @@ def probabilities(found: Sequence[PhenomenonScore], witnesses: float = 1.0) -> d
     if not found:
         return {}
     left = np.array([score.replicates for score in found])
-    weight = (left / left.min(axis=0)) ** -(witnesses * limits().sharpness)
+    prior = np.array([[score.prior] for score in found])
+    weight = prior * (left / left.min(axis=0)) ** -(witnesses * limits().sharpness)
     share = np.mean(weight / weight.sum(axis=0), axis=1)
     return {score.phenomenon: float(p) for score, p in zip(found, share, strict=True)}

@@ -10,7 +10,10 @@ from collections.abc import Mapping
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
+
+_UNSTATED = 0.25  # beside other explanations
 
 
 @compiled
@@ -25,6 +28,13 @@ def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     return {"spring_rate": chain["spring_rate"] + number(values, "rate")}
 
 
+def trial(ranges: Ranges) -> Trial:
+    """A gauge that carries a spring nearly always has it in the signal map: without one there, a straight line over
+    displacement is more likely the damper's gas.
+    """
+    return Trial(prior=1.0 if ranges.spring_rate else _UNSTATED)
+
+
 EFFECT = Effect(
     kernel=kernel,
     kind="channel",
@@ -33,5 +43,6 @@ EFFECT = Effect(
     parameters=(Parameter("rate", "N/m", 0.0, -200000.0, 200000.0, "error of the spring rate", linear=True),),
     shows="a straight line over displacement, at any velocity",
     separate="a slow stroke without the spring, or with a known one",
+    trial=trial,
     correct=correct,
 )

@@ -86,6 +86,8 @@ class Trial:
             this test, it is what it represents.
         conditions: settings by name to try as well, where recordings do not say which apply; those that explain the
             fitted recordings best are taken.
+        prior: how probable the effect is before its error is compared with that of others, relative to them, by what is
+            known of the recordings otherwise.
     """
 
     values: Mapping[str, Number] = field(default_factory=dict)
@@ -94,6 +96,7 @@ class Trial:
     exclusion: Callable[[Mapping[str, Any]], str] | None = None
     imitates: str = ""
     conditions: tuple[Mapping[str, float], ...] = ()
+    prior: float = 1.0
 
 
 Try = Callable[[Ranges], Trial]
