@@ -18,6 +18,7 @@ from damper_estimator.diagnosis.misfit import with_misfit
 from damper_estimator.diagnosis.other_form import in_another_form
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import labels
 from damper_estimator.signals import Measurement
@@ -97,7 +98,7 @@ def improve(
         verdict=found.verdict,
         sentence=_sentence(improving, found),
         noise_floor_n=found.noise_floor_n,
-        model=_with_misfit(improving),
+        model=_with_record(improving),
         signals=improving.current.fit[0].signals,
         rejected=found.ranking,
         fit=improving.current.fit,
@@ -107,10 +108,20 @@ def improve(
     )
 
 
-def _with_misfit(improving: _Improving) -> DamperModel:
-    """The model as improved, with what it gets wrong on all of the recordings; as given where nothing was improved."""
-    current = improving.current
-    return with_misfit(current.model, [*current.fit, *current.unseen]) if len(improving.steps) > 1 else current.model
+def _with_record(improving: _Improving) -> DamperModel:
+    """The model as improved, with what it gets wrong on all of the recordings; as given where nothing was improved.
+
+    A correction of the signal map changes no parameter, but the error on the recordings that the model was identified
+    on: its record states that of the corrected ones.
+    """
+    current, model = improving.current, improving.current.model
+    if len(improving.steps) == 1:
+        return model
+    if any(step.action == "correct" for step in improving.steps) and current.is_identified_here:
+        record = fit_record(model, current.fit, current.rmse_fit_n, {})
+        errors = {name: record[name] for name in ("residual_stddev", "force_stddev", "force_rms")}
+        model = replace(model, fit={**model.fit, **errors})
+    return with_misfit(model, [*current.fit, *current.unseen])
 
 
 def _diagnosed(improving: _Improving, workers: int, progress: Progress) -> Diagnosis:

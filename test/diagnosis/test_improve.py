@@ -53,6 +53,16 @@ def test_a_mistake_of_the_chain_goes_to_the_map_and_never_into_the_model(user_mo
     assert improved.steps[-1].rmse_unseen_n < 0.5 * improved.steps[0].rmse_unseen_n
 
 
+def test_the_record_states_the_error_on_the_corrected_recordings(user_model, base):
+    """A model that was identified on a late force starts with an error that the corrected map does not have."""
+    fit, unseen = halves(late(base, 0.003))
+    given = replace(user_model, fit={**user_model.fit, "bags": [fit.recording], "residual_stddev": 1e3})
+    improved = improve(given, [fit], [unseen])
+    assert [step.action for step in improved.steps] == ["start", "correct"]
+    assert improved.model.fit["residual_stddev"] == pytest.approx(improved.steps[-1].rmse_fit_n, rel=1e-5)
+    assert improved.model.fit["standard_errors"] == user_model.fit["standard_errors"]
+
+
 def test_nothing_is_added_where_nothing_is_missing(user_model, base):
     improved = improve(user_model, list(halves(base))[:1], list(halves(base))[1:])
     assert len(improved.steps) == 1 and improved.model is user_model
