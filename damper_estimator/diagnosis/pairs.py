@@ -141,6 +141,10 @@ def _in_their_places(
         alone, other = other, best.name
         changed = best.fitted_into(again.baseline.model)
         model = fitted_together(changed, [*names, alone, other], data, current.refits)
+    both = _share(current, model)
+    least = limits().second * (1.0 - both)
+    if any(_share(current, _without(model, name)[0]) - both < least for name in (alone, other)):
+        return None  # fitted together, one has taken the part of the other
     return _in_order(current, found), model
 
 
@@ -255,9 +259,15 @@ def _fitted(current: Round, couple: Couple, names: Collection[str]) -> _Pair:
         vector[list(places)] = np.clip(vector[list(places)] + step, low, high)
         model = model.with_vector(vector)
     model = fitted_together(model, [*names, *added], data, current.refits)
-    rows = [force_rows(model, part) - targets(part) for part in (data.fit, data.unseen)]
-    left = _left(current, errors(data.blocks, *rows)) + _penalty(couple.effects)
+    left = _share(current, model) + _penalty(couple.effects)
     return _Pair(left if np.isfinite(left) else np.inf, added, model)
+
+
+def _share(current: Round, model: DamperModel) -> float:
+    """What a model leaves, with its parameters as they are; a share of what is left without any effect."""
+    data = current.baseline.data
+    rows = [force_rows(model, part) - targets(part) for part in (data.fit, data.unseen)]
+    return _left(current, errors(data.blocks, *rows))
 
 
 def _penalty(effects: Sequence[Hypothesis]) -> float:

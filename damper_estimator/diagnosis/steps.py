@@ -6,6 +6,7 @@ from dataclasses import replace
 from damper_estimator.diagnosis.accepted import Accepted, together
 from damper_estimator.diagnosis.apply_finding import ModelState, applied
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.model.element import labels
 
 Step = tuple[Accepted, ModelState, float, float]
 """A finding, the model after it, and the unseen error without and with it, N."""
@@ -23,6 +24,8 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
     for group in order:
         promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
         taken = _applied_together(current, group, mode, promised, names_changes)
+        if not taken:
+            continue
         before, after = current, taken[-1][1]
         if after.delivers(promised, before):
             steps += _with_errors(before, taken)
@@ -51,22 +54,40 @@ def _applied_together(
 ) -> list[tuple[Accepted, ModelState]]:
     """The findings of a group with the model after each.
 
-    Of a pair only one, if the other one adds less to it than a second finding must: identified with all parameters, it
-    may explain what it did not explain while they were kept. Both, if they name how parameters changed.
+    Of a pair only one, if the other does harm, or if the one that explains more does as well as both: identified with
+    all parameters, it may explain what it did not explain while they were kept. Both, if they name how parameters
+    changed; otherwise none that does nothing in the end.
     """
     taken, after = [], before
     for one in sorted(group, key=lambda one: one.element.effect.correct is None):
         after = _applied(after, one, mode, promised)
         taken.append((one, after))
-    if len(group) == 1 or names_changes:
+    if names_changes:
+        return taken
+    at_work = [one for one in group if not _is_idle(one, before, after)]
+    if len(at_work) < len(group):
+        return _applied_together(before, at_work, mode, promised, names_changes)
+    if len(group) < 2:
         return taken
     alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
-    worth = 1.0 + limits().second
-    enough = [(one, state) for one, state in alone if worth * state.fall_from(before) >= after.fall_from(before)]
-    if not enough:
+    best = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
+    first = max(alone, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
+    harms, suffices = best[1].better_than(after), not after.better_than(first[1])
+    if not (harms or suffices):
         return taken
-    one, state = max(enough, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
+    one, state = first if suffices else best
     return [(replace(one, needs=False), state)]
+
+
+def _is_idle(one: Accepted, before: ModelState, after: ModelState) -> bool:
+    """Whether an effect has less part in the fall of the error than a second finding must: taken out of the model, with
+    all else kept, it is not missed. The others, or the parameters of the model, have taken its part over.
+    """
+    if one.element.effect.correct is not None:
+        return False
+    present = [label for label, entry in labels(after.model.effects) if entry.effect.name == one.element.effect.name]
+    without = after.with_model(after.model.without(present[-1]))
+    return after.fall_from(without) < limits().second * after.fall_from(before)
 
 
 def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> ModelState:
