@@ -75,7 +75,8 @@ class CornerController:
     """The running controller of one corner; final."""
 
     def __init__(self, law: Law, command: Command, rest_force: float = 0.0, fallback: float = 0.0, lead: float = 0.0):
-        """
+        """Starts at rest.
+
         Args:
             rest_force: N, added to the force of the law.
             fallback: A, used if there is no current.

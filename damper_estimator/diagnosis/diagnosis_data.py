@@ -199,6 +199,7 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         oil_at_rest=of_oil,
         spring_rate=measurements[0].signals.spring_rate,
         preload=measurements[0].signals.preload,
+        identified=_identified(model),
     )
 
 
@@ -211,6 +212,14 @@ def _at_rest(model: DamperModel, measurement: Measurement) -> tuple[float, float
     force, parts = model.stream().contributions(block)
     through = [not entry.effect.beside_oil for entry in walk(model.effects)]
     return float(np.nan_to_num(force[0])), float(np.nan_to_num(parts[through]).sum())
+
+
+def _identified(model: DamperModel | None) -> frozenset[str]:
+    """Phenomena of which the model has parameters that are not fixed."""
+    if model is None:
+        return frozenset()
+    phenomena = [element.effect.phenomenon for element in walk(model.effects)]
+    return frozenset(phenomena[slot.entry] for slot in model.slots if not slot.fixed)
 
 
 def _identified_at(model: DamperModel | None, channel: str) -> float | None:

@@ -29,10 +29,11 @@ def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
 
 
 def trial(ranges: Ranges) -> Trial:
-    """A gauge that carries a spring nearly always has it in the signal map: without one there, a straight line over
-    displacement is more likely the damper's gas.
+    """A gauge that carries a spring nearly always has it in the signal map. Without one there, a straight line over
+    displacement is more likely the damper's gas, unless that was identified.
     """
-    return Trial(prior=1.0 if ranges.spring_rate else _UNSTATED)
+    stated = ranges.spring_rate or "gas_spring" in ranges.identified
+    return Trial(prior=1.0 if stated else _UNSTATED)
 
 
 EFFECT = Effect(

@@ -32,6 +32,7 @@ class Ranges:
         at_rest, oil_at_rest: the model's force at rest (N), the whole and without what acts beside the oil: the gas
             force, or a constant in a curve, which no change of the flow changes.
         spring_rate, preload: of a parallel spring in the gauge's force, as the signal maps state it (N/m, N).
+        identified: phenomena that the model has with parameters that are identified.
     """
 
     compression: float
@@ -48,6 +49,7 @@ class Ranges:
     oil_at_rest: float = 0.0
     spring_rate: float = 0.0
     preload: float = 0.0
+    identified: frozenset[str] = frozenset()
 
     @property
     def stroke(self) -> float:

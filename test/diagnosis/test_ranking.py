@@ -7,7 +7,10 @@ import pytest
 from planted import FORCE, known, rounded, tried
 
 from damper_estimator.diagnosis.atlas_terms import TESTS
+from damper_estimator.diagnosis.diagnosis_data import ranges_of
+from damper_estimator.diagnosis.phenomenon_scores import PhenomenonScore, probabilities
 from damper_estimator.diagnosis.thresholds import limits, using
+from damper_estimator.effects.discovery import find_effect
 
 
 @pytest.mark.parametrize(
@@ -126,6 +129,25 @@ def test_probabilities_add_up_and_follow_what_is_left(noisy):
     values = [current.probabilities[score.phenomenon] for score in current.scores]
     assert sum(current.probabilities.values()) == pytest.approx(1.0)
     assert values == sorted(values, reverse=True)
+
+
+def test_what_is_known_otherwise_weighs_in(noisy):
+    """A straight line over displacement: gas comes first unless a spring is stated, or the gas was identified."""
+    ranges = ranges_of([part.measurement for part in noisy.data.fit])
+    trial = find_effect("spring_rate_error").trial
+    assert trial(ranges).prior < 1.0 == find_effect("gas_spring").trial(ranges).prior
+    assert trial(replace(ranges, spring_rate=2e4)).prior == 1.0
+    assert trial(replace(ranges, identified=frozenset({"gas_spring"}))).prior == 1.0
+    alike = np.full(8, 0.5)
+    scores = [PhenomenonScore("gas", 0.5, alike), PhenomenonScore("spring", 0.5, alike, prior=0.25)]
+    assert probabilities(scores) == pytest.approx({"gas": 0.8, "spring": 0.2})
+
+
+def test_only_what_is_identified_of_a_model_is_known(user_model, base):
+    gas = tuple(slot.address for slot in user_model.slots if "gas_spring" in slot.address)
+    assert "gas_spring" in ranges_of([base], user_model).identified
+    assert "gas_spring" in ranges_of([base], replace(user_model, fixed=gas[:1])).identified
+    assert "gas_spring" not in ranges_of([base], replace(user_model, fixed=gas)).identified
 
 
 def long_groove(baseline, share):

@@ -82,7 +82,7 @@ def test_a_slow_channel_that_was_never_heard_is_named_with_the_reason(start, rig
     assert rig.drive(300)[-1].status[0] == EXTRAPOLATING
     reason = "no temperature yet on /suspension/left/temperature, and the force depends on it: it has no publisher"
     rig.wait(lambda: reason in rig.message(": left"), "the reason", patience=60.0)
-    assert int(rig.values(": left")["temperature: samples before the first value"]) >= 300
+    assert int(rig.fresh_values(": left")["temperature: samples before the first value"]) >= 300
     warm = rig.publisher("/suspension/left/temperature", "sensor_msgs/msg/Temperature")
     rig.wait(lambda: rig.values(": left")["temperature: publishers"] == "1", "the publisher")
     warm.publish(temperatures(np.array([rig.stamp]), np.array([40.0]))[0])
