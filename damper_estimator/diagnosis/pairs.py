@@ -89,7 +89,7 @@ def paired(
     Args:
         names: of effects that were found before.
     """
-    most = _most(current)
+    most = _most(current, names)
     if most <= 0.0:
         return None
     about_fits, about_starts = _couples(current, most)
@@ -158,8 +158,14 @@ def _in_order(current: Round, found: Sequence[Accepted]) -> list[Accepted]:
     return [first, second] if needs else [replace(first, before_n=whole, after_n=second.before_n), second]
 
 
-def _most(current: Round) -> float:
-    """What a pair may leave to be preferred to the best single effect, both beside what a wrong form leaves."""
+def _most(current: Round, names: Collection[str]) -> float:
+    """What a pair may leave: clearly less than the best single effect, both beside what a wrong form leaves.
+
+    If the data support no single effect, and none was found before, a pair need not be better than one that is refused:
+    it must explain what two effects do that each explain just enough.
+    """
+    if not names and not current.supported(current.baseline.data.force_rms):
+        return (1.0 - limits().gain) ** 2
     single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
     return limits().pair * (single + limits().second) - limits().second
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from damper_estimator.model import DamperModel
 from damper_estimator.recordings import open_bag
 from damper_estimator.signals import Measurement, SignalMap, measure
 
@@ -32,3 +33,17 @@ def late(measurement: Measurement, seconds: float) -> Measurement:
     """The measurement with its force late by so much."""
     time = measurement.kinematics.time
     return replace(measurement, force=np.interp(time - seconds, time, measurement.force))
+
+
+def wandering(measurement: Measurement, rms: float, bandwidth: float = 15.0) -> Measurement:
+    """The measurement with an error that follows nothing: ``rms`` in N, up to ``bandwidth`` in Hz."""
+    time = measurement.kinematics.time
+    spectrum = np.fft.rfft(np.random.default_rng(0).standard_normal(time.size))
+    spectrum[np.fft.rfftfreq(time.size, time[1] - time[0]) > bandwidth] = 0.0
+    error = np.fft.irfft(spectrum, time.size)
+    return replace(measurement, force=measurement.force + rms * error / error.std())
+
+
+def erring(model: DamperModel, newtons: float) -> DamperModel:
+    """The model as if it had erred by so much when it was identified, in a way that it has no record of."""
+    return replace(model, fit={**model.fit, "residual_stddev": newtons, "misfit": {}})

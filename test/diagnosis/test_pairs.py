@@ -1,8 +1,10 @@
 """Two effects at once: those that cancel where the curve is straight, and those that a third one resembles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from faults import changed, halves, late
+from faults import changed, erring, halves, late, wandering
 
 from damper_estimator.diagnosis import diagnose
 from damper_estimator.diagnosis.diagnosis_data import slope_of
@@ -53,3 +55,23 @@ def test_one_effect_is_not_split_into_two(user_model, base):
     found = diagnose(user_model, [fit], [unseen])
     assert [finding.phenomenon for finding in found.findings][:1] == ["position_dependence"]
     assert len(found.findings) == 1
+
+
+def test_two_are_found_where_the_model_has_always_erred_and_neither_is_found_alone(user_model, base):
+    """The old error hides what is new from each single effect; both together stand out of it."""
+    a, delay = base.kinematics.acceleration, 0.003
+    slope = slope_of(user_model, base.kinematics.block)
+    mass = 1.3 * delay * float(np.sum(slope * a**2) / np.sum(a**2))
+    hidden = late(changed(base, lambda kinematics: mass * kinematics.acceleration), delay)
+    old = 0.5 * float(np.std(hidden.force - base.force))
+    fit, unseen = halves(replace(wandering(hidden, old), recording="another.mcap"))
+    found = diagnose(erring(user_model, old), [fit], [unseen])
+    assert {finding.phenomenon for finding in found.findings} == {"channel_skew", "inertia"}
+    values = {fitted.name: fitted.value for finding in found.findings for fitted in finding.parameters}
+    assert abs(values["channel_skew.skew"]) == pytest.approx(delay, abs=5e-4)
+    assert values["inertia.mass"] == pytest.approx(mass, rel=0.1)
+
+
+def test_two_are_not_found_in_an_old_error_alone(user_model, base):
+    fit, unseen = halves(replace(wandering(base, 40.0), recording="another.mcap"))
+    assert diagnose(erring(user_model, 40.0), [fit], [unseen]).findings == ()
