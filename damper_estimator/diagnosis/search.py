@@ -112,11 +112,14 @@ def _explained(one: Accepted) -> float:
 def surveyed(
     model: DamperModel, data: DiagnosisData, skip: Collection[str], workers: int, progress: Progress
 ) -> Search:
-    """All hypotheses evaluated once, with the model's parameters kept; none is accepted."""
+    """All hypotheses evaluated once, with the model's parameters kept. None is accepted but a zero: the gauge's belongs
+    to the recordings, whatever the model has always lacked.
+    """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
-    return Search((first,), (), model, rmse(baseline, first.without), untestable, "both", True)
+    zeros = _hidden_by_the_zero(first, model, (), {one.name for one in tried}, workers)
+    return Search((first,), tuple(zeros), model, rmse(baseline, first.without), untestable, "both", not zeros)
 
 
 def _tried(model: DamperModel, data: DiagnosisData, skip: Collection[str]) -> tuple[list[Hypothesis], dict[str, str]]:

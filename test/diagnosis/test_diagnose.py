@@ -5,7 +5,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from faults import changed, halves, late
+from faults import changed, erring, halves, late, wandering
 
 from damper_estimator.diagnosis import diagnose, search, with_misfit
 from damper_estimator.diagnosis.apply_finding import ModelState
@@ -148,6 +148,16 @@ def test_the_gauges_zero_is_a_mistake_of_the_chain(user_model, base):
     found = diagnose(user_model, [fit], [unseen])
     assert [f.phenomenon for f in found.findings] == ["force_offset"]
     assert found.signals.force.offset == pytest.approx(-60.0, abs=8.0)
+
+
+def test_the_gauges_zero_is_found_beside_an_error_that_is_not_new(user_model, base):
+    model, old = erring(user_model, 30.0), replace(wandering(base, 30.0), recording="another.mcap")
+    fit, unseen = halves(old)
+    assert diagnose(model, [fit], [unseen]).verdict == "nothing_missing"
+    fit, unseen = halves(changed(old, lambda k: np.full(len(k), 25.0)))
+    found = diagnose(model, [fit], [unseen])
+    assert [one.phenomenon for one in found.findings] == ["force_offset"]
+    assert found.signals.force.offset == pytest.approx(-25.0, abs=5.0)
 
 
 def test_a_mean_that_the_damper_may_make_is_tied_with_the_gauges_zero(user_model, base):
