@@ -12,6 +12,7 @@ from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERA
 
 SIZES = {
     "gas_pocket": {"stiffness": 1e6, "limit_rebound": 900.0, "limit_compression": 500.0},
+    "rod_side_void": {"stiffness": 1e6, "opening": 200.0, "gas": 1e4},
     "oil_spring": {"stiffness_rebound": 8e5, "stiffness_compression": 3e5},
     "command_gain": {"rest": 0.3, "bend": 1.0},
     "position_gain": {"gain": 0.6, "scale": 0.02},

@@ -63,7 +63,7 @@ MODIFIERS = ("position_gain", "temperature_gain", "pressure_relief", "force_lag"
 
 @given(
     names=st.permutations(("linear_viscous", "coulomb", "gas_spring", *MODIFIERS)),
-    spring=st.sampled_from(("oil_spring", "rubber_mount", "gas_pocket")),
+    spring=st.sampled_from(("oil_spring", "rubber_mount", "gas_pocket", "rod_side_void")),
 )
 @settings(max_examples=40, deadline=None)
 def test_a_stiff_compliance_changes_nothing_wherever_the_modifiers_stand(names, spring):
