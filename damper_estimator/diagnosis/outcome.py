@@ -142,6 +142,6 @@ def first_search(
         if {one.element.effect.name for one in found.accepted} - zeros:
             return found, news
     if is_usual:
-        return surveyed(state.model, data, skip, workers, progress), data
+        return surveyed(state.model, data, news, skip, workers, progress), data
     here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data

@@ -127,10 +127,10 @@ def _in_order(current: Round, found: Sequence[Accepted]) -> list[Accepted]:
 def _most(current: Round, names: Collection[str]) -> float:
     """What a pair may leave: clearly less than the best single effect, both beside what a wrong form leaves.
 
-    If the data support no single effect, and none was found before, a pair need not be better than one that is refused:
-    it must explain what two effects do that each explain just enough.
+    If the data support no single effect with the model's parameters kept, and none was found before, a pair need not be
+    better than one that is refused: it must explain what two effects do that each explain just enough.
     """
-    if not names and not current.supported(current.baseline.data.force_rms):
+    if not names and not current.refits and not current.supported(current.baseline.data.force_rms):
         return (1.0 - limits().gain) ** 2
     single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
     return limits().pair * (single + limits().second) - limits().second

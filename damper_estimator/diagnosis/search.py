@@ -26,6 +26,7 @@ from damper_estimator.model import DamperModel
 
 MOST = 4  # findings
 _WORTH = 0.03  # of the squared error: what explains less by itself gets no derivatives
+_MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
 
 Progress = Callable[[str, float], None]
 
@@ -96,7 +97,8 @@ def search(
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     # A refit with the zero freed leaves a mean of the model undetermined.
     settled_model, names = (model, []) if found.mode == "refit" else (last.model, names_of(accepted))
-    offsets = _hidden_by_the_zero(found.rounds[0], settled_model, names, {one.name for one in tried}, workers)
+    hidden = found.rounds[0].hidden
+    offsets = _hidden_by_the_zero(hidden, data, settled_model, names, {one.name for one in tried}, workers)
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((_explained(one) for one in accepted), default=0.0)
     ahead, behind = ([one for one in offsets if (_explained(one) > most) == first] for first in (True, False))
@@ -110,16 +112,25 @@ def _explained(one: Accepted) -> float:
 
 
 def surveyed(
-    model: DamperModel, data: DiagnosisData, skip: Collection[str], workers: int, progress: Progress
+    model: DamperModel,
+    data: DiagnosisData,
+    news: DiagnosisData,
+    skip: Collection[str],
+    workers: int,
+    progress: Progress,
 ) -> Search:
-    """All hypotheses evaluated once, with the model's parameters kept. None is accepted but a zero: the gauge's belongs
-    to the recordings, whatever the model has always lacked.
+    """All hypotheses evaluated once, with the model's parameters kept. None is accepted but a zero that is most of
+    what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
+
+    Args:
+        news: the recordings without the error that the model has always had, as far as that is known.
     """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
-    zeros = _hidden_by_the_zero(first, model, (), {one.name for one in tried}, workers)
-    return Search((first,), tuple(zeros), model, rmse(baseline, first.without), untestable, "both", not zeros)
+    zeros = _hidden_by_the_zero(first.hidden, news, model, (), {one.name for one in tried}, workers)
+    zeros = tuple(one for one in zeros if one.gain[0] >= _MOST_OF_IT)
+    return Search((first,), zeros, model, rmse(baseline, first.without), untestable, "both", not zeros)
 
 
 def _tried(model: DamperModel, data: DiagnosisData, skip: Collection[str]) -> tuple[list[Hypothesis], dict[str, str]]:
@@ -204,7 +215,12 @@ def _next(before: Baseline, model: DamperModel, added: Collection[str], refits: 
 
 
 def _hidden_by_the_zero(
-    first: Round, model: DamperModel, added: Collection[str], tried: Collection[str], workers: int
+    hidden: Sequence[Hypothesis],
+    data: DiagnosisData,
+    model: DamperModel,
+    added: Collection[str],
+    tried: Collection[str],
+    workers: int,
 ) -> list[Accepted]:
     """Findings that the freed zero of the gauge hides, evaluated with it in the comparison, in addition to all that was
     found: effects with a mean are fitted with the zero as well, and may explain it.
@@ -213,8 +229,8 @@ def _hidden_by_the_zero(
     explain about as much are ties.
     """
     found = []
-    data = first.baseline.data.with_zero
-    for hypothesis in first.hidden:
+    data = data.with_zero
+    for hypothesis in hidden:
         baseline = baseline_of(model, data, positions(model, added), base=())
         fit = trial_fit(baseline, hypothesis)
         if fit.hidden:

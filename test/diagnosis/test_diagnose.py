@@ -151,13 +151,13 @@ def test_the_gauges_zero_is_a_mistake_of_the_chain(user_model, base):
 
 
 def test_the_gauges_zero_is_found_beside_an_error_that_is_not_new(user_model, base):
-    model, old = erring(user_model, 30.0), replace(wandering(base, 30.0), recording="another.mcap")
+    model, old = erring(user_model, 30.0), replace(wandering(base, 24.0), recording="another.mcap")
     fit, unseen = halves(old)
     assert diagnose(model, [fit], [unseen]).verdict == "nothing_missing"
-    fit, unseen = halves(changed(old, lambda k: np.full(len(k), 25.0)))
+    fit, unseen = halves(changed(old, lambda k: np.full(len(k), 28.0)))
     found = diagnose(model, [fit], [unseen])
     assert [one.phenomenon for one in found.findings] == ["force_offset"]
-    assert found.signals.force.offset == pytest.approx(-25.0, abs=5.0)
+    assert found.signals.force.offset == pytest.approx(-28.0, abs=5.0)
 
 
 def test_a_mean_that_the_damper_may_make_is_tied_with_the_gauges_zero(user_model, base):
