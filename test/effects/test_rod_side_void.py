@@ -72,12 +72,9 @@ def test_what_does_not_pass_the_piston_passes_it_later():
     assert abs(passed) < 0.02 * 2.0 * 0.3 / (2.0 * np.pi * 2.5)  # of the stroke, over four periods
 
 
-@pytest.mark.parametrize(("opening", "gas", "reason"), [
-    (600.0, 1e4, ""),
-    (2000.0, 1e4, "beyond the recorded forces"),
-    (600.0, 1.5e6, "hardly becomes softer"),
-])  # fmt: skip
-def test_it_claims_only_a_void(opening, gas, reason):
+def test_it_claims_only_a_void():
     ranges = Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0)
-    said = find_effect("rod_side_void").trial(ranges).exclusion({"stiffness": 2e6, "opening": opening, "gas": gas})
-    assert reason in said and bool(reason) == bool(said)
+    tried = find_effect("rod_side_void").trial(ranges)
+    assert not tried.exclusion({"stiffness": 2e6, "opening": 600.0, "gas": 1e4})
+    assert "beyond the recorded forces" in tried.exclusion({"stiffness": 2e6, "opening": 2000.0, "gas": 1e4})
+    assert tried.limits["gas"][1] < 0.5 * tried.limits["stiffness"][0]  # otherwise oil that is softer in compression
