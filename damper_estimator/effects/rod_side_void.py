@@ -26,8 +26,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Only a force that is exceeded is visible. The gas is soft: a void as long as the stroke changes its force a few
-    times by that of the damper. With a stiffer one it would be oil that is softer in compression.
+    """Only a force that is exceeded is visible. The gas is soft: over a void as long as the stroke its force changes by
+    a few times that of the damper. With a stiffer gas the effect would be oil that is softer in compression.
     """
     least = max(20.0 * ranges.force / ranges.stroke, 5e4)
     soft = ranges.force / ranges.stroke
