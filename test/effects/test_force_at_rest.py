@@ -13,6 +13,13 @@ from damper_estimator.signals.layout import COMMAND, DT, PRESSURE, ROWS, TEMPERA
 SIZES = {
     "gas_pocket": {"stiffness": 1e6, "limit_rebound": 900.0, "limit_compression": 500.0},
     "rod_side_void": {"stiffness": 1e6, "opening": 200.0, "gas": 1e4},
+    "relief_passage": {
+        "opening_rebound": 300.0,
+        "damping_rebound": 2e3,
+        "opening_compression": 200.0,
+        "damping_compression": 2e3,
+    },
+    "check_passage": {"damping_rebound": 1e7, "damping_compression": 5e3},
     "oil_spring": {"stiffness_rebound": 8e5, "stiffness_compression": 3e5},
     "command_gain": {"rest": 0.3, "bend": 1.0},
     "position_gain": {"gain": 0.6, "scale": 0.02},
