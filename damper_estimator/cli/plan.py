@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--minutes", metavar="N", type=float,
-        help="length of the test (default: the shortest with a correct decision in 95 %% of cases, at most 10)",
+        help="length of the test (default: the shortest with a correct decision in 95 %% of cases, at most 10; "
+        "2 with --parameters)",
     )  # fmt: skip
     parser.add_argument(
         "--parameters", action="store_true", help="make the model's parameters more certain; needs no diagnosis"

@@ -1,7 +1,7 @@
 """The atlas as curves: by how much a damper's force differs from a model's, over each variable given the others.
 
     F_measured - F_model = dF(v) + h(x) + p(x) F_model + g(v) (T - T_0) + b(v) (I - I_0) + m(v) a
-                           + o(v) sign(v a) / 2 + r(way since the last reversal) sign(v) + rest
+                           + o(v) sign(v a) / 2 + r(travel since the last reversal) sign(v) + rest
 
 All curves are piecewise linear and solved for together on the fitted rows, so that each holds given the others. Their
 covariance allows for the memory of the rest; as in the form-free tests, the only regularisation limits the share of
@@ -43,7 +43,7 @@ class AtlasCurve:
             force. ``temperature``, ``command``: change of the force per kelvin or ampere, over velocity.
             ``acceleration``: coefficient of acceleration over velocity, kg. ``history``: force at rising less that at
             falling speed, N over m/s. ``memory``: force in the direction of motion after a reversal less that after a
-            long way, N over m of the way since then.
+            long travel, N over m of the travel since then.
         at: (k,) values of its variable; straight lines connect the points.
         value, low, high: (k,) with the ends of its band, 5 and 95 %; NaN where too little was driven.
         explains: share of the squared error on unseen data that all other curves leave and it explains. Curves of

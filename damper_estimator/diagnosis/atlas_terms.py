@@ -65,7 +65,7 @@ class Test:
 
     Attributes:
         name: for tables and pages.
-        contains: names of tests whose columns this one can imitate: it counts only by what it explains beyond them.
+        contains: names of tests whose columns this one can imitate.
         columns: of one recording; None where the recording cannot show it.
         shows: on which variable the error depends, in words.
     """
@@ -272,5 +272,3 @@ TESTS = (
         "acceleration and velocity, otherwise on opening than on closing",
     ),
 )
-STATIC = frozenset({"curve", "friction step", "blow-off", "even"})
-"""Tests of a change of the curve; all others count only by what they explain beyond such a change."""

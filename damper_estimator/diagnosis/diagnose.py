@@ -11,6 +11,7 @@ from damper_estimator.diagnosis.apply_finding import ModelState, identified_firs
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
 from damper_estimator.diagnosis.beyond_region import beyond_sentence
 from damper_estimator.diagnosis.division import all_divided
+from damper_estimator.diagnosis.evaluation import rmse
 from damper_estimator.diagnosis.explanation import (
     atlas_of,
     finding_of,
@@ -18,11 +19,11 @@ from damper_estimator.diagnosis.explanation import (
     ranking_of,
 )
 from damper_estimator.diagnosis.informative import stretches_used
-from damper_estimator.diagnosis.outcome import Outcome, outcome_of
+from damper_estimator.diagnosis.misfit import usual_error
+from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_force
 from damper_estimator.diagnosis.result import Diagnosis
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
 from damper_estimator.identification import usable
-from damper_estimator.identification.fit_record import recorded
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation import Comparison, compare, data_findings, reference_error
@@ -91,7 +92,9 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
     ordered = sorted(taken, key=lambda group: group[0])
     findings = tuple(finding for _, finding, _, _ in ordered)
     last = steps[-1][1] if steps else state
-    then = recorded(state.model, "residual_stddev") if found.is_survey else None
+    baseline = found.rounds[0].baseline
+    kept_n = rmse(baseline, found.rounds[0].kept)
+    usual = usual_error(state.model, share_of_force(state, baseline.data)) if found.is_survey else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     reference = reference_error(state.fit_part, state.unseen)
     return Diagnosis(
@@ -100,9 +103,9 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
         sentence=identified_sentence(given, state)
         + beyond_sentence(state)
         + (
-            unexplained_sentence(atlas, picture, errors[0], found.left_n, floor, reference)
+            unexplained_sentence(atlas, picture, errors[0], kept_n, floor, reference)
             if verdict == "unexplained"
-            else sentence_of(verdict, findings, again, errors, found.left_n, floor, then)
+            else sentence_of(verdict, findings, again, errors, kept_n, floor, usual)
         ),
         mode=found.mode,
         rmse_n=before.measures.rmse_n,
@@ -127,5 +130,5 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
         reference_n=reference,
         stretches=stretches_used("fit", state.fit, state.fit_part)
         + stretches_used("unseen", state.unseen, state.unseen_part),
-        curves=atlas_curves(found.rounds[0].baseline),
+        curves=atlas_curves(baseline),
     )

@@ -115,11 +115,11 @@ def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     return float(np.sqrt(np.mean(errors**2 / weight)))
 
 
-def dynamic_force(data: DiagnosisData) -> float:
-    """RMS in N of the unseen force without each recording's zero and drift: what errors are shares of. A static gas
-    force says nothing of how large an error is.
+def dynamic_force(rows: Sequence[Rows]) -> float:
+    """RMS in N of the force without each recording's zero and drift: what errors are shares of. A static gas force says
+    nothing of how large an error is.
     """
-    return unweighted(data.unseen, targets(data.unseen))
+    return unweighted(rows, targets(rows))
 
 
 def _rows(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[Rows, ...]:

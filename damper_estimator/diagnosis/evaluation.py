@@ -47,7 +47,8 @@ class Remaining:
             recordings judge one by one.
         drawn: (replicates,) the same with the unseen part drawn again.
         unseen: of the unseen part, all recordings together.
-        worsened: weight of the recordings that are worse than without, in both parts.
+        worsened: weight of the recordings that are worse than without; the smaller of both parts, so that one recording
+            on its own contradicts nothing.
     """
 
     error: float

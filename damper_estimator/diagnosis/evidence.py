@@ -32,10 +32,11 @@ def _rows(baseline: Baseline, row: int) -> np.ndarray:
 def _where(baseline: Baseline, without: Errors, with_it: Errors) -> str:
     """The speeds that carry most of what is taken away."""
     velocity = _rows(baseline, V)
-    taken = without.unseen**2 - with_it.unseen**2
-    total = float(taken.sum())
-    if total <= 0.0:
+    change = without.unseen**2 - with_it.unseen**2
+    if change.sum() <= 0.0:
         return ""
+    taken = np.maximum(change, 0.0)
+    total = float(taken.sum())
     speed = np.abs(velocity)
     edges = [0.0, *np.quantile(speed, [1 / 3, 2 / 3, 1.0])]
     parts = []

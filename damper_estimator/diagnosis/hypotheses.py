@@ -86,7 +86,7 @@ class Hypothesis:
     def exclusion(self) -> str:
         """Why it is not what it represents with its fitted values, or contradicts recordings; "" if neither."""
         if self.evaluation is not None and self.evaluation.remaining.worsened >= limits().contradicted:
-            return "raises the error of other recordings"
+            return "raises the error on some of the recordings"
         return self.excludes(self.fitted_element.parameters) if self.excludes else ""
 
     @property

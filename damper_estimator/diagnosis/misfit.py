@@ -35,6 +35,7 @@ _DIGITS = 5
 _SAMPLES = 100_000  # of long recordings, in excerpts
 _EXCERPT = 20.0  # s
 _CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
+_ALIKE = 1.2  # times: errors that are called as large as each other
 _PASSES = 3.0  # times the band: high enough to leave the band as it is, low enough that nothing folds into it
 KEY = "misfit"
 
@@ -94,6 +95,35 @@ def misfit_of(record: Mapping[str, Any]) -> Misfit | None:
     return Misfit(ranges, coefficients, left)
 
 
+@dataclass(frozen=True)
+class UsualError:
+    """The error when a model was identified, where the error now is not new.
+
+    Attributes:
+        error_n: then, N.
+        share, share_now: of the force then, and now.
+        has_grown: whether it is larger by more than errors usually differ; then the known error accounts for it.
+    """
+
+    error_n: float
+    share: float
+    share_now: float
+    has_grown: bool
+
+    @property
+    def words(self) -> str:
+        """What the error is, compared with that of the identification."""
+        if not np.isfinite(self.share):
+            return "is what the model has always got wrong"
+        if self.has_grown:
+            compared = "larger, by what the model has always got wrong, than"
+        elif self.share_now > _ALIKE * self.share:
+            compared = "larger, but not by more than errors usually differ, than"
+        else:
+            compared = "smaller than" if _ALIKE * self.share_now < self.share else "as large as"
+        return f"is {compared} when the model was identified ({self.error_n:.3g} N, {100.0 * self.share:.2g} %)"
+
+
 def is_larger(now: float, then: float) -> bool:
     """Whether an error is clearly larger than an earlier one; true if the earlier one is unknown (NaN)."""
     return not now**2 <= limits().growth * then**2
@@ -107,6 +137,13 @@ def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool
     then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
     then = then_n / force_n if force_n else float("nan")
     return is_larger(error, then) if np.isfinite(then) else if_unknown
+
+
+def usual_error(model: DamperModel, share_now: float) -> UsualError:
+    """Of a model whose error, share of the force's rms, is not new; NaN where its identification is unknown."""
+    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
+    then = then_n / force_n if force_n else float("nan")
+    return UsualError(then_n, then, share_now, has_grown(model, share_now))
 
 
 def probability_of_change(model: DamperModel, error: float) -> float:

@@ -81,7 +81,7 @@ def _searched(
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
     again = reidentified(found.rounds[0], data) if mode != "kept" else None
-    force, here = dynamic_force(data), state.is_identified_here
+    force, here = dynamic_force(data.unseen), state.is_identified_here
     judged = partial(verdict_on, again=again, force_n=force, floor_n=floor_n, is_identified_here=here)
     verdict, picture = judged(found)
     progress("adding what was found", 0.95)
@@ -95,11 +95,16 @@ def _searched(
         found = replace(found, accepted=named or as_if_by(found.rounds[0]))
         steps = steps_of(state, found.accepted, mode, names_changes=again is not None)
     # Without a candidate only a large growth is news: errors on good recordings of one damper differ by up to two.
-    share = float(max(state.rmse_fit_n, state.rmse_unseen_n) / force / np.sqrt(limits().growth))
+    share = share_of_force(state, data) / float(np.sqrt(limits().growth))
     is_old = share < limits().usual and not has_grown(state.model, share)
     if verdict == "unexplained" and not here and is_old:
         verdict, picture, found = "nothing_missing", None, replace(found, is_survey=True)
     return Outcome(found, again, verdict, picture, tuple(steps))
+
+
+def share_of_force(state: ModelState, data: DiagnosisData) -> float:
+    """The error with the gauge's zero, as a share of the force of its own part: the larger of both parts."""
+    return max(state.rmse_fit_n / dynamic_force(data.fit), state.rmse_unseen_n / dynamic_force(data.unseen))
 
 
 def first_search(
@@ -117,13 +122,13 @@ def first_search(
     known = misfit_of(state.model.fit)
     parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
     news = data if known is None else data_of(state.model, *parts)
-    force = dynamic_force(data)
+    force = dynamic_force(data.unseen)
     whole, left = (
         unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
         for source in (data, news)
     )
     leaves_news = known is None or known.leaves_news(left / force)
-    error = max(whole, state.rmse_fit_n, state.rmse_unseen_n) / force  # the last two with the gauge's zero
+    error = max(whole / force, share_of_force(state, data))
     asks_for_change = mode == "both" and not state.is_identified_here
     if asks_for_change:
         change = probability_of_change(state.model, error)

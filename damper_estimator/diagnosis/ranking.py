@@ -101,6 +101,10 @@ class Round:
         """Why the data do not support an effect by itself; "" where they do."""
         if hypothesis.exclusion:
             return hypothesis.exclusion
+        if not hypothesis.fit.tried:
+            return (
+                f"not tried: its form-free tests explain less than {100.0 * limits().hint:.0f} % of the squared error"
+            )
         gain, low, _ = self.gain(hypothesis)
         before, after = rmse(self.baseline, self.without), rmse(self.baseline, self.left(hypothesis))
         if gain <= 0.02:
@@ -112,14 +116,16 @@ class Round:
                 f"{100.0 * required:.0f} % required"
             )
         if low <= 0.0:
-            return f"not sure: the gain's 5 % bound is {100.0 * low:z.0f} %"
+            return f"uncertain: the gain's 5 % bound is {100.0 * low:z.0f} %"
         worth = np.sqrt(max(before**2 - after**2, 0.0))
         if worth < limits().least_force * force_rms:
-            return f"worth {worth:.3g} N only, less than {100.0 * limits().least_force:.3g} % of the force"
+            return (
+                f"lowers the error by only {worth:.3g} N, less than {100.0 * limits().least_force:.3g} % of the force"
+            )
         new = self.baseline.data.change * self._right(hypothesis)
         if new < limits().named:
             return (
-                f"new and right with a probability of {_below(new, limits().named)} % only; "
+                f"only {_below(new, limits().named)} % probable to be both new and right; "
                 f"{100.0 * limits().named:.0f} % required"
             )
         return ""

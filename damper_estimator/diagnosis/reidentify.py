@@ -1,6 +1,6 @@
 """Re-identifies what is in a model already: is that enough, and which parameters moved?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,9 +26,9 @@ class Reidentified:
     """The model with its parameters identified again.
 
     Attributes:
-        model: with the new values.
+        model: with the new values; the gauge's zero is in the comparison if they are enough.
         moved: parameters that moved by more than their uncertainty.
-        rmse_n: unseen, N.
+        rmse_n: unseen, N, without each recording's zero and drift.
         gain: against the parameters as given, unseen.
         enough: whether it explains the error and an effect on top adds little.
         phenomena: for which the model has effects.
@@ -60,14 +60,12 @@ def reidentified(first: Round, data: DiagnosisData) -> Reidentified:
     low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))
     worth = np.sqrt(max(rmse(first.baseline, first.kept) ** 2 - rmse(first.baseline, left) ** 2, 0.0))
     explains = gain >= limits().gain and low > 0.0 and worth >= limits().least_force * data.force_rms
-    return Reidentified(
-        refitted,
-        _moved(model, refitted),
-        rmse(first.baseline, left),
-        gain,
-        explains and not _more(first, left),
-        phenomena,
-    )
+    enough = explains and not _more(first, left)
+    if enough:
+        # With the zero freed, the constant of a curve is undetermined, and so are all of its forces.
+        refitted = locally_fitted(refitted, [rows.measurement for rows in data.fit])
+        left = replace(left, unseen=force_rows(refitted, data.unseen) - targets(data.unseen))
+    return Reidentified(refitted, _moved(model, refitted), rmse(first.baseline, left), gain, enough, phenomena)
 
 
 def _more(first: Round, left: Errors) -> bool:
@@ -83,7 +81,7 @@ def _moved(before: DamperModel, after: DamperModel) -> tuple[Moved, ...]:
     moved = []
     for old, new in zip(with_knots_of(before, after).slots, after.slots, strict=True):
         change, error = abs(new.value - old.value), errors.get(new.address, float("nan"))
-        certain = not error > change / limits().moved
+        certain = error <= change / limits().moved  # never where the error is unknown
         if certain and change > limits().moved_share * max(abs(old.value), 1e-12):
             moved.append(Moved(old.address, old.parameter.unit, old.value, new.value, error))
     return tuple(moved)

@@ -237,7 +237,7 @@ def _hidden_by_the_zero(
             continue
         zero = replace(hypothesis, fit=fit)
         alone = replace(round_of(baseline, [zero], "kept"), constants=frozenset({zero.name}))
-        if not alone.reason_against(alone.best, data.force_rms) and alone.gain(alone.best)[0] >= limits().gain:
+        if not alone.reason_against(alone.best, data.force_rms):
             names = set(tried) - {zero.name} - settled(added)
             others = [one for one in hypotheses_for(model, data.ranges)[0] if one.name in names]
             fitted = [zero, *all_fitted(baseline, others, _WORTH, workers, lambda count: None)]

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.misfit import UsualError
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import AtlasRow, Finding, Structure
 from damper_estimator.diagnosis.thresholds import limits
 
-_ALIKE = 1.2  # times: errors that are called as large as each other
 _MOST_OF_IT = 0.9  # times an error: what is left without the zeros is said as well if it is smaller
 
 
@@ -28,14 +30,14 @@ def sentence_of(
     errors_n: tuple[float, float],
     left_n: float,
     floor_n: float,
-    then_n: float | None = None,
+    then: UsualError | None = None,
 ) -> str:
     """The verdict in one sentence; see ``unexplained_sentence`` for one of them.
 
     Args:
         errors_n: unseen error as given, and with all findings, N.
         left_n: what is left without the gauge's zero and drift in each recording.
-        then_n: error when the model was identified, if the error is not new.
+        then: error when the model was identified, if the error is not new.
     """
     rmse_n = errors_n[0]
     if verdict == "missing":
@@ -49,18 +51,16 @@ def sentence_of(
             f"Nothing is missing, but parameters changed ({moved}{like}): re-identifying them takes the unseen error "
             f"to {again.rmse_n:.3g} N."
         )
-    if then_n is not None:
+    if then is not None:
         above = f" ({rmse_n / floor_n:.2g} times the noise)" if rmse_n > limits().far_above * floor_n else ""
-        as_then = (
-            "as large as" if rmse_n < _ALIKE * then_n else "larger, but not by more than errors usually differ, than"
-        )
         return (
-            f"Nothing is missing that is new: the error of {rmse_n:.3g} N{above} is {as_then} when the model was "
-            f"identified ({then_n:.3g} N). For what the model has always lacked, diagnose the recordings of its "
+            f"Nothing is missing that is new: the error of {rmse_n:.3g} N{above}, {100.0 * then.share_now:.2g} % of "
+            f"the force, {then.words}. For what the model has always lacked, diagnose the recordings of its "
             "identification."
         )
     rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < _MOST_OF_IT * rmse_n else ""
-    return f"Nothing is missing that these data could show: {rmse_n:.3g} N are left{rest}, noise makes {floor_n:.3g} N."
+    noise = f"; the noise floor is {floor_n:.3g} N" if np.isfinite(floor_n) else ""
+    return f"Nothing is missing that these data could show: {rmse_n:.3g} N remain{rest}{noise}."
 
 
 def unexplained_sentence(
@@ -89,13 +89,13 @@ def unexplained_sentence(
     if picture is not None:
         shape = f"has a structure that no known effect accounts for: {picture.words}"
         return f"The error of {error_n:.3g} N{zeros} {shape}.{depends}"
-    times = f"{error_n / floor_n:.2g} times the noise"
-    known = f"No known effect accounts for the error of {error_n:.3g} N{zeros}, {times}"
+    times = f", {error_n / floor_n:.2g} times the noise" if floor_n > 0.0 else ""
+    known = f"No known effect accounts for the error of {error_n:.3g} N{zeros}{times}"
     if depends:
         return f"{known}.{depends}"
     return (
-        f"{known}, and it follows nothing that was measured at the same instant: what happened before, or was not "
-        "measured, counts."
+        f"{known}, and no dependence on what was measured at the same instant accounts for a quarter of it for "
+        "certain: what happened before, or was not measured, may count."
     )
 
 

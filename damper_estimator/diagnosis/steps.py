@@ -22,7 +22,7 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
     current = state
     order = sorted(together(accepted), key=lambda group: all(one.element.effect.correct is None for one in group))
     for group in order:
-        promised = sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
+        promised = _promised(group)
         taken = _applied_together(current, group, mode, promised, names_changes)
         if not taken:
             continue
@@ -33,6 +33,15 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
         elif names_changes:
             steps += [(one, at, one.before_n, one.after_n) for one, at in taken]
     return steps
+
+
+def _promised(group: Sequence[Accepted]) -> float:
+    """N^2 by which the findings of a group lower the squared error. Of two that each do little without the other one,
+    each has the error of both as its own.
+    """
+    if any(one.needs for one in group):
+        return max(max(one.before_n for one in group) ** 2 - min(one.after_n for one in group) ** 2, 0.0)
+    return sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
 
 
 def _with_errors(before: ModelState, taken: Sequence[tuple[Accepted, ModelState]]) -> list[Step]:

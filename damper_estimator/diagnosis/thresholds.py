@@ -48,12 +48,6 @@ class Thresholds:
         "at most so much of it is asked for",
         "where 2 % are left, nothing explains 5 % more",
     )
-    beyond: float = _threshold(
-        0.2,
-        "share of what the simpler explanation leaves",
-        "what goes beyond it",
-        "tests that imitate each other differ by less in simulated dampers of other physics",
-    )
     form_free: float = _threshold(
         0.1,
         "exponent",
@@ -82,7 +76,7 @@ class Thresholds:
         "what is missing never did in the ties of make bench-plan",
     )
     contradicted: float = _threshold(
-        0.33, "weight of the recordings", "an effect that so many contradict is not what is missing", "one of two"
+        0.33, "weight of the recordings", "an effect that so many contradict is not what is missing", "one of three"
     )
     named: float = _threshold(
         0.2,
@@ -168,7 +162,7 @@ class Thresholds:
         3.0, "times the noise floor", "an error without structure above it is unexplained", "model form leaves as much"
     )
     structured: float = _threshold(
-        0.3, _SQUARE, "a picture must predict it on unseen data to be shown", "as for an effect"
+        0.3, _SQUARE, "a picture must predict it on unseen data to be shown", "a little more than an effect (gain)"
     )
     refit_most: float = _threshold(
         0.6,

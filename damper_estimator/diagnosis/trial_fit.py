@@ -36,6 +36,7 @@ class TrialFit:
         sizes: (k,) of its parameters.
         change_fit, change_unseen: (r,) what it adds to the force.
         hidden: whether the freed zero of the gauge hides all that it does.
+        tried: whether it was fitted at all.
     """
 
     values: dict[str, float | tuple[float, ...]]
@@ -47,6 +48,7 @@ class TrialFit:
     change_fit: np.ndarray
     change_unseen: np.ndarray
     hidden: bool
+    tried: bool = True
 
 
 def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in_any_case: bool = False) -> TrialFit:
@@ -127,6 +129,7 @@ def _untried(baseline: Baseline, hypothesis: Hypothesis) -> TrialFit:
         change_fit=np.zeros(fit),
         change_unseen=np.zeros(unseen),
         hidden=False,
+        tried=False,
     )
 
 

@@ -26,6 +26,7 @@ from damper_estimator.signals.layout import COMMAND, TEMPERATURE
 from damper_estimator.validation import compare
 
 LONGEST = 10.0  # minutes, where none are asked for
+_SHARPENING = 2.0  # the same, of a test for parameters
 _PATIENCE = 10  # steps that may add next to nothing
 _PROGRESS = 0.005  # least gain over them, of the probability and of the search's score
 _DIFFERENT = 4  # steps: what the form gets wrong on one motion must not decide
@@ -155,7 +156,7 @@ def _separating(
     if not choice.order:
         choice = Choice((int(np.argmin(seconds)),) if choice.parts * seconds.min() <= most else (), choice.parts)
     if not choice.order:
-        raise _too_short(minutes, f"the shortest, in both halves, takes {2.0 * seconds.min():.0f} s")
+        raise _too_short(minutes or longest, f"the shortest, in both halves, takes {2.0 * seconds.min():.0f} s")
     curve = _curve(judge, choice, seconds)
     if minutes is None:
         scores = [judge.score(choice.counts(seconds.size, first + 1)) for first in range(len(choice.order))]
@@ -210,7 +211,8 @@ def _sharpening(stage: _Stage, measurements: Sequence[Measurement], minutes: flo
     errors = errors_of(stage.found, compare(hypothesis.model, *measurements).noise_floor_n)
     judge = sharpening(stage.found, stage.on, stage.steps, errors)
     seconds = np.array([step.seconds for step in stage.steps])
-    most = 60.0 * (minutes or 2.0) - sum(REST)
+    minutes = minutes or _SHARPENING
+    most = 60.0 * minutes - sum(REST)
     choice = chosen(judge.score, seconds, most, lambda counts: False, _scaled(report, 0.5, 0.95), parts=1)
     if not choice.order:
         raise _too_short(minutes, f"the shortest takes {seconds.min():.0f} s")
@@ -275,7 +277,7 @@ def _clearest(choice: Choice, judge: Criterion | None, stage: _Stage) -> int:
     return max(choice.order, key=lambda step: float(share[step]))
 
 
-def _too_short(minutes: float | None, shortest: str) -> InputError:
+def _too_short(minutes: float, shortest: str) -> InputError:
     return InputError(f"{minutes:g} minutes: are too short for any step; {shortest}")
 
 

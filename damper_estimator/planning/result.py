@@ -137,11 +137,13 @@ class Plan:
 def sentence_of(phenomena: Sequence[str], chances: Chances, minutes: float, shortest: float | None) -> str:
     """The result of a plan that tells phenomena apart, in one sentence."""
     names = " and ".join(name.replace("_", " ") for name in dict.fromkeys(phenomena))
-    odds = f"right with {100.0 * chances.right:.0f} %, wrong with {100.0 * chances.wrong:.1f} %"
+    odds = (
+        f"{100.0 * chances.right:.0f} % probability of a right decision, {100.0 * chances.wrong:.1f} % of a wrong one"
+    )
     if chances.best < HOPELESS:
-        return f"No drive within these limits can tell {names} apart: {minutes:.1f} minutes decide {odds}."
+        return f"No drive within these limits can tell {names} apart: {minutes:.1f} minutes give {odds}."
     if shortest is None:
         each = [f"{100.0 * right:.0f} % if it is {name.replace('_', ' ')}" for name, right, _ in chances.by_truth]
         each_right = ", ".join(each)
-        return f"{minutes:.1f} minutes tell {names} apart, {odds} (right with {each_right}); 95 % are not reached."
-    return f"{minutes:.1f} minutes tell {names} apart, {odds}; {shortest:.1f} minutes are enough for 95 %."
+        return f"{minutes:.1f} minutes tell {names} apart, with {odds} (right: {each_right}); 95 % is not reached."
+    return f"{minutes:.1f} minutes tell {names} apart, with {odds}; {shortest:.1f} minutes are enough for 95 %."

@@ -35,7 +35,7 @@ def widenings(
     for wide in _each(rig, limits):
         probability = chance(wide)
         if probability >= now + _BETTER:
-            sentences.append(f"{wide.words}: right with {100.0 * probability:.0f} %")
+            sentences.append(f"{wide.words}: {100.0 * probability:.0f} % probability of a right decision")
     tests = {all_effects()[hypothesis.effect].separate: None for hypothesis in found.fitted}
     sentences += [one for one in tests if not any(other.startswith(one) and other != one for other in tests)]
     return tuple(one for one in sentences if one)

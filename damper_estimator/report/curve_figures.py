@@ -25,7 +25,7 @@ _TITLES = {
     "command": "Force per unit of the command, over velocity",
     "acceleration": "Force that goes with acceleration, over velocity",
     "history": "Force at rising less force at falling speed, over velocity",
-    "memory": "Force in the direction of motion, over the way since its last reversal",
+    "memory": "Force in the direction of motion, over the travel since the last reversal",
 }
 _VARIABLES = {
     "velocity": "a change of the curve over velocity",
@@ -35,11 +35,11 @@ _VARIABLES = {
     "command": "the command",
     "acceleration": "acceleration",
     "history": "whether the speed rises or falls",
-    "memory": "the way since the last reversal",
+    "memory": "travel since the last reversal",
 }
 _OVER = {
     "displacement": (1e3, "displacement in mm", "mm"), "position": (1e3, "displacement in mm", "mm"),
-    "memory": (1e3, "way since the last reversal in mm", "mm"),
+    "memory": (1e3, "travel since the last reversal in mm", "mm"),
 }  # fmt: skip
 _VELOCITY = (1.0, "velocity in m/s", "m/s")
 

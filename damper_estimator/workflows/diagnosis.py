@@ -47,7 +47,7 @@ class DiagnosisResults(Results[Diagnosis]):
 
     @property
     def improved(self) -> DamperModel:
-        """The model with the findings added and refitted to first order; ``improve`` does a full fit."""
+        """The model with the findings added and identified; ``improve`` goes on until nothing more is found."""
         return self.only.improved
 
     def curves_figure(self, damper: str | None = None) -> Figure:

@@ -128,7 +128,8 @@ def plan(
         rig: a name of the library, a rig file, or a rig.
         travel: m, lowest and highest displacement that the damper allows; None for those in the rig's file, or of
             the recordings.
-        minutes: length of the test; None for the shortest with a correct decision in 95 % of cases, at most ten.
+        minutes: length of the test; None for the shortest with a correct decision in 95 % of cases, at most ten; two
+            for parameters.
         parameters: make the model's parameters more certain instead; needs no diagnosis.
         workers: processes for the diagnosis.
         progress: receives the current activity and the completed share of the work, 0 to 1.

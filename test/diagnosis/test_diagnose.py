@@ -107,6 +107,7 @@ def test_a_changed_parameter_is_no_missing_effect(user_model, base):
     assert found.verdict == "parameters_changed"
     assert {m.name for m in found.moved} <= {s.address for s in user_model.slots}
     assert sum(m.name.startswith("viscous_curve") for m in found.moved) >= 3
+    assert all(np.isfinite(m.standard_error) for m in found.moved)
     assert found.rmse_refit_alone_n < 0.5 * found.rmse_n
 
 

@@ -31,7 +31,7 @@ def test_what_explains_too_little_gets_a_reason(noisy, share, reason):
 def test_what_is_worth_next_to_nothing_of_the_force_is_said_so(noisy):
     current = rounded(noisy, tried(noisy, "coulomb", 0.8))
     taken = 100.0 * np.sqrt(1.0 - 0.2**2)
-    assert "worth" in current.reason_against(current.best, 1.05 * taken / limits().least_force)
+    assert "lowers the error by only" in current.reason_against(current.best, 1.05 * taken / limits().least_force)
     assert not current.reason_against(current.best, 0.9 * taken / limits().least_force)
 
 
@@ -44,7 +44,7 @@ def test_what_is_hardly_more_probable_than_ten_others_is_not_named(noisy):
         alike.probability(group) * limits().form_share * alike.gain(alike.best)[0]
     )
     with using(named=1.01 * alike.confidence(alike.best)):
-        assert "probability" in alike.reason_against(alike.best, FORCE)
+        assert "probable" in alike.reason_against(alike.best, FORCE)
     with using(named=0.99 * alike.confidence(alike.best)):
         assert not alike.reason_against(alike.best, FORCE)
 
@@ -68,10 +68,18 @@ def test_a_constant_has_no_form_that_could_be_wrong(noisy):
     assert current.confidence(current.best) < limits().form_right
 
 
+def test_what_was_not_fitted_is_said_not_to_have_been_tried(noisy):
+    one = tried(noisy, "coulomb", 0.0)
+    current = rounded(noisy, replace(one, fit=replace(one.fit, tried=False)))
+    assert "not tried" in current.reason_against(current.best, FORCE)
+    current = rounded(noisy, one)
+    assert "explains nothing" in current.reason_against(current.best, FORCE)
+
+
 def test_what_is_probably_no_news_is_not_named(noisy):
     old = replace(noisy, data=replace(noisy.data, change=0.1))
     current = rounded(old, tried(old, "coulomb", 0.8))
-    assert "new and right" in current.reason_against(current.best, FORCE)
+    assert "both new and right" in current.reason_against(current.best, FORCE)
 
 
 def test_what_helps_in_a_single_block_is_not_sure(noisy):
@@ -82,7 +90,7 @@ def test_what_helps_in_a_single_block_is_not_sure(noisy):
     one = replace(one, fit=replace(one.fit, change_unseen=np.where(loud, -0.7, 0.5) * residual))
     current = rounded(burst, one)
     assert current.gain(current.best)[0] > limits().gain and current.gain(current.best)[1] < 0.0
-    assert "not sure" in current.reason_against(current.best, FORCE)
+    assert "uncertain" in current.reason_against(current.best, FORCE)
 
 
 def test_a_general_explanation_must_be_clearly_better_than_a_specific_one(noisy):

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from faults import changed
 
 from damper_estimator.cli.main import main
 from damper_estimator.diagnosis.baseline import baseline_of, positions_in
 from damper_estimator.diagnosis.diagnosis_data import data_of
+from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.ranking import round_of
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.identification.knots import with_knots_of, with_placed_knots
@@ -47,6 +49,23 @@ def test_a_curve_read_off_at_other_knots_is_the_same_curve(curve, base):
     inside = np.abs(base.kinematics.velocity) < min(abs(placed.effects[0].settings["velocity"][k]) for k in (0, -1))
     block = np.ascontiguousarray(base.kinematics.block[:, inside])
     assert read_off.force(block) == pytest.approx(curve.force(block))
+
+
+def test_forces_of_a_curve_are_compared_with_their_constant(base):
+    """The zero of the gauge is free while effects are compared; then no force of the curve is determined."""
+    halves = base.part(0, 4000), base.part(4000, 8000)
+    model = locally_fitted(with_placed_knots(load_model("viscous_curve"), halves[:1]), halves[:1])
+    names = [slot.address for slot in model.slots]
+    stiffer = {name: 1.3 * value for name, value in zip(names, [slot.value for slot in model.slots], strict=True)}
+    truth = model.with_values(stiffer)
+    fit, unseen = (changed(one, lambda k: truth.force(k.block) - model.force(k.block)) for one in halves)
+    again = identified_again(model, fit, unseen)
+    assert again.enough and len(again.moved) >= 3
+    for moved in again.moved:
+        assert np.isfinite(moved.standard_error)
+        assert moved.after == pytest.approx(
+            stiffer[moved.name], abs=0.05 * max(abs(slot.value) for slot in truth.slots)
+        )
 
 
 @pytest.mark.parametrize("name", ["ME2mm5Hz", "ME25mm0x5Hz"])

@@ -58,11 +58,11 @@ def test_every_curve_names_its_unit(name, text):
 def test_a_curve_of_memory_is_drawn_over_its_own_variable_and_says_beside_what_it_counts():
     way = replace(SPRING, name="memory", at=(0.0, 0.001, 0.01))
     drawn = curve_figure(way, "A")
-    assert drawn["layout"]["xaxis"]["title"]["text"] == "way since the last reversal in mm"
+    assert drawn["layout"]["xaxis"]["title"]["text"] == "travel since the last reversal in mm"
     assert drawn["data"][-1]["x"] == [0.0, 1.0]
     assert curve_figure(replace(MASS, name="history"), "A")["layout"]["xaxis"]["title"]["text"] == "velocity in m/s"
     assert curve_title(way).endswith("explains 6 % beyond the others") and curve_title(SPRING).endswith("explains 6 %")
-    assert left_out([replace(NOTHING, name="memory")]).endswith("the way since the last reversal.")
+    assert left_out([replace(NOTHING, name="memory")]).endswith("travel since the last reversal.")
 
 
 def test_templates_are_dashed_named_in_words_and_the_best_comes_first():
