@@ -105,7 +105,9 @@ class InverseModel:
         self._memory[command_search.LAST] = np.nan
         self._restart = True
 
-    def solve(self, sample: np.ndarray, wanted: float = np.nan, slope: bool = False) -> Inverse:
+    def solve(
+        self, sample: np.ndarray, wanted: float = np.nan, slope: bool = False, is_trusted: bool = True
+    ) -> Inverse:
         """Processes one sample and finds the command for the time after it.
 
         Args:
@@ -113,14 +115,19 @@ class InverseModel:
                 A step of 0 resets the model.
             wanted: N, positive where it resists extension; NaN if there is no desired force.
             slope: whether to compute dforce_dvelocity, which needs one more evaluation.
+            is_trusted: whether the sample counts for the largest influence of the command, below a share of which the
+                command is kept; after one wild sample it would be kept for good.
         """
-        column = self._sample
+        column, span = self._sample, self._memory[command_search.SPAN]
         column[:, 0] = sample
         if np.isnan(column[COMMAND, 0]):
             column[COMMAND, 0] = self._memory[command_search.LAST]
         if self._restart:
             column[DT, 0] = 0.0
-        return self._answer(True, wanted, slope)
+        answer = self._answer(True, wanted, slope)
+        if not is_trusted:
+            self._memory[command_search.SPAN] = span
+        return answer
 
     def reach(self, block: np.ndarray) -> np.ndarray:
         """Processes a block (8, n); returns reachable forces and slopes after each sample, (4, n) in the order of

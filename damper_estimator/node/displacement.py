@@ -10,7 +10,7 @@ from damper_estimator.node.current_check import CurrentCheck
 from damper_estimator.node.force_follower import Command, ForceFollower, Rules
 from damper_estimator.node.stamp_age import StampAge
 from damper_estimator.node.wire import ForcesTemplate, MalformedMessage, names_and_frame, reader_of
-from damper_estimator.runtime import FIELDS, SLOW, STALE, Deployed, Line
+from damper_estimator.runtime import EXTRAPOLATING, FIELDS, GOOD, SLOW, STALE, Deployed, Line
 from damper_estimator.signals import Channel, DamperSignals
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -80,6 +80,8 @@ class DisplacementInput:
         self._grow([estimator])
 
     def _grow(self, more: Sequence[Estimator]) -> None:
+        channels = [estimator.signals.displacement for estimator in (*self.estimators, *more)]
+        self._reader = reader_of("displacement", JOINT_STATE, channels)  # may be refused; nothing has changed then
         self.estimators = (*self.estimators, *more)
         for estimator in more:
             channel = estimator.signals.displacement
@@ -93,8 +95,6 @@ class DisplacementInput:
             if estimator.deployed.memories["command"] is not None
         ]
         self._whole = np.ones(len(self.estimators), bool)
-        channels = [estimator.signals.displacement for estimator in self.estimators]
-        self._reader = reader_of("displacement", JOINT_STATE, channels)
         self._tables = [(d, channel) for d, channel in enumerate(channels) if channel.table is not None]
         self.missing = np.append(self.missing, np.zeros(len(more), np.int64))
         self.last_good = np.append(self.last_good, np.full(len(more), np.nan))
@@ -146,7 +146,8 @@ class DisplacementInput:
         answered = self.line.output
         for d, follower in self._leading:
             if self.line.is_good(d):
-                answered.numbers[0, _REACH, d] = follower.update(self.line.sample(d))
+                is_trusted = answered.trusted[0, d] in (GOOD, EXTRAPOLATING)
+                answered.numbers[0, _REACH, d] = follower.update(self.line.sample(d), is_trusted)
         chosen = self._whole if count == self._whole.size else self.line.is_good(slice(None))
         self.last_good[chosen] = arrival.now
         return self._template(chosen).message(stamp, answered.numbers[0], answered.status[0], chosen)
@@ -175,6 +176,11 @@ class DisplacementInput:
     def is_new_structure(self, data: bytes) -> bool:
         """Whether the message differs in names or lengths from the recently read ones."""
         return not self._reader.knows(data)
+
+    @property
+    def has_estimates(self) -> bool:
+        """Whether any sample has given an estimate."""
+        return bool(np.isfinite(self.last_good).any())
 
     def stale(self, now: float, after: float) -> list[bytes]:
         """Messages about the dampers whose input stopped ``after`` s ago or earlier: their last estimate, marked STALE,

@@ -21,7 +21,7 @@ from damper_estimator.node.roster import MOST_DAMPERS, Roster
 from damper_estimator.node.settings import Settings
 from damper_estimator.node.wire import reader_of
 from damper_estimator.runtime import SLOW
-from damper_estimator.signals import Channel, default_signals
+from damper_estimator.signals import Channel, default_signals, named_element
 
 DESIRED = "~/desired_force"
 
@@ -70,6 +70,7 @@ class Estimation:
         self.topics: dict[str, str] = {}
         self.named: set[str] = set()
         self._gauges: dict[str, tuple[tuple[str, ...], GaugeInput]] = {}
+        self._before: Estimation | None = None
         by_topic: dict[str, list[Estimator]] = {}
         for estimator in roster.known:
             by_topic.setdefault(estimator.signals.displacement.topic, []).append(estimator)
@@ -136,7 +137,7 @@ class Estimation:
 
     def _update_gauges(self) -> None:
         """Updates the gauges and the desired forces for the present dampers."""
-        desired = [Channel(DESIRED, f"effort[{name}]") for name in self.names]
+        desired = [Channel(DESIRED, named_element("effort", name)) for name in self.names]
         self._desired = reader_of("desired force", JOINT_STATE, desired)
         self._subscribe(DESIRED, JOINT_STATE, True)
         by_topic: dict[str, list[Estimator]] = {}
@@ -257,7 +258,19 @@ class Estimation:
     def stale(self, now: float) -> list[bytes]:
         """Messages about dampers whose input has stopped, at the steady time ``now``, s."""
         after = self.settings.stale_after
-        return [message for source in self._sources() for message in source.stale(now, after)]
+        found = [message for source in self._sources() for message in source.stale(now, after)]
+        if self._before is not None:
+            if any(source.has_estimates for source in self._sources()):
+                self._before = None
+            else:
+                found += self._before.stale(now)
+        return found
+
+    def continue_after(self, before: "Estimation | None") -> None:
+        """Until the first sample of this estimation, the estimates of the one before become stale."""
+        if before is not None and before.roster is not self.roster:
+            before._before = None
+            self._before = before
 
 
 def _comparison(source: DisplacementInput, settings: Settings, roster: Roster) -> Comparison:

@@ -155,6 +155,7 @@ class EstimatorNode(RefusingLifecycleNode):
         state = self.state
         if state.is_active and estimation.roster is not state.estimation.roster:
             self._commands.publish(state.estimation.safe())  # the new one begins without desired forces
+        estimation.continue_after(state.estimation)
         state.estimation = estimation
         self._inputs.check_clock()
         self._watch_every(min(0.5 * estimation.settings.stale_after, LONGEST_WATCH))
@@ -248,9 +249,9 @@ class EstimatorNode(RefusingLifecycleNode):
         if not self.state.is_active or steady < self._patient_until:
             return
         now = self._inputs.now()
+        self._commands.publish(estimation.overdue(now, 0.5 * self._watch_period))  # first: the safe currents
         for message in estimation.stale(now):
             self._forces.publish(message)
-        self._commands.publish(estimation.overdue(now, 0.5 * self._watch_period))
         self._commands.report(estimation.idle())
 
     def _keep(self, publisher: Publisher, type_name: str, message: bytes) -> None:

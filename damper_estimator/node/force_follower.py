@@ -133,13 +133,17 @@ class ForceFollower:
         self._inverse.again(0.0)
         self._inverse.reset()
 
-    def update(self, sample: np.ndarray) -> tuple[float, ...]:
-        """Takes a sample (8,); returns reachable interval and slopes as `Inverse.reach`. Only without a refusal."""
+    def update(self, sample: np.ndarray, is_trusted: bool = True) -> tuple[float, ...]:
+        """Takes a sample (8,); returns reachable interval and slopes as `Inverse.reach`. Only without a refusal.
+
+        Args:
+            is_trusted: whether the sample may count for how much force the current usually makes.
+        """
         if np.isnan(sample[COMMAND]) and np.isfinite(self.sent):
             self._sample[:] = sample
             self._sample[COMMAND] = self._channel.value(self.sent)
             sample = self._sample
-        return self._inverse.solve(sample, slope=True).reach
+        return self._inverse.solve(sample, slope=True, is_trusted=is_trusted).reach
 
     def request(self, force: float, now: float) -> None:
         """Takes a desired force in N (NaN withdraws the last one) at the steady time ``now``, s."""

@@ -101,10 +101,12 @@ class Place:
         return self._values
 
     def stamp(self, data: bytes) -> int:
-        """ns; 0 if the type has none."""
+        """ns; 0 if the type has none. Raises MalformedMessage if it is no time."""
         if self._stamp is None:
             return 0
         seconds, nanoseconds = self._stamp.unpack_from(data, _STAMP.start)
+        if nanoseconds >= NANOSECONDS:
+            raise MalformedMessage(f"its stamp has {nanoseconds} ns beside the seconds")
         return seconds * NANOSECONDS + nanoseconds
 
 

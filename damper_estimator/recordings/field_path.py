@@ -1,5 +1,9 @@
-"""Field paths: ``position[front_left]``, ``effort[1]``, ``accel.linear.z``, ``data``."""
+"""Field paths: ``position[front_left]``, ``effort[1]``, ``position["1"]``, ``accel.linear.z``, ``data``.
 
+A number is a position; in quotation marks, with the escapes of JSON, any text is a name.
+"""
+
+import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,7 +13,7 @@ from rosbags.interfaces import Nodetype
 from damper_estimator.errors import InputError
 from damper_estimator.recordings.definitions import NUMBERS, Definition
 
-_STEP = re.compile(r"([A-Za-z]\w*)(?:\[([^\[\]]+)\])?(?:\.(?=.)|$)")
+_STEP = re.compile(r'([A-Za-z]\w*)(?:\[(?:("(?:[^"\\]|\\.)*")|([^\[\]]+))\])?(?:\.(?=.)|$)')
 
 
 @dataclass(frozen=True)
@@ -36,15 +40,26 @@ def parse_path(text: str) -> FieldPath:
     """
     steps, position = [], 0
     while match := _STEP.match(text, position):
-        field, index = match.groups()
-        index = index.strip() if index else None
-        steps.append(Step(field, int(index) if index and index.isascii() and index.isdigit() else index))
+        field, quoted, index = match.groups()
+        steps.append(Step(field, _unquoted(text, quoted) if quoted else _index(index)))
         position = match.end()
     if not steps or position != len(text):
         raise InputError(
             f'{text!r} is no field path; write for example "position[front_left]", "effort[1]" or "linear.z"'
         )
     return FieldPath(text, tuple(steps))
+
+
+def _unquoted(text: str, quoted: str) -> str:
+    try:
+        return str(json.loads(quoted, strict=False))
+    except ValueError as error:
+        raise InputError(f"{text!r}: {quoted} is no name in quotation marks ({error})") from None
+
+
+def _index(text: str | None) -> int | str | None:
+    index = text.strip() if text else None
+    return int(index) if index and index.isascii() and index.isdigit() else index
 
 
 def check_path(path: FieldPath, definition: Definition) -> None:

@@ -3,6 +3,7 @@
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Counts
 from damper_estimator.signals.butterworth import columns_zero_phase, delay_seconds, low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, find_topic, read_channels, signals_for
+from damper_estimator.signals.element_path import named_element
 from damper_estimator.signals.fusion import Fusion
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.map_writing import save_signal_map, signal_map_yaml
@@ -43,6 +44,7 @@ __all__ = [
     "low_pass_zero_phase",
     "measure",
     "measured",
+    "named_element",
     "parse_signal_map",
     "part_channels",
     "read_channels",

@@ -9,7 +9,9 @@ import numpy as np
 
 from damper_estimator import files
 from damper_estimator.errors import InputError
+from damper_estimator.signals.element_path import named_element
 from damper_estimator.signals.fusion import Fusion
+from damper_estimator.signals.sensor_table import looked_up
 
 DEFAULT_CUTOFF = 60.0  # Hz
 DEFAULT_BAND = 30.0  # Hz
@@ -24,7 +26,8 @@ class Channel:
         topic, field: of the messages; ``field`` is a path of names and indices.
         scale, offset: raw to SI.
         skew: s, positive if the channel is late.
-        table: raw values and values, instead of scale (motion ratio); None without.
+        table: raw values and values, instead of scale (motion ratio); None without. What is beyond it by more than 2 %
+            of its range is no value.
         unit: of the command, for people.
         limits: raw, lowest and highest value: of the command the range of its driver (None: those of the model's fit),
             of temperature and pressure the range of the sensor (None: ordinary bounds).
@@ -45,17 +48,18 @@ class Channel:
     given: bool = False
 
     def value(self, raw: np.ndarray) -> np.ndarray:
-        """SI values of raw ones, any shape; the same code live and offline."""
-        if self.table is not None:
-            return np.interp(raw, *self.table)
-        return self.scale * raw + self.offset
+        """SI values of raw ones, any shape; the same code live and offline. NaN beyond a table: what a sensor gives
+        there has no meaning.
+        """
+        return self.scale * raw + self.offset if self.table is None else looked_up(raw, self.table)
 
     @property
     def value_limits(self) -> tuple[float, float] | None:
         """The limits as SI values, in order."""
         if self.limits is None:
             return None
-        low, high = sorted(float(self.value(limit)) for limit in self.limits)
+        ends = self.limits if self.table is None else np.clip(self.limits, self.table[0][0], self.table[0][-1])
+        low, high = sorted(float(self.value(limit)) for limit in ends)
         return low, high
 
     def raw(self, value: float) -> float:
@@ -131,8 +135,8 @@ def default_signals(damper: str) -> DamperSignals:
     """The default topics for one damper."""
     namespace = f"suspension/{damper}"
     return DamperSignals(
-        displacement=Channel("suspension/displacement", f"position[{damper}]"),
-        force=Channel("suspension/force", f"effort[{damper}]"),
+        displacement=Channel("suspension/displacement", named_element("position", damper)),
+        force=Channel("suspension/force", named_element("effort", damper)),
         command=Channel(f"{namespace}/current", "data", unit="A"),
         temperature=Channel(f"{namespace}/temperature", "temperature"),
         pressure=Channel(f"{namespace}/pressure", "fluid_pressure"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import Bag
-from damper_estimator.signals import Channel, DamperSignals, SignalMap, default_signals, measure
+from damper_estimator.signals import Channel, DamperSignals, SignalMap, default_signals, measure, named_element
 from damper_estimator.validation import excitation
 
 WORDS = {
@@ -87,7 +87,7 @@ def _of_message(topic: str, type_name: str, message: Any) -> Iterator[Candidate]
     if type_name == "sensor_msgs/msg/JointState":
         for field, role in (("position", "displacement"), ("effort", "force")):
             for name in list(message.name)[: len(getattr(message, field))]:
-                yield Candidate(role, topic, f"{field}[{name}]", str(name))
+                yield Candidate(role, topic, named_element(field, str(name)), str(name))
         return
     for field in _numbers(message, 3):
         text = f"{topic}.{field}"

@@ -210,6 +210,21 @@ def test_where_no_command_changes_the_force_the_last_one_is_kept():
     assert not inverse.solve(sample, 300.0).reached
 
 
+@pytest.mark.parametrize("is_trusted", [True, False])
+def test_a_wild_sample_that_is_not_trusted_does_not_freeze_the_command(is_trusted):
+    """The command is kept where its influence is a small share of the largest one; a glitch is no measure of that."""
+    model = model_of(entry("viscous", rate=800.0), entry("command_gain", rest=0.3, bend=1.0))
+    inverse = InverseModel(model, (LOWEST, HIGHEST))
+    sample = np.array([0.0, 0.0, 0.0, 0.3, 0.0, 1.0, np.nan, np.nan])
+    inverse.solve(sample)
+    sample[V], sample[DT] = 3e5, 0.002
+    inverse.solve(sample, is_trusted=is_trusted)
+    sample[V] = 0.3
+    reach = inverse.solve(sample)
+    between = np.linspace(reach.force_min, reach.force_max, 5)
+    assert (np.ptp([inverse.again(wanted).current for wanted in between]) > 0.0) != is_trusted
+
+
 def test_a_gap_resets_the_model():
     model = MODELS["parallel to friction with memory"]
     block = smooth_motion(60, 3)

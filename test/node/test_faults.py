@@ -54,6 +54,34 @@ def test_an_input_that_stops_is_stale_in_time_and_good_again_afterwards(executor
     checked(rig)
 
 
+def test_an_input_that_stops_before_a_parameter_is_set_is_stale_as_well(start, identified, rig):
+    start(model=identified("linear_viscous"), dampers="[left]", stale_after=2.0)
+    rig.ready()
+    settle(rig)
+    last = rig.forces[-1]
+    assert rig.set(max_gap=0.3)[0]
+    rig.wait(lambda: STALE in rig.forces[-1].status, "STALE")
+    assert rig.forces[-1].header.stamp == last.header.stamp and list(rig.forces[-1].force) == list(last.force)
+    settle(rig)
+    checked(rig)
+
+
+def test_names_that_are_numbers_or_have_brackets_do_not_confuse_the_node(start, identified, rig):
+    """Dampers that arrive by name: each gets its own displacement, and a strange name harms no other one."""
+    start(model=identified("linear_viscous"))
+    rig.ready()
+    names = ["2", "1", "left[m]"]
+    for k in range(400):
+        rig.send([0.002 * number * np.sin(0.02 * k) for number in (2.0, 1.0, 3.0)], names)
+        rig.listen(0.002)
+    rig.wait(lambda: bool(rig.forces) and set(rig.forces[-1].status) == {GOOD}, "good estimates")
+    force = dict(zip(rig.forces[-1].name, rig.forces[-1].force, strict=True))
+    rates = {name: force[name] for name in names}
+    assert rates["2"] == pytest.approx(2.0 * rates["1"], rel=0.05)
+    assert rates["left[m]"] == pytest.approx(3.0 * rates["1"], rel=0.05)
+    checked(rig)
+
+
 def test_implausible_values_are_dropped_counted_and_degrade(shared, identified, rig):
     shared(rig, model=identified("carrera_akutain"))
     rig.ready()

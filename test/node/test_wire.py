@@ -1,10 +1,13 @@
 """Serialised messages to numbers: the structure is looked up once, with any bytes between and after the fields."""
 
+import struct
+
 import numpy as np
 import pytest
 
 from damper_estimator.node.wire import MalformedMessage, NumbersReader
 from damper_estimator.recordings import joint_states
+from damper_estimator.signals import default_signals
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -37,3 +40,17 @@ def test_a_structure_is_known_with_any_padding_between_its_fields():
     for place in gaps:
         changed[place] = 0xCC
     assert reader.knows(bytes(changed)) and reader.read(bytes(changed)).values.tolist() == [1.0]
+
+
+def test_dampers_whose_names_are_numbers_or_have_brackets_are_read_by_name():
+    names = ("2", "1", "left[m]", 'a"b')
+    paths = [default_signals(name).displacement.field for name in names[::-1]]
+    assert NumbersReader(JOINT_STATE, paths).read(message(*names)).values.tolist() == [4.0, 3.0, 2.0, 1.0]
+
+
+def test_a_stamp_with_a_second_of_nanoseconds_is_malformed():
+    reader, broken = NumbersReader(JOINT_STATE, ["position[l]"]), bytearray(message("l"))
+    reader.read(bytes(broken))
+    struct.pack_into("<iI", broken, 4, 2**31 - 1, 10**9)
+    with pytest.raises(MalformedMessage, match="stamp"):
+        reader.read(bytes(broken))

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from damper_estimator.errors import InputError
+from damper_estimator.recordings import parse_path
+from damper_estimator.recordings.field_path import Step
+from damper_estimator.signals import named_element
 from damper_estimator.signals.map_writing import save_signal_map, signal_map_yaml
 from damper_estimator.signals.signal_map import (
     Channel,
@@ -61,7 +64,8 @@ def test_value_is_scale_times_raw_plus_offset(scale, offset, raw):
 def test_one_sample_and_a_record_are_scaled_to_the_same_bits():
     raw = np.random.default_rng(0).normal(size=1000)
     for channel in (Channel("t", "f", 0.1234567, -0.07), Channel("t", "f", table=((-1.0, 0.1, 2.0), (0.3, 0.2, -5.0)))):
-        assert np.array_equal(channel.value(raw), np.concatenate([channel.value(raw[i : i + 1]) for i in range(1000)]))
+        each = np.concatenate([channel.value(raw[i : i + 1]) for i in range(1000)])
+        assert np.array_equal(channel.value(raw), each, equal_nan=True)
 
 
 def test_tables_are_straight_between_their_points():
@@ -69,6 +73,29 @@ def test_tables_are_straight_between_their_points():
         {"dampers": {"a": {"displacement": {"table": {"raw": [0, 1, 3], "value": [0.0, 0.5, 2.5]}}}}}, "m"
     )
     assert channel.dampers["a"].displacement.value(np.array([0.5, 2.0])).tolist() == [0.25, 1.5]
+
+
+@pytest.mark.parametrize("raw", [65535.0, -1e300, np.inf, -np.inf, np.nan, 4.1, -0.1])
+def test_what_is_beyond_a_table_is_no_value(raw):
+    channel = Channel("t", "f", table=((0.0, 1.0, 4.0), (0.0, 0.5, 2.5)), limits=(-10.0, 10.0))
+    assert np.isnan(channel.value(raw))
+    assert channel.value(np.array([4.05, -0.05])).tolist() == [2.5, 0.0]  # noise at the ends
+    assert channel.value_limits == (0.0, 2.5)
+
+
+@given(st.text(min_size=1))
+@example("1")
+@example("a]")
+@example('"quoted"')
+@example("front left")
+def test_an_element_is_found_by_any_name(name):
+    """A damper may be called 1: that is no position."""
+    assert parse_path(named_element("position", name)).steps == (Step("position", name),)
+
+
+def test_ordinary_names_are_written_plainly():
+    assert named_element("position", "front_left") == "position[front_left]"
+    assert named_element("effort", "1") == 'effort["1"]'
 
 
 @given(st.floats(-3, 3))
