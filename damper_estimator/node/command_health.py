@@ -51,5 +51,5 @@ def _judge_command(now: CommandNow, before: CommandTally) -> tuple[bytes, str]:
     if now.complaint:
         return WARN, now.complaint
     if tally.desired == before.desired:
-        return WARN, "desired forces have stopped; the safe current is commanded"
+        return WARN, "desired forces have stopped"
     return OK, "following desired forces"

@@ -251,8 +251,15 @@ def _unknown(role: str, tally: InputTally) -> str:
     return f"no {role} yet on {tally.topic}, and the force depends on it: {reason}"
 
 
-def output_status(prefix: str, values: Mapping[str, object], incompatible: int) -> DiagnosticStatus:
+def output_status(
+    prefix: str, values: Mapping[str, object], incompatible: int, clock_has_stopped: bool = False
+) -> DiagnosticStatus:
     """Health of the force topic; no subscriber is no fault. ``values`` has ``SUBSCRIBERS``."""
+    if clock_has_stopped:
+        what = (
+            "/clock stands still while messages arrive: time goes on at this machine's pace; set use_sim_time to false"
+        )
+        return status(f"{prefix}: output", ERROR, what, values)
     if incompatible:
         return status(
             f"{prefix}: output", WARN, "a subscriber requests a quality of service that is not offered", values

@@ -21,6 +21,7 @@ from damper_estimator.node.ports import NodeState, SubscribingNode
 from damper_estimator.node.quality_of_service import OVERRIDABLE
 from damper_estimator.node.rclpy_private import RCLError, take
 from damper_estimator.node.sequence_numbers import DoubleSenders, Losses
+from damper_estimator.node.simulated_time import SimulatedTime
 from damper_estimator.node.wire import MalformedMessage
 
 LOG_PERIOD = 1.0  # s, at most one error per topic
@@ -52,6 +53,7 @@ class Inputs:
         self.data: dict[str, bytes] = {}
         self.busy = 0.0
         self.is_simulated = False
+        self._simulated = SimulatedTime()
         self._latest = float("-inf")
         self._longest = 0.0
 
@@ -114,11 +116,18 @@ class Inputs:
         """Time for staleness, s: that of the simulated clock if it is in use, since it may run at another pace. If a
         clock is set back, times of earlier messages and requests are set back as well.
         """
-        now = self._clock() / 1e9 if self.is_simulated else time.monotonic()
+        now = time.monotonic()
+        if self.is_simulated:
+            now = self._simulated.seconds(self._clock() / 1e9, now)
         if now < self._latest and self._state.estimation is not None:
             self._state.estimation.rewind(now)
         self._latest = now
         return now
+
+    @property
+    def clock_has_stopped(self) -> bool:
+        """Whether messages arrive although the simulated clock stands still."""
+        return self.is_simulated and self._simulated.has_stopped
 
     def _clock(self) -> int:
         return self._node.get_clock().now().nanoseconds
@@ -177,6 +186,7 @@ class Inputs:
             try:
                 is_simulated = self.is_simulated
                 if is_simulated:
+                    self._simulated.hear(now)
                     now = self.now()
                 clock = round(now * 1e9) if is_simulated else time.time_ns()
                 suspect = tally.publishers > 1 and number is not None and self._is_suspect(

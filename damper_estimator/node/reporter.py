@@ -72,7 +72,9 @@ class Reporter:
                 statuses.append(self._damper(prefix, topic, estimation, d, estimator.name))
             statuses += [self._command(prefix, follower) for follower in source.followers if follower.tally.desired]
         self._inputs = inputs
-        statuses.append(health.output_status(prefix, self._output(), self._forces.incompatible))
+        statuses.append(
+            health.output_status(prefix, self._output(), self._forces.incompatible, self._messages.clock_has_stopped)
+        )
         if state.recorder is not None:
             statuses.append(health.status(f"{prefix}: recording", *state.recorder.health()))
         return statuses

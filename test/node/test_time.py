@@ -4,6 +4,7 @@ import signal
 import time
 
 import numpy as np
+import pytest
 from rig import MS, PATIENCE, joint_state
 
 GOOD, DEGRADED, STALE = 0, 3, 4
@@ -87,3 +88,25 @@ def test_after_a_simulated_clock_was_set_back_no_sample_is_fresh_and_no_force_de
         if any(STALE in m.status for m in rig.forces):
             break
     assert any(STALE in m.status for m in rig.forces) and i * 10 * MS < 4 * SECOND
+
+
+@pytest.mark.parametrize("has_clock", [False, True])
+def test_an_input_gets_stale_although_the_simulated_clock_stands_still(has_clock, start, identified, rig):
+    """Absent, as on a vehicle with use_sim_time by mistake, or dead."""
+    from rosgraph_msgs.msg import Clock
+
+    start(model=identified("coulomb"), dampers="[left]", stale_after=0.5, use_sim_time=True)
+    rig.ready()
+    if has_clock:
+        clock = rig.node.create_publisher(Clock, "/clock", 10)
+        rig.wait(lambda: clock.get_subscription_count() > 0, "the clock's subscriber")
+        message = Clock()
+        message.clock.sec = 1_000
+        clock.publish(message)
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end:
+        rig.send([0.001], ["left"])
+        rig.listen(0.005)
+    assert not any(STALE in m.status for m in rig.forces)
+    rig.wait(lambda: STALE in rig.forces[-1].status, "STALE")
+    rig.wait(lambda: "/clock stands still" in rig.message(": output"), "the report")
