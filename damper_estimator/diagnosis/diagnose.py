@@ -23,7 +23,7 @@ from damper_estimator.diagnosis.misfit import usual_error
 from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_force
 from damper_estimator.diagnosis.result import Diagnosis
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
-from damper_estimator.identification import usable
+from damper_estimator.identification import check_motion, usable
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.validation import Comparison, compare, data_findings, reference_error
@@ -74,6 +74,7 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     Raises:
         InputError: where a recording cannot be judged with this model.
     """
+    check_motion(fit)
     for measurement in (*fit, *unseen):
         usable(model, measurement)
     if not unseen:

@@ -15,7 +15,7 @@ from damper_estimator.diagnosis.trial_fit import TrialFit, trial_fit
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.errors import InputError
-from damper_estimator.identification import usable
+from damper_estimator.identification import check_motion, usable
 from damper_estimator.identification.rows import Rows, rows_of
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
@@ -74,6 +74,7 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
     Raises:
         InputError: where a recording cannot be used, or cannot show a phenomenon.
     """
+    check_motion(measurements)
     whole = [m.part(p.start, p.stop) for m in measurements for p in usable(model, m)]
     whole = list(informative(whole)) if phenomena else whole
     state = identified_first(state_of(model, whole, whole[:1]), "both")

@@ -1,9 +1,9 @@
 """Relief passage beside the path: beyond an opening force oil flows past the elements that produce the force.
 
-    |P| < F_o:  d' = P / c_0,      beyond:  d' = F_o / c_0 + (|P| - F_o) / c,      P = F - F_0,      F = F_path(v - d')
+    |P| < F_o:  d' = v_0 P / F_o,      beyond:  d' = v_0 + (|P| - F_o) / c,      P = F - F_0,      F = F_path(v - d')
 
 F_0 in N (setting) is the path's force at rest, F_o in N the force beyond it at which the passage opens, per direction,
-c in N s/m its slope when it is open, d' in m/s the flow through it over the piston's area; c_0 = 200 c, a leak.
+c in N s/m its slope when it is open, d' in m/s the flow through it over the piston's area; v_0 = 0.1 mm/s.
 ``pressure_relief`` takes a share of the force away at the same motion. Here the path moves less, which is not the same
 if it has a memory: the yield of a magneto-rheological fluid builds up over its own travel. Solved implicitly, second
 order in the step (``model.chain``). Source: balance of the flows through parallel passages; Dixon 2008.
@@ -15,8 +15,8 @@ from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, V, X
 
 _FIRST = 1e8  # N/m, on the first sample after a reset
-_LEAK = 200.0  # times the slope of the open passage
-_EARLIEST, _LATEST = 0.2, 3.0  # of the recorded force
+_LEAK = 1e-4  # m/s at the opening force: a leak that shows would be a hysteresis
+_EARLIEST, _LATEST = 0.7, 2.5  # of the recorded force; opening earlier it would round a yield off, as hysteresis does
 
 
 @compiled
@@ -27,8 +27,8 @@ def kernel(parameters, settings, kinematics, state, force):
             rate = kinematics[V, i]
             k = 0 if rate > 0.0 else 2
             opening, slope = parameters[k], parameters[k + 1]
-            past = abs(rate) - opening / (_LEAK * slope)
-            held = opening + slope * past if past > 0.0 else _LEAK * slope * abs(rate)
+            past = abs(rate) - _LEAK
+            held = opening + slope * past if past > 0.0 else opening * abs(rate) / _LEAK
             force[i] += settings[0] + (held if rate > 0.0 else -held)
         else:
             force[i] += settings[0] + _FIRST * kinematics[X, i]
@@ -43,7 +43,7 @@ def trial(ranges: Ranges) -> Trial:
     slopes = (0.02 * slope, 300.0 * slope)
     limits = {"opening_rebound": openings, "damping_rebound": slopes,
               "opening_compression": openings, "damping_compression": slopes}  # fmt: skip
-    levels = tuple(level * ranges.force for level in (0.6, 1.2, 2.0))
+    levels = tuple(level * ranges.force for level in (0.8, 1.3, 2.0))
     starts = (
         *spread(opening_rebound=levels, opening_compression=levels),
         {"opening_rebound": levels[1], "damping_compression": 200.0 * slope},

@@ -7,7 +7,7 @@ from damper_estimator.identification.local_rows import LocalRows
 from damper_estimator.identification.methods.contract import MethodOptions, all_methods
 from damper_estimator.identification.pareto_front import Front, load_front
 from damper_estimator.identification.problem import Point, Problem
-from damper_estimator.identification.rows import pooled_error, rows_of, usable
+from damper_estimator.identification.rows import check_motion, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "Point",
     "Problem",
     "all_methods",
+    "check_motion",
     "fit",
     "fit_joint",
     "free_slots",

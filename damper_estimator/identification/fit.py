@@ -16,7 +16,7 @@ from damper_estimator.identification.methods.least_squares import best_start
 from damper_estimator.identification.pareto_front import Front
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.rigid import with_rigid_starts
-from damper_estimator.identification.rows import Rows, pooled_error, rows_of, usable
+from damper_estimator.identification.rows import Rows, check_motion, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start_points import candidates
 from damper_estimator.identification.ties import tied, with_inert_at_start, with_ties_applied
@@ -171,6 +171,7 @@ def judged_rows(
     zero_free: bool = False,
 ) -> list[Rows]:
     """The rows of the usable parts of all measurements; ``settings`` of a joint fit, one for each measurement."""
+    check_motion(given)
     rows = []
     for measurement, weight, setting in zip(given, weights, settings or [0] * len(given), strict=True):
         parts = usable(model, measurement)

@@ -143,6 +143,22 @@ def usable(model: DamperModel, measurement: Measurement) -> list[slice]:
     return [slice(a, b) for a, b in edges if time[b - 1] - time[a] >= _SHORTEST]
 
 
+def check_motion(measurements: Sequence[Measurement]) -> None:
+    """Refuses recordings none of which moves, or none of which has a force that changes; one at rest beside others has
+    its use.
+
+    Raises:
+        InputError: one line.
+    """
+    where = ", ".join(dict.fromkeys(one.recording for one in measurements))
+    for name, values in (
+        ("displacement", [one.raw_displacement for one in measurements]),
+        ("measured force", [one.force[one.judged] for one in measurements if one.force is not None]),
+    ):
+        if values and all(np.ptp(one) == 0.0 for one in values if one.size):
+            raise InputError(f"{where}: the {name} never changes; check the sensor, its topic and its field")
+
+
 def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
     """Whether the model's force changes with a slow channel, tested in the middle of a recording."""
     first = max(0, block.shape[1] // 2 - _TRIAL // 2)

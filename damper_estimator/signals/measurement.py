@@ -164,6 +164,11 @@ def measured(
             f"{recording}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, "
             f"--to or the map's windows"
         )
+    if len(kinematics) == 1:
+        raise InputError(
+            f"{recording}: only one of {arrived.stamp.size} displacement samples of damper {damper!r} can be used: "
+            "no stamp is later than the first; let the driver stamp every sample"
+        )
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:

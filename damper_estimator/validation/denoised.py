@@ -23,12 +23,18 @@ def denoised(stamp: np.ndarray, value: np.ndarray, density: float) -> np.ndarray
     Source: Wiener (1949), non-causal; gain 1 - noise / spectrum.
     """
     out = np.array(value, float)
-    period = float(np.median(np.diff(stamp))) / 1e9
+    period = period_of(stamp)
     gaps = np.flatnonzero(np.diff(stamp) > max(DEFAULT_MAX_GAP, 10.0 * period) * 1e9) + 1
     for part in np.split(np.arange(value.size), gaps):
         if part.size >= _LEAST_SAMPLES:
             out[part] = _wiener(value[part], density / (2.0 * period))
     return out
+
+
+def period_of(stamp: np.ndarray) -> float:
+    """s from sample to sample of stamps (n,) in ns, as a rule; on average where most stamps come twice."""
+    steps = np.diff(stamp)
+    return float(np.median(steps) or np.mean(steps)) / 1e9
 
 
 def _wiener(value: np.ndarray, variance: float) -> np.ndarray:

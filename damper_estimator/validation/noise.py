@@ -28,7 +28,7 @@ from damper_estimator.signals import Measurement
 from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
 from damper_estimator.signals.layout import A, V, X
 from damper_estimator.signals.rest import Rest, find_rests, quantum
-from damper_estimator.validation.denoised import denoised
+from damper_estimator.validation.denoised import denoised, period_of
 from damper_estimator.validation.rest_density import rest_density
 from damper_estimator.validation.sprung import sprung
 
@@ -220,7 +220,7 @@ def _channel(m: Measurement, rests: Sequence[Rest], stamp: np.ndarray, value: np
     density = rest_density(rests, time, value, m.band or 0.5 * m.kinematics.rate, density)
     step = quantum(value)
     # One-sided density times half the rate.
-    per_density = 0.5e9 / float(np.median(np.diff(stamp)))
+    per_density = 0.5 / period_of(stamp)
     deviation = float(np.sqrt(max(per_density * density - step**2 / 12.0, 0.0)))
     if step <= _COARSE * deviation:
         return _Channel(denoised(stamp, value, density), deviation, step, float(value[0]))

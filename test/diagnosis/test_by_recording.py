@@ -96,5 +96,5 @@ def test_what_raises_the_error_of_one_of_two_recordings_is_contradicted(two, noi
     hypothesis = tried(noisy, "coulomb", 0.6)
     evaluation = evaluated(noisy, [hypothesis], "kept")[0].evaluation
     contradicted = replace(evaluation, remaining=remaining_of(two, after, before))
-    assert "other recordings" in replace(hypothesis, evaluation=contradicted).exclusion
+    assert "some of the recordings" in replace(hypothesis, evaluation=contradicted).exclusion
     assert not replace(hypothesis, evaluation=evaluation).exclusion

@@ -28,7 +28,7 @@ def relief_flow(pressed):
     opening, slope = (
         RELIEF[f"{name}_{'rebound' if pressed > 0.0 else 'compression'}"] for name in ("opening", "damping")
     )
-    size = min(abs(pressed), opening) / (200.0 * slope) + max(abs(pressed) - opening, 0.0) / slope
+    size = 1e-4 * min(abs(pressed) / opening, 1.0) + max(abs(pressed) - opening, 0.0) / slope
     return np.copysign(size, pressed)
 
 
