@@ -13,6 +13,8 @@ import yaml
 
 from damper_estimator.errors import InputError, did_you_mean_file
 
+_RECORDINGS = (b"\x89MCAP", b"SQLite format 3")  # how their files begin
+
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
@@ -37,9 +39,26 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Writes a text file atomically."""
+    """Writes a text file atomically.
+
+    Raises:
+        InputError: instead of replacing a recording, or a YAML file (a model, a signal map) by a page or JSON.
+    """
+    _check_kind(Path(path), text)
     with replacing(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def _check_kind(target: Path, text: str) -> None:
+    try:
+        with target.open("rb") as stream:
+            head = stream.read(len(max(_RECORDINGS, key=len)))
+    except OSError:
+        return
+    if head.startswith(_RECORDINGS):
+        raise InputError(f"{target}: is a recording and is kept; choose another file for the result")
+    if target.suffix in (".yaml", ".yml") and text.lstrip()[:1] in ("{", "<"):
+        raise InputError(f"{target}: is a YAML file and is kept; choose another file for a page or JSON")
 
 
 def json_text(results: Mapping[str, object]) -> str:
