@@ -11,7 +11,7 @@ import argparse
 from damper_estimator.cli.diagnosis_arguments import add_diagnosis_arguments, read_cases
 from damper_estimator.cli.diagnosis_text import next_steps, print_diagnosis
 from damper_estimator.cli.progress_line import ProgressLine
-from damper_estimator.cli.verb_support import check_output_folders, prints_text, progress, write_json
+from damper_estimator.cli.verb_support import check_output_folders, prints_text, progress, reading_words, write_json
 from damper_estimator.workflows import DiagnosisResults, diagnose_case
 
 EXAMPLES = (
@@ -36,7 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
         if prints_text(arguments):
             print_diagnosis(case.damper, found[case.damper])
     if prints_text(arguments):
-        print(*next_steps(found, arguments.bags, arguments.validate, arguments.model), sep="\n", end="")
+        steps = next_steps(found, arguments.bags, arguments.validate, arguments.model, reading_words(arguments))
+        print(*steps, sep="\n", end="")
     results = DiagnosisResults(cases.request, found)
     if arguments.html:
         results.save(arguments.html)

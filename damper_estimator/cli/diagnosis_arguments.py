@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 from damper_estimator.cli.verb_support import add_bags, add_models, add_reading, at_least, read_recordings, report_notes
+from damper_estimator.errors import InputError
 from damper_estimator.workflows import DiagnosisCases, diagnosis_cases
 
 
@@ -38,6 +39,10 @@ def read_cases(arguments: argparse.Namespace, use: str) -> DiagnosisCases:
     Raises:
         InputError: if a model, a recording or a measured force is missing.
     """
+    fitted = {bag.resolve() for bag in arguments.bags}
+    for bag in arguments.validate:
+        if bag.resolve() in fitted:
+            raise InputError(f"{bag}: is to be fitted and judged on; leave --validate out, or name another recording")
     recording = read_recordings(arguments)
     validate = read_recordings(arguments, arguments.validate) if arguments.validate else None
     cases = diagnosis_cases(recording, arguments.model, validate, use)

@@ -5,6 +5,7 @@ from pathlib import Path
 from textwrap import fill
 
 from damper_estimator.cli.data_finding_text import print_findings
+from damper_estimator.cli.verb_support import command
 from damper_estimator.diagnosis import Diagnosis, Finding, Improvement
 from damper_estimator.numbers import number
 from damper_estimator.report.before_after import first_diagnosis
@@ -98,22 +99,33 @@ def _wrapped(text: str, indent: str) -> str:
     return fill(text, _WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ", break_long_words=False)
 
 
-def next_steps(found: Mapping[str, Diagnosis], bags: Sequence[Path], validate: Sequence[Path], model: str) -> list[str]:
-    """Commands that add the first finding, or improve the model automatically."""
+def next_steps(
+    found: Mapping[str, Diagnosis],
+    bags: Sequence[Path],
+    validate: Sequence[Path],
+    model: str,
+    reading: Sequence[str] = (),
+) -> list[str]:
+    """Commands that add the first finding, or improve the model automatically, for a shell.
+
+    Args:
+        reading: options by which the recordings were read.
+    """
     effects = [each.findings[0] for each in found.values() if each.verdict == "missing" and each.findings]
-    tied = any(finding.tied_with for each in found.values() for finding in each.findings)
-    bags_given = " ".join(map(str, (*bags, *validate)))
-    plans = [f"damper-estimator plan {bags_given} -m {model} -o drive   (a test that breaks the tie)"] if tied else []
+    every = [finding for each in found.values() for finding in each.findings]
+    plans = []
+    if any(finding.tied_with for finding in every):
+        words = ("plan", *bags, *validate, "-m", model, *reading, "-o", "drive")
+        plans = [f"{command(*words)}   (a test that breaks the tie)"]
     if not effects:
         return ["next:", *(f"  {text}" for text in plans), ""] if plans else []
-    given = " ".join([*map(str, bags), *(f"--validate {bag}" for bag in validate)])
-    lines = [f"damper-estimator improve {given} -m {model} -o improved.yaml"]
-    if any(finding.is_channel for finding in effects):
+    given = [*bags, *(word for bag in validate for word in ("--validate", bag))]
+    lines = [command("improve", *given, "-m", model, *reading, "-o", "improved.yaml")]
+    if any(finding.is_channel for finding in every):
         lines = [f"{lines[0]} --signals-out map.yaml"]
     elif len(found) == 1:
-        lines.insert(
-            0, f"damper-estimator add {effects[0].effect} -m {model} -o more.yaml   (then fit and compare), or"
-        )
+        added = command("add", effects[0].effect, "-m", model, "-o", "more.yaml")
+        lines.insert(0, f"{added}   (then fit and compare), or")
     return ["next:", *(f"  {text}" for text in [*lines, *plans]), ""]
 
 

@@ -15,9 +15,11 @@ from damper_estimator.cli.verb_support import (
     add_bags,
     add_models,
     add_reading,
+    command,
     prints_text,
     progress,
     read_recordings,
+    reading_words,
     write_json,
 )
 from damper_estimator.errors import InputError
@@ -76,8 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
         for damper, planned in found.by_damper.items():
             _print(damper, planned)
         if any(planned.separates for planned in found.by_damper.values()):
-            bags, verb = " ".join(map(str, arguments.bags)), "fit" if arguments.parameters else "diagnose"
-            print("next: record the test, then", f"  damper-estimator {verb} {bags} NEW -m {arguments.model}", sep="\n")
+            given = (*arguments.bags, "NEW", "-m", arguments.model, *reading_words(arguments))
+            words = ("fit", *given, "-o", "sharper.yaml") if arguments.parameters else ("diagnose", *given)
+            print("next: record the test, then", f"  {command(*words)}", sep="\n")
     progress(f"wrote {arguments.output}")
     write_json(arguments.json, found.to_dict())
     return 0

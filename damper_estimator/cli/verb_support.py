@@ -1,6 +1,7 @@
 """Shared by the verbs: common arguments, text and JSON output, pages, progress."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -131,6 +132,20 @@ def read_recordings(
         arguments.bags if bags is None else bags,
         signals=arguments.signals, dampers=arguments.dampers, start=window[0], stop=window[1],
     )  # fmt: skip
+
+
+def reading_words(arguments: argparse.Namespace) -> list[str]:
+    """The options of ``add_signals`` and ``add_window`` as they were given."""
+    words = ["-s", str(arguments.signals)] if arguments.signals else []
+    words += [word for damper in arguments.dampers or () for word in ("-d", damper)]
+    for option, value in (("--from", arguments.start), ("--to", arguments.stop)):
+        words += [option, f"{value:g}"] if value is not None else []
+    return words
+
+
+def command(*words: object) -> str:
+    """A command of this program for a shell."""
+    return shlex.join(["damper-estimator", *map(str, words)])
 
 
 def check_output_folders(*places: Path | str | None) -> None:

@@ -155,7 +155,8 @@ def check_motion(measurements: Sequence[Measurement]) -> None:
         ("displacement", [one.raw_displacement for one in measurements]),
         ("measured force", [one.force[one.judged] for one in measurements if one.force is not None]),
     ):
-        if values and all(np.ptp(one) == 0.0 for one in values if one.size):
+        present = [one for one in values if one.size]
+        if present and all(np.ptp(one) == 0.0 for one in present):
             raise InputError(f"{where}: the {name} never changes; check the sensor, its topic and its field")
 
 

@@ -115,3 +115,13 @@ def read_channels(bag: Bag, channels: Mapping[str, Channel], ends: bool = False)
 
 def _joined(parts: list[ChannelData]) -> ChannelData:
     return ChannelData(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("stamp", "rank", "value")))
+
+
+def too_few(count: int, arrived: ChannelData, where: str, whose: str, start: float, end: float) -> InputError:
+    """The error where a recording has no samples from ``start`` to ``end`` in s, or only one with a later stamp."""
+    if count:
+        return InputError(
+            f"{where}only one of {arrived.stamp.size} displacement samples{whose}can be used, as no stamp is later "
+            "than the first; let the driver stamp every sample"
+        )
+    return InputError(f"{where}no samples{whose}from {start:g} to {end:g} s; widen --from, --to or the map's windows")

@@ -12,7 +12,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Admission, Counts
 from damper_estimator.signals.at_stamps import at_stamps
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
-from damper_estimator.signals.channels import ChannelData, read_channels, signals_for
+from damper_estimator.signals.channels import ChannelData, read_channels, signals_for, too_few
 from damper_estimator.signals.clipping import clipped, touched
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.layout import T
@@ -159,16 +159,8 @@ def measured(
     counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
     windows = _windows(signal_map, start, end)
     kinematics, raw = _kinematics(data, signals, signal_map.cutoff, max_gap, windows)
-    if not len(kinematics):
-        raise InputError(
-            f"{recording}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, "
-            f"--to or the map's windows"
-        )
-    if len(kinematics) == 1:
-        raise InputError(
-            f"{recording}: only one of {arrived.stamp.size} displacement samples of damper {damper!r} can be used: "
-            "no stamp is later than the first; let the driver stamp every sample"
-        )
+    if len(kinematics) < 2:
+        raise too_few(len(kinematics), arrived, f"{recording}: ", f" of damper {damper!r} ", start, end)
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:

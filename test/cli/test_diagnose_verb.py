@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 
 import numpy as np
 import pytest
@@ -108,8 +109,20 @@ def test_unusable_input_is_one_line_before_any_work(engine, driven, model_file, 
     assert "no_model" in line(bag, "-m", "no_model")
     assert "'rear'" in line(bag, "-m", model_file, "-d", "rear")
     assert "absent.mcap" in line(bag, "-m", model_file, "--validate", tmp_path / "absent.mcap")
+    assert "is to be fitted and judged on" in line(bag, "-m", model_file, "--validate", bag)
     assert "no measured force of damper 'front_left'" in line(silent, "-m", model_file, "-d", "front_left")
     assert "no measured force" in line(bag, "-m", model_file, "--validate", silent, "-d", "front_left")
+
+
+def test_the_next_command_reads_the_recordings_in_the_same_way(engine, driven, model_file, tmp_path, capsys):
+    """Without the signal map the next command would interpret the recording otherwise."""
+    bag, signals = driven()[0], tmp_path / "my map.yaml"
+    signals.write_text("filter: {cutoff: 60.0}\n")
+    assert run(bag, "-m", model_file, "-s", signals, "-d", "front_left", "--from", 0.5) == 0
+    (improving,) = (text for text in capsys.readouterr().out.splitlines() if "improve" in text)
+    words = shlex.split(improving.split("   (")[0])
+    assert words[words.index("-s") + 1] == str(signals)
+    assert words[words.index("-d") + 1] == "front_left" and float(words[words.index("--from") + 1]) == 0.5
 
 
 def test_wrong_usage_is_reported(driven, model_file):

@@ -282,5 +282,8 @@ def test_what_cannot_be_fitted_is_refused_with_the_reason(baseline, entry, model
     assert "samples" in refusal(model, [recorded.part(0, 80)])
     assert "no sample can be judged" in refusal(model, [recorded.part(0, 20)])
     assert "no recordings" in refusal(model, [])
+    still = replace(recorded, raw_displacement=np.full_like(recorded.raw_displacement, 0.01))
+    assert "displacement never changes" in refusal(model, [still])
+    assert "measured force never changes" in refusal(model, [replace(recorded, force=np.zeros_like(recorded.force))])
     assert "least_squares" in refusal(model, [recorded], method="guessing")
     assert "no command" in refusal(model_of(entry("semi_active_squash")), [recorded])

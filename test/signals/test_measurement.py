@@ -201,6 +201,13 @@ def test_an_empty_window_is_refused(bag_of):
         measure(bag, SignalMap(), "fl", start=7.0)
 
 
+def test_stamps_that_never_change_are_refused_with_the_reason(bag_of):
+    stamp = stamps(1.0)
+    bag = bag_of(moved(np.zeros_like(stamp), wave(stamp)), gauged(stamp, push(stamp)))
+    with pytest.raises(InputError, match="only one of .* displacement samples .* let the driver stamp every sample"):
+        measure(bag, SignalMap(), "fl")
+
+
 def test_default_topics_are_found_inside_a_namespace(bag_of, plain):
     stamp = stamps()
     inside = "/car_7/suspension"
