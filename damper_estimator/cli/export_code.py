@@ -3,7 +3,7 @@
 import argparse
 from math import isfinite
 
-from damper_estimator.cli.verb_support import prints_text
+from damper_estimator.cli.verb_support import above_zero, from_zero, prints_text
 from damper_estimator.errors import InputError
 from damper_estimator.workflows import to_c, to_fmu
 
@@ -19,7 +19,7 @@ def add_code_arguments(parser: argparse._ArgumentGroup) -> None:
     parser.add_argument(
         "--cutoff",
         metavar="HZ",
-        type=float,
+        type=from_zero,
         help="cutoff of the filter, 0 for none (default: that of the map, else of the fit, else 60)",
     )
     parser.add_argument(
@@ -28,10 +28,13 @@ def add_code_arguments(parser: argparse._ArgumentGroup) -> None:
         type=limits,
         help="limits of the command (default: those of the map, else of the fit)",
     )
-    parser.add_argument("--lead", metavar="S", type=float, default=0.0, help="predict the motion ahead (%(default)g s)")
     parser.add_argument(
-        "--stale-after", metavar="S", type=float, default=0.1, help="time without a sample until STALE (%(default)g s)"
+        "--lead", metavar="S", type=from_zero, default=0.0, help="predict the motion ahead (%(default)g s)"
     )
+    parser.add_argument(
+        "--stale-after", metavar="S", type=above_zero, default=0.1,
+        help="time without a sample until STALE (%(default)g s)",
+    )  # fmt: skip
     parser.add_argument("--fmi", choices=("2.0", "3.0"), default="2.0", help="version of the FMU (%(default)s)")
     parser.add_argument(
         "--source-only", action="store_true", help="an FMU without a binary, to be compiled by the importing program"

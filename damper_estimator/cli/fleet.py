@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from damper_estimator.cli.fit_option_values import check_objectives, limits_of
 from damper_estimator.cli.verb_support import (
+    above_zero,
     add_json,
     add_models,
     add_signals,
@@ -49,7 +50,9 @@ _OPTIONS = {
         "--generations": {"metavar": "N", "type": int, "help": "number of generations (evolutionary methods)"},
         "--pick": {"metavar": "POINT", "help": "point of the front (--method nsga2): knee, or a group"},
     },
-    "replay": {"--max-gap": {"metavar": "S", "type": float, "help": "a longer gap between stamps resets the state"}},
+    "replay": {
+        "--max-gap": {"metavar": "S", "type": above_zero, "help": "a longer gap between stamps resets the state"},
+    },
 }
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from damper_estimator.cli.verb_support import (
+    above_zero,
     add_bags,
     add_json,
     add_models,
@@ -39,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-gap",
         metavar="S",
-        type=float,
+        type=above_zero,
         default=DEFAULT_MAX_GAP,
         help="a longer gap between stamps resets the state (%(default)g s)",
     )

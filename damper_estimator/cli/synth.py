@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from damper_estimator.cli.drive_playback import played_drive
-from damper_estimator.cli.verb_support import progress, write_json
+from damper_estimator.cli.verb_support import finite, from_zero, progress, write_json
 from damper_estimator.errors import InputError
 from damper_estimator.files import plain
 from damper_estimator.plant import (
@@ -71,13 +71,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--current", action="store_true", help="record a coil current even if it has no effect")
     parser.add_argument(
         "--spring",
-        type=float,
+        type=from_zero,
         default=0.0,
         metavar="N/m",
         help="stiffness of a coil spring included in the gauge's force",
     )
     parser.add_argument(
-        "--preload", type=float, default=0.0, metavar="N", help="force of the spring at displacement 0, negative"
+        "--preload", type=finite, default=0.0, metavar="N", help="force of the spring at displacement 0, negative"
     )
 
 

@@ -1,6 +1,7 @@
 """Shared by the verbs: common arguments, text and JSON output, pages, progress."""
 
 import argparse
+import math
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -89,6 +90,31 @@ def at_least(least: int) -> Callable[[str], int]:
         return int(text)
 
     return number
+
+
+def finite(text: str) -> float:
+    """A type of argument: any number but NaN and infinity."""
+    return _number(text, lambda value: True, "a finite number")
+
+
+def from_zero(text: str) -> float:
+    """A type of argument: a finite number that is not negative."""
+    return _number(text, lambda value: value >= 0.0, "a finite number of at least 0")
+
+
+def above_zero(text: str) -> float:
+    """A type of argument: a finite number greater than 0."""
+    return _number(text, lambda value: value > 0.0, "a finite number above 0")
+
+
+def _number(text: str, allowed: Callable[[float], bool], wanted: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and allowed(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not {wanted}")
+    return value
 
 
 @contextmanager

@@ -111,3 +111,20 @@ def test_two_dampers_live_in_one_program(tmp_path):
     sources = [str(tmp_path / f"{name}.c") for name in ("front_left", "rear_left", "main")]
     done = subprocess.run([find_compiler(), "-std=c99", *sources, "-lm", "-o", str(tmp_path / "two")], check=False)
     assert done.returncode == 0 and subprocess.run([tmp_path / "two"], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--cutoff", "-3"), ("--cutoff", "nan"), ("--stale-after", "0"), ("--stale-after", "nan"), ("--lead", "-1"),
+     ("--lead", "inf")],
+)  # fmt: skip
+def test_numbers_that_no_controller_can_use_are_refused(option, value, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["export", "carrera_akutain", "--c", str(tmp_path / "out"), option, value])
+    assert stopped.value.code == 2 and not (tmp_path / "out").exists()
+    last = capsys.readouterr().err.strip().splitlines()[-1]
+    assert f"argument {option}: '{value}' is not a finite number" in last
+
+
+def test_no_filter_and_no_lead_are_allowed(tmp_path):
+    assert main(["export", "carrera_akutain", "--c", str(tmp_path), "--cutoff", "0", "--lead", "0"]) == 0

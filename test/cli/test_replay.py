@@ -285,3 +285,11 @@ def test_unusable_input_is_one_line_and_leaves_nothing(driven, model_file, tmp_p
     cut.write_bytes(bag.read_bytes()[:3000])
     assert "cut.mcap" in refused("replay", cut, "-m", model_file, "-o", out)
     assert leftovers(tmp_path) == set()
+
+
+@pytest.mark.parametrize("value", ["-1", "0", "nan", "inf", "long"])
+def test_a_gap_that_cannot_be_is_refused(value, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["replay", "a.mcap", "-m", "coulomb", "-o", str(tmp_path / "out.mcap"), "--max-gap", value])
+    assert stopped.value.code == 2
+    assert f"argument --max-gap: '{value}' is not a finite number above 0" in capsys.readouterr().err

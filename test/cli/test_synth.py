@@ -150,3 +150,11 @@ def test_a_folder_that_cannot_be_made_is_refused_in_one_line(tmp_path: Path, cap
     (tmp_path / "file").write_text("")
     assert main(["synth", "-o", str(tmp_path / "file" / "out"), *SHORT]) == 1
     assert "choose another place with -o" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--spring", "nan"], ["--spring", "-1"], ["--preload", "nan"]])
+def test_a_spring_that_cannot_be_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture, words: list[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["synth", "-o", str(tmp_path / "out"), *words])
+    assert stop.value.code == 2 and not (tmp_path / "out").exists()
+    assert f"argument {words[0]}: '{words[1]}' is not a finite number" in capsys.readouterr().err
