@@ -165,7 +165,7 @@ def reading_words(arguments: argparse.Namespace) -> list[str]:
     words = ["-s", str(arguments.signals)] if arguments.signals else []
     words += [word for damper in arguments.dampers or () for word in ("-d", damper)]
     for option, value in (("--from", arguments.start), ("--to", arguments.stop)):
-        words += [option, f"{value:g}"] if value is not None else []
+        words += [option, str(value)] if value is not None else []
     return words
 
 

@@ -102,20 +102,18 @@ class UsualError:
     Attributes:
         error_n: then, N.
         share, share_now: of the force then, and now.
-        has_grown: whether it is larger by more than errors usually differ; then the known error accounts for it.
     """
 
     error_n: float
     share: float
     share_now: float
-    has_grown: bool
 
     @property
     def words(self) -> str:
         """What the error is, compared with that of the identification."""
         if not np.isfinite(self.share):
             return "is what the model has always got wrong"
-        if self.has_grown:
+        if is_larger(self.share_now, self.share):  # and the known error accounts for it, or it would be analysed
             compared = "larger, by what the model has always got wrong, than"
         elif self.share_now > _ALIKE * self.share:
             compared = "larger, but not by more than errors usually differ, than"
@@ -129,21 +127,24 @@ def is_larger(now: float, then: float) -> bool:
     return not now**2 <= limits().growth * then**2
 
 
+def _error_then(model: DamperModel) -> tuple[float, float]:
+    """Error of a model when it was identified, N and share of the force's rms; NaN where it is unknown."""
+    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
+    return then_n, then_n / force_n if force_n else float("nan")
+
+
 def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool:
     """Whether a model's error, share of the force's rms, is clearly larger than when it was identified.
 
     Shares, since the error of a form that is not quite the damper's grows with the motion.
     """
-    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
-    then = then_n / force_n if force_n else float("nan")
+    _, then = _error_then(model)
     return is_larger(error, then) if np.isfinite(then) else if_unknown
 
 
 def usual_error(model: DamperModel, share_now: float) -> UsualError:
     """Of a model whose error, share of the force's rms, is not new; NaN where its identification is unknown."""
-    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
-    then = then_n / force_n if force_n else float("nan")
-    return UsualError(then_n, then, share_now, has_grown(model, share_now))
+    return UsualError(*_error_then(model), share_now)
 
 
 def probability_of_change(model: DamperModel, error: float) -> float:
@@ -155,11 +156,11 @@ def probability_of_change(model: DamperModel, error: float) -> float:
 
         P = 1 / (1 + range / (s sqrt(2 pi)) exp(-(ln g / g_0)^2 / (2 s^2)))      for g > g_0
     """
-    then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
-    if not (then_n > 0.0 and force_n > 0.0):
+    _, then = _error_then(model)
+    if not then > 0.0:
         return 1.0
     spread = np.log(limits().growth)
-    above = max(np.log(max(error, 1e-12) ** 2 / (then_n / force_n) ** 2 / limits().usual_growth), 0.0)
+    above = max(np.log(max(error, 1e-12) ** 2 / then**2 / limits().usual_growth), 0.0)
     unchanged = _CHANGES / (spread * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * (above / spread) ** 2)
     return float(1.0 / (1.0 + unchanged))
 

@@ -1,6 +1,6 @@
 """Re-identifies what is in a model already: is that enough, and which parameters moved?"""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def reidentified(first: Round, data: DiagnosisData) -> Reidentified:
     if promised < 0.5 * limits().gain:
         return Reidentified(model, (), rmse(first.baseline, first.refitted), promised, False, phenomena)
     refitted = locally_fitted(start, [rows.measurement for rows in data.fit], zero_free=True)
-    left = errors(data.blocks, first.baseline.residual_fit, force_rows(refitted, data.unseen) - targets(data.unseen))
+    left = _left(first, refitted)
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
     low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))
     worth = np.sqrt(max(rmse(first.baseline, first.kept) ** 2 - rmse(first.baseline, left) ** 2, 0.0))
@@ -64,8 +64,15 @@ def reidentified(first: Round, data: DiagnosisData) -> Reidentified:
     if enough:
         # With the zero freed, the constant of a curve is undetermined, and so are all of its forces.
         refitted = locally_fitted(refitted, [rows.measurement for rows in data.fit])
-        left = replace(left, unseen=force_rows(refitted, data.unseen) - targets(data.unseen))
+        left = _left(first, refitted)
     return Reidentified(refitted, _moved(model, refitted), rmse(first.baseline, left), gain, enough, phenomena)
+
+
+def _left(first: Round, model: DamperModel) -> Errors:
+    """What a model leaves of the unseen rows; the fitted ones play no part."""
+    data = first.baseline.data
+    residual = force_rows(model, data.unseen) - targets(data.unseen)
+    return errors(data.blocks, first.baseline.residual_fit, residual)
 
 
 def _more(first: Round, left: Errors) -> bool:

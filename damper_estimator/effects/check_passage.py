@@ -11,10 +11,10 @@ second order in the step (``model.chain``). Source: balance of the flows through
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.dashpot import FIRST
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import DT, V, X
 
-_FIRST = 1e8  # N/m, on the first sample after a reset
 _ONE_SIDED = 4.0  # least ratio of the slopes
 
 
@@ -26,7 +26,7 @@ def kernel(parameters, settings, kinematics, state, force):
             rate = kinematics[V, i]
             force[i] += settings[0] + (parameters[0] if rate > 0.0 else parameters[1]) * rate
         else:
-            force[i] += settings[0] + _FIRST * kinematics[X, i]
+            force[i] += settings[0] + FIRST * kinematics[X, i]
 
 
 def trial(ranges: Ranges) -> Trial:

@@ -11,7 +11,7 @@ from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import DT, V, X
 
-_FIRST = 1e8  # N/m
+FIRST = 1e8  # N/m, on the first sample after a reset
 
 
 @compiled
@@ -21,7 +21,7 @@ def kernel(parameters, settings, kinematics, state, force):
         if kinematics[DT, i] > 0.0:
             force[i] += parameters[0] * kinematics[V, i]
         else:
-            force[i] += _FIRST * kinematics[X, i]
+            force[i] += FIRST * kinematics[X, i]
 
 
 def trial(ranges: Ranges) -> Trial:

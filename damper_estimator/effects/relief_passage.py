@@ -11,10 +11,10 @@ order in the step (``model.chain``). Source: balance of the flows through parall
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.dashpot import FIRST
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, V, X
 
-_FIRST = 1e8  # N/m, on the first sample after a reset
 _LEAK = 1e-4  # m/s at the opening force: a leak that shows would be a hysteresis
 _EARLIEST, _LATEST = 0.7, 2.5  # of the recorded force; opening earlier it would round a yield off, as hysteresis does
 
@@ -31,7 +31,7 @@ def kernel(parameters, settings, kinematics, state, force):
             held = opening + slope * past if past > 0.0 else opening * abs(rate) / _LEAK
             force[i] += settings[0] + (held if rate > 0.0 else -held)
         else:
-            force[i] += settings[0] + _FIRST * kinematics[X, i]
+            force[i] += settings[0] + FIRST * kinematics[X, i]
 
 
 def trial(ranges: Ranges) -> Trial:

@@ -117,11 +117,14 @@ def _joined(parts: list[ChannelData]) -> ChannelData:
     return ChannelData(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("stamp", "rank", "value")))
 
 
-def too_few(count: int, arrived: ChannelData, where: str, whose: str, start: float, end: float) -> InputError:
+def too_few(recording: str, damper: str, count: int, arrived: ChannelData, start: float, end: float) -> InputError:
     """The error where a recording has no samples from ``start`` to ``end`` in s, or only one with a later stamp."""
     if count:
         return InputError(
-            f"{where}only one of {arrived.stamp.size} displacement samples{whose}can be used, as no stamp is later "
-            "than the first; let the driver stamp every sample"
+            f"{recording}: only one of {arrived.stamp.size} displacement samples of damper {damper!r} can be used, as "
+            "no stamp is later than the first; let the driver stamp every sample"
         )
-    return InputError(f"{where}no samples{whose}from {start:g} to {end:g} s; widen --from, --to or the map's windows")
+    return InputError(
+        f"{recording}: no samples of damper {damper!r} from {start:g} to {end:g} s; widen --from, --to or the map's "
+        "windows"
+    )

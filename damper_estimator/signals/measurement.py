@@ -160,7 +160,7 @@ def measured(
     windows = _windows(signal_map, start, end)
     kinematics, raw = _kinematics(data, signals, signal_map.cutoff, max_gap, windows)
     if len(kinematics) < 2:
-        raise too_few(len(kinematics), arrived, f"{recording}: ", f" of damper {damper!r} ", start, end)
+        raise too_few(recording, damper, len(kinematics), arrived, start, end)
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:

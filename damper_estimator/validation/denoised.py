@@ -32,9 +32,9 @@ def denoised(stamp: np.ndarray, value: np.ndarray, density: float) -> np.ndarray
 
 
 def period_of(stamp: np.ndarray) -> float:
-    """s from sample to sample of stamps (n,) in ns, as a rule; on average where most stamps come twice."""
+    """s between different stamps (n,) in ns, as a rule; a sample may come twice."""
     steps = np.diff(stamp)
-    return float(np.median(steps) or np.mean(steps)) / 1e9
+    return float(np.median(steps[steps > 0])) / 1e9
 
 
 def _wiener(value: np.ndarray, variance: float) -> np.ndarray:

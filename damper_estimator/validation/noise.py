@@ -76,13 +76,8 @@ def noise_density(stamp: np.ndarray, value: np.ndarray) -> float:
     found = _moving_density(stamp, value)
     if not np.isfinite(found):
         return found
-    step, rate = quantum(value), _rate(stamp)
+    step, rate = quantum(value), 1.0 / period_of(stamp)
     return min(found, 2.0 / rate * (_held(value, rate) ** 2 + step**2 / 12.0))
-
-
-def _rate(stamp: np.ndarray) -> float:
-    steps = np.diff(stamp)
-    return 1e9 / float(np.median(steps[steps > 0]))
 
 
 def _moving_density(stamp: np.ndarray, value: np.ndarray) -> float:
@@ -232,7 +227,7 @@ def _channel(m: Measurement, rests: Sequence[Rest], stamp: np.ndarray, value: np
         _moving_density(stamp, _Channel(smooth, tried_deviation, step, level).disturbed(2)) for tried_deviation in tried
     ]
     searched = np.interp(_moving_density(stamp, value), np.maximum.accumulate(made), tried)
-    return _Channel(smooth, min(float(searched), _held(value, _rate(stamp))), step, level)
+    return _Channel(smooth, min(float(searched), _held(value, 1.0 / period_of(stamp))), step, level)
 
 
 def _without_steps(value: np.ndarray) -> np.ndarray:

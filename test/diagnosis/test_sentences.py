@@ -29,18 +29,18 @@ def test_zeros_that_differ_are_set_apart_from_what_is_unexplained():
 
 
 @pytest.mark.parametrize(
-    ("share", "share_now", "has_grown", "words"),
+    ("share", "share_now", "words"),
     [
-        (0.04, 0.02, False, "is smaller than when the model was identified (12 N, 4 %)"),
-        (0.04, 0.041, False, "is as large as when"),
-        (0.04, 0.05, False, "larger, but not by more than errors usually differ"),
-        (0.02, 0.06, True, "larger, by what the model has always got wrong"),
-        (np.nan, 0.06, False, "is what the model has always got wrong"),
+        (0.04, 0.02, "is smaller than when the model was identified (12 N, 4 %)"),
+        (0.04, 0.041, "is as large as when"),
+        (0.04, 0.05, "larger, but not by more than errors usually differ"),
+        (0.02, 0.06, "larger, by what the model has always got wrong"),
+        (np.nan, 0.06, "is what the model has always got wrong"),
     ],
 )
-def test_a_usual_error_is_compared_as_a_share_of_the_force(share, share_now, has_grown, words):
+def test_a_usual_error_is_compared_as_a_share_of_the_force(share, share_now, words):
     """In newtons it may be larger where the force is."""
-    then = UsualError(12.0, share, share_now, has_grown)
+    then = UsualError(12.0, share, share_now)
     text = sentence_of("nothing_missing", [], None, (45.0, 45.0), 45.0, 5.0, then)
     assert words in text and "45 N" in text and "nan" not in text
 
