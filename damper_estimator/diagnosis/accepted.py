@@ -1,13 +1,13 @@
 """An effect that a round accepted, and the model with it."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
 from damper_estimator.diagnosis.evaluation import rmse
-from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.hypotheses import Hypothesis, Region, are_themselves, limits_in, within
 from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.identification import LocalRows, Problem
@@ -56,9 +56,9 @@ def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     )
 
 
-def names_of(accepted: Sequence[Accepted]) -> list[str]:
-    """Of effects."""
-    return [one.element.effect.name for one in accepted]
+def regions_of(accepted: Sequence[Accepted]) -> dict[str, Region]:
+    """Where each effect is what it represents, by its name."""
+    return {one.element.effect.name: one.hypothesis.region for one in accepted}
 
 
 def together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
@@ -73,11 +73,6 @@ def together(accepted: Sequence[Accepted]) -> list[list[Accepted]]:
     return groups
 
 
-def entry_of(model: DamperModel, effect: str) -> Element:
-    """The entry that was added: an effect's last."""
-    return [element for element in walk(model.effects) if element.effect.name == effect][-1]
-
-
 def positions(model: DamperModel, added: Collection[str]) -> tuple[int, ...]:
     """Where the parameters of added effects are in the model's slots."""
     entries = list(walk(model.effects))
@@ -85,14 +80,25 @@ def positions(model: DamperModel, added: Collection[str]) -> tuple[int, ...]:
     return tuple(i for i, slot in enumerate(model.slots) if slot.entry in places)
 
 
-def fitted_together(model: DamperModel, added: Collection[str], data: DiagnosisData, refits: bool) -> DamperModel:
-    """The parameters of all that was found, fitted together; with all others where those are refitted."""
+def fitted_together(model: DamperModel, added: Mapping[str, Region], data: DiagnosisData, refits: bool) -> DamperModel:
+    """The parameters of all that was found, fitted together; with all others where those are refitted.
+
+    As given where an effect would not be what it represents any more.
+    """
     if refits:
-        return locally_fitted(model, [rows.measurement for rows in data.fit], zero_free=True)
-    problem = Problem(model, LocalRows(data.fit), positions(model, added))
+        measurements = [rows.measurement for rows in data.fit]
+        fitted = locally_fitted(model, measurements, zero_free=True, limits=limits_in(model, added))
+    else:
+        fitted = _fitted(Problem(model, LocalRows(data.fit), positions(model, added), slots=within(model, added)))
+    return fitted if are_themselves(fitted, added) else model
+
+
+def _fitted(problem: Problem) -> DamperModel:
     if not problem.searched.size:
         point = problem.point(problem.start)
     else:
         _, size = start_sizes(problem, 0, 0)
         point, _ = refine(problem, problem.start, size, 6, 1e-3)
-    return problem.model_at(problem.vector(point.searched, point.solved)) if np.isfinite(point.cost) else model
+    if not np.isfinite(point.cost):
+        return problem.model
+    return problem.model_at(problem.vector(point.searched, point.solved))

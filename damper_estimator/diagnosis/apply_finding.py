@@ -3,14 +3,15 @@
 ``diagnose`` promises these numbers, ``improve`` and the studio deliver them: they all come from here.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from damper_estimator.diagnosis.correction import corrected, corrected_signals
+from damper_estimator.diagnosis.hypotheses import Region, are_themselves, limits_in
 from damper_estimator.diagnosis.informative import informative
 from damper_estimator.diagnosis.local_fit import locally_fitted
 from damper_estimator.diagnosis.misfit import has_grown
@@ -32,7 +33,7 @@ class ModelState:
     Attributes:
         fit, unseen: recordings, read with the signal map as it is now; errors are those of the whole.
         fit_part, unseen_part: what effects are fitted to and judged on: their informative stretches.
-        added: effects that were added, in order.
+        added: effects that were added, in order, with the regions where they are what they represent.
         note: how the model was identified, where that is not the ordinary way.
     """
 
@@ -43,7 +44,7 @@ class ModelState:
     unseen_part: tuple[Measurement, ...]
     rmse_fit_n: float
     rmse_unseen_n: float
-    added: tuple[str, ...] = ()
+    added: Mapping[str, Region] = field(default_factory=dict)
     note: str = ""
 
     @cached_property
@@ -106,14 +107,21 @@ def identified_first(state: ModelState, mode: str) -> ModelState:
 
 
 def applied(
-    before: ModelState, element: Element, mode: str, promised: float, joint: DamperModel | None = None
+    before: ModelState,
+    element: Element,
+    region: Region,
+    mode: str,
+    promised: float,
+    joint: DamperModel | None = None,
 ) -> ModelState:
     """With a finding in its place: a fault of the measurement chain in the signal map, an effect in the model.
 
     All parameters are identified together; if those of added effects alone do better on unseen data (what fits one
-    drive may spoil parameters that were right for all), the others are kept. With mode ``kept`` they always are.
+    drive may spoil parameters that were right for all), the others are kept. With mode ``kept`` they always are. An
+    effect that would not be what it represents any more stays as it was found.
 
     Args:
+        region: of the effect.
         promised: N^2, by how much the search says that the mean squared error on unseen data falls.
         joint: the model with it as the search identified all parameters together. It is where the identification starts
             if that from the present values does not fulfil the promise: an effect may need other values of the rest.
@@ -124,7 +132,7 @@ def applied(
         again = {name: tuple(corrected(m, signals) for m in getattr(before, name)) for name in groups}
         return replace(before, **again).with_model(before.model, "goes to the signal map")
     name = element.effect.name
-    after = replace(before, added=(*before.added, name))
+    after = replace(before, added={**before.added, name: region})
     changed = before.model.with_missing(element)
     found = []
     if mode != "kept":
@@ -133,7 +141,8 @@ def applied(
             found.append(after.with_model(identified(after, joint)))
     if mode != "refit" and not any(one.fulfils(promised, before) for one in found):
         found.append(after.with_model(identified(after, changed, keep=True), "the other parameters are kept"))
-    return min(found, key=lambda one: one.rmse_unseen_n)
+    found = [one for one in found if are_themselves(one.model, one.added)]
+    return min(found, key=lambda one: one.rmse_unseen_n, default=after.with_model(changed))
 
 
 def _is_alike(one: DamperModel, other: DamperModel) -> bool:
@@ -147,6 +156,6 @@ def identified(state: ModelState, model: DamperModel, keep: bool = False) -> Dam
         return model
     choice: dict[str, Sequence[str]] = {"fix": ["*"], "free": list(state.added)} if keep else {}
     try:
-        return locally_fitted(model, state.fit_part, **choice)
+        return locally_fitted(model, state.fit_part, **choice, limits=limits_in(model, state.added))
     except InputError:
         return model

@@ -3,6 +3,7 @@
     residual + change_1 + change_2 + C_1 s_1 + C_2 s_2 -> min
 
 About the values that each effect has alone, and, since two that act against each other have none, about start values.
+First order promises too much where steps are long: the pairs are put in order by what they really leave there.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,14 +13,18 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from damper_estimator.diagnosis.baseline import Baseline
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.evaluation import Errors, errors, remaining_of
-from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.hypotheses import Hypothesis, within
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.diagnosis.trial_fit import TrialFit, linearised
+from damper_estimator.diagnosis.trial_fit import TrialFit, linearised, sketch
+from damper_estimator.model import DamperModel
 from damper_estimator.numerics import damped_step
 
 _FITTED = 4  # pairs of each kind
+_CHECKED = 40  # pairs of each kind, at their ends and on the way there
+_WAY = (1.0, 0.5)
 INEXACT = 1.3  # times what a pair may leave: to first order it may leave so much
 _FAR = 10.0  # times what explains all of the error: steps are hardly damped
 
@@ -42,6 +47,17 @@ class Couple:
     def names(self) -> tuple[str, str]:
         """Of both effects."""
         return self.effects[0].name, self.effects[1].name
+
+    def added_to(self, model: DamperModel, share: float = 1.0) -> DamperModel:
+        """The model with both, after this share of the steps, within what is physical."""
+        for hypothesis, step in zip(self.effects, self.steps, strict=True):
+            model, places = hypothesis.added_to(model)
+            vector = np.array([slot.value for slot in model.slots])
+            bounds = [slot.parameter for slot in within(model, {hypothesis.name: hypothesis.region})]
+            for i, change in zip(places, step, strict=True):
+                vector[i] = np.clip(vector[i] + share * change, bounds[i].lower, bounds[i].upper)
+            model = model.with_vector(vector)
+        return model
 
 
 @dataclass(frozen=True)
@@ -76,11 +92,11 @@ def couples_of(current: Round, most: float) -> tuple[list[Couple], list[Couple]]
     )
 
 
-def most_promising(couples: Sequence[Couple], most: float) -> list[Couple]:
-    """The first of each two phenomena, with every effect in two at most: some are good to first order only."""
+def most_promising(current: Round, couples: Sequence[Couple], most: float) -> list[Couple]:
+    """The best of each two phenomena, with every effect in two at most."""
     found: list[Couple] = []
-    for one in couples:
-        if one.left >= INEXACT * most or len(found) == _FITTED:
+    for one in _checked(current, [one for one in couples if one.left < INEXACT * most][:_CHECKED]):
+        if len(found) == _FITTED:
             break
         phenomena = {effect.phenomenon for effect in one.effects}
         is_new = all({effect.phenomenon for effect in other.effects} != phenomena for other in found)
@@ -89,14 +105,26 @@ def most_promising(couples: Sequence[Couple], most: float) -> list[Couple]:
     return found
 
 
-def resembling(current: Round, baseline: Baseline, hypotheses: Sequence[Hypothesis], within: float) -> Iterator[str]:
+def _checked(current: Round, couples: Sequence[Couple]) -> list[Couple]:
+    """In order of what they really leave on excerpts, where the steps end or on the way there."""
+    rows, model = sketch(current.baseline.data.fit), current.baseline.model
+    target = targets(rows)
+
+    def left(couple: Couple) -> float:
+        ends = [force_rows(couple.added_to(model, share), rows) - target for share in _WAY]
+        return float(np.nan_to_num(min(np.sum(end**2) for end in ends), nan=np.inf))
+
+    return sorted(couples, key=left)
+
+
+def resembling(current: Round, baseline: Baseline, hypotheses: Sequence[Hypothesis], nearest: float) -> Iterator[str]:
     """Names of effects that leave less than this beside what is in the model, to first order about their starts."""
     for hypothesis in hypotheses:
         if hypothesis.effect.kind != "series":
             fit = linearised(baseline, hypothesis)
             if fit.sizes.any():
                 term = _Term(hypothesis, fit, *_bounds(current, hypothesis, fit))
-                if _first_order(current, baseline, term)[0] + penalty_of([hypothesis]) < within:
+                if _first_order(current, baseline, term)[0] + penalty_of([hypothesis]) < nearest:
                     yield hypothesis.name
 
 
@@ -125,7 +153,7 @@ def _bounds(current: Round, hypothesis: Hypothesis, fit: TrialFit) -> tuple[np.n
     ends = []
     for place in places:
         slot = model.slots[place]
-        low, high = hypothesis.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
+        low, high = hypothesis.region.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
         ends.append((low - slot.value, high - slot.value))
     size = np.where(fit.sizes > 0.0, fit.sizes, 1.0)
     low, high = np.array(ends).T / size

@@ -21,11 +21,32 @@ from damper_estimator.identification.row_sources import RowSource
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.selection import narrowed
 from damper_estimator.model import DamperModel, Element, Slot
-from damper_estimator.model.element import new_element, walk
+from damper_estimator.model.element import labels, new_element, walk
 
 if TYPE_CHECKING:  # the later stages import this module
     from damper_estimator.diagnosis.evaluation import Evaluation
     from damper_estimator.diagnosis.trial_fit import TrialFit
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where in its parameter space an effect is what it represents.
+
+    Attributes:
+        limits: lowest and highest value of parameters by name.
+        excludes: says why the effect with some values is not what it represents; None if it always is.
+    """
+
+    limits: Mapping[str, tuple[float, float]]
+    excludes: Callable[[Mapping[str, Any]], str] | None = None
+
+    def exclusion(self, element: Element) -> str:
+        """Why an entry of the effect is not what it represents with its values; "" if it is."""
+        return self.excludes(element.parameters) if self.excludes else ""
+
+    def __getstate__(self) -> dict[str, object]:
+        """For another process: results go there, in which nothing is fitted any more, and local functions cannot."""
+        return {"limits": dict(self.limits), "excludes": None}
 
 
 @dataclass(frozen=True)
@@ -34,9 +55,8 @@ class Hypothesis:
 
     Attributes:
         element: the entry as it would be added, with start values.
-        limits: physical range of parameters by name.
+        region: where it is what it represents.
         starts: further start values by name.
-        excludes: says why the effect with fitted values is not what it represents; None if it always is.
         imitates: name of the form-free test of what such values imitate; "" if there is none.
         conditions: other settings by name, of which the trial fit takes the best.
         prior: its probability beside others that explain as much, relative to theirs.
@@ -47,9 +67,8 @@ class Hypothesis:
     """
 
     element: Element
-    limits: Mapping[str, tuple[float, float]]
+    region: Region
     starts: Sequence[Mapping[str, float]]
-    excludes: Callable[[Mapping[str, Any]], str] | None = None
     imitates: str = ""
     conditions: Sequence[Mapping[str, float]] = ()
     prior: float = 1.0
@@ -87,7 +106,7 @@ class Hypothesis:
         """Why it is not what it represents with its fitted values, or contradicts recordings; "" if neither."""
         if self.evaluation is not None and self.evaluation.remaining.worsened >= limits().contradicted:
             return "raises the error on some of the recordings"
-        return self.excludes(self.fitted_element.parameters) if self.excludes else ""
+        return self.region.exclusion(self.fitted_element)
 
     @property
     def fitted_element(self) -> Element:
@@ -130,17 +149,13 @@ class Hypothesis:
     def problem(self, model: DamperModel, rows: Sequence[Rows]) -> Problem:
         """The least-squares problem of the effect's parameters, all others kept."""
         changed, free = self.added_to(model)
-        return Problem(changed, LocalRows(rows), free, slots=self._slots(changed, free))
+        return Problem(changed, LocalRows(rows), free, slots=within(changed, {self.name: self.region}))
 
     def joint_problem(self, model: DamperModel, source: RowSource) -> Problem:
         """The least-squares problem of the effect's parameters and all free ones of the model."""
         changed, own = self.added_to(model)
         free = [i for i, slot in enumerate(changed.slots) if i in own or not slot.fixed]
-        return Problem(changed, source, free, slots=self._slots(changed, own))
-
-    def _slots(self, model: DamperModel, free: Sequence[int]) -> tuple[Slot, ...]:
-        label = model.slots[free[0]].address.rpartition(".")[0]
-        return narrowed(model, {f"{label}.{name}": limit for name, limit in self.limits.items()})
+        return Problem(changed, source, free, slots=within(changed, {self.name: self.region}))
 
     def start_points(self, problem: Problem) -> np.ndarray:
         """(s, q) where to begin: the trial's values, then its further starts."""
@@ -151,6 +166,27 @@ class Hypothesis:
                 point[k] = start.get(problem.slots[slot].parameter.name, point[k])
             points.append(problem.clipped(point))
         return np.array(points)
+
+
+def entry_of(model: DamperModel, effect: str) -> Element:
+    """The entry that was added: an effect's last."""
+    return [element for element in walk(model.effects) if element.effect.name == effect][-1]
+
+
+def limits_in(model: DamperModel, added: Mapping[str, Region]) -> dict[str, tuple[float, float]]:
+    """Physical limits of the parameters of effects that were added to a model, by address."""
+    last = {element.effect.name: label for label, element in labels(model.effects)}
+    return {f"{last[effect]}.{name}": ends for effect, one in added.items() for name, ends in one.limits.items()}
+
+
+def within(model: DamperModel, added: Mapping[str, Region]) -> tuple[Slot, ...]:
+    """The model's slots with the physical limits of added effects."""
+    return narrowed(model, limits_in(model, added))
+
+
+def are_themselves(model: DamperModel, added: Mapping[str, Region]) -> bool:
+    """Whether all effects that were added to a model are what they represent, with the values that they have there."""
+    return not any(region.exclusion(entry_of(model, effect)) for effect, region in added.items())
 
 
 def hypotheses_for(model: DamperModel, ranges: Ranges) -> tuple[list[Hypothesis], dict[str, str]]:
@@ -185,7 +221,8 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
             values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
     starts = [*trial.starts, *_as_stiff(effect, model.spring)]
     element = new_element(effect, model.effects, values)
-    return Hypothesis(element, physical, starts, trial.exclusion, trial.imitates, trial.conditions, trial.prior)
+    region = Region(physical, trial.exclusion)
+    return Hypothesis(element, region, starts, trial.imitates, trial.conditions, trial.prior)
 
 
 def _as_stiff(effect: Effect, present: Element | None) -> list[dict[str, float]]:

@@ -147,7 +147,7 @@ def _follow(improving: _Improving, found: Diagnosis, most: int) -> None:
         return
     added = improving.current.added
     for finding, step in found.steps:
-        current = replace(step, added=(*added, *step.added))
+        current = replace(step, added={**added, **step.added})
         if len(current.added) <= most:
             improving.keep("correct" if finding.is_channel else "add", current, finding, found)
 
@@ -168,11 +168,11 @@ def _change_form(improving: _Improving, found: Diagnosis) -> bool:
 
 def _prune(improving: _Improving, report: Progress) -> None:
     """Removes effects that later ones made redundant."""
-    for name in list(improving.current.added[:-1]):
+    for name in list(improving.current.added)[:-1]:
         report(f"is {name} still needed", 0.95)
         current = improving.current
         present = [label for label, element in labels(current.model.effects) if element.effect.name == name]
-        less = replace(current, added=tuple(other for other in current.added if other != name))
+        less = replace(current, added={other: at for other, at in current.added.items() if other != name})
         without = less.with_model(identified(less, current.model.without(present[-1]), improving.mode == "kept"))
         if without.rmse_unseen_n < (1.0 + limits().needless) * current.rmse_unseen_n:
             improving.keep("prune", without, None, None, f"{name} is needless since a later effect was added")

@@ -5,7 +5,7 @@ cost a run of the implicit solver; the derivatives of the path alone are accurat
 the model itself.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +17,9 @@ from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.identification.methods.contract import MethodOptions
 from damper_estimator.identification.rows import Rows, split
+from damper_estimator.identification.selection import narrowed
 from damper_estimator.identification.ties import find_ties, tables
-from damper_estimator.model import DamperModel
+from damper_estimator.model import DamperModel, Slot
 from damper_estimator.model.element import labels
 from damper_estimator.numerics import damped_step, standard_errors
 from damper_estimator.signals import Measurement
@@ -36,11 +37,12 @@ def locally_fitted(
     free: Sequence[str] = (),
     fix: Sequence[str] = (),
     zero_free: bool = False,
+    limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> DamperModel:
     """The model with its free parameters identified from their values, and its record of the fit.
 
     Args:
-        free, fix: as in ``identification.fit``.
+        free, fix, limits: as in ``identification.fit``.
         zero_free: whether the gauge's zero and drift are left out of the comparison.
 
     Raises:
@@ -51,27 +53,32 @@ def locally_fitted(
         options = MethodOptions(gain=_ENOUGH)
         return identify(
             model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free, thinned=True,
-            method_options=options,
+            method_options=options, limits=limits,
         ).model  # fmt: skip
     # The record states the error over all samples.
     rows = [rows_of(m, w, zero_free=zero_free).thinned() for m, w in zip(measurements, weight, strict=True)]
-    slots = list(free_slots(model, free, fix))
-    return _recorded(*_descended(model, rows, slots), slots, rows)
+    places = list(free_slots(model, free, fix))
+    return _recorded(*_descended(model, rows, places, narrowed(model, limits or {})), places, rows)
 
 
 def _descended(
-    model: DamperModel, rows: Sequence[Rows], slots: Sequence[int]
+    model: DamperModel, rows: Sequence[Rows], places: Sequence[int], limited: Sequence[Slot]
 ) -> tuple[DamperModel, np.ndarray, np.ndarray]:
-    """The model after some steps, its rows' residual (r,), and the derivatives (r, k) there."""
+    """The model after some steps, its rows' residual (r,), and the derivatives (r, k) there.
+
+    Args:
+        places: of the free parameters in its slots.
+        limited: all slots, with the bounds that the steps respect.
+    """
     target = targets(rows)
     force = force_rows(model, rows)
-    columns = near_derivatives(model, rows, slots, force)
+    columns = near_derivatives(model, rows, places, force)
     for _ in range(_STEPS):
         residual = force - target
         step = damped_step(columns, residual, _DAMPED_FROM)
         share, best = 1.0, (float(residual @ residual), model, force)
         while share >= _SHORTEST and best[1] is model:
-            trial = _moved(model, slots, share * step)
+            trial = _moved(model, places, share * step, limited)
             modelled = force_rows(trial, rows)
             cost = float((modelled - target) @ (modelled - target))
             if np.isfinite(cost) and cost < best[0]:
@@ -81,15 +88,15 @@ def _descended(
         model, force = best[1], best[2]
         if gained < _LEAST * float(residual @ residual):
             break
-        columns = near_derivatives(model, rows, slots, force)
+        columns = near_derivatives(model, rows, places, force)
     return model, force - target, columns
 
 
-def _moved(model: DamperModel, slots: Sequence[int], step: np.ndarray) -> DamperModel:
+def _moved(model: DamperModel, places: Sequence[int], step: np.ndarray, limited: Sequence[Slot]) -> DamperModel:
     vector = np.array([slot.value for slot in model.slots])
-    for i, change in zip(slots, step, strict=True):
-        slot = model.slots[i]
-        vector[i] = np.clip(vector[i] + change * slot_size(slot), slot.parameter.lower, slot.parameter.upper)
+    for i, change in zip(places, step, strict=True):
+        bounds = limited[i].parameter
+        vector[i] = np.clip(vector[i] + change * slot_size(model.slots[i]), bounds.lower, bounds.upper)
     return model.with_vector(vector)
 
 

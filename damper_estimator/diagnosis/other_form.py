@@ -12,7 +12,7 @@ import numpy as np
 from damper_estimator.diagnosis.apply_finding import ModelState, identified
 from damper_estimator.diagnosis.atlas_terms import TESTS
 from damper_estimator.diagnosis.diagnosis_data import ranges_of
-from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for
+from damper_estimator.diagnosis.hypotheses import Hypothesis, are_themselves, hypotheses_for
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.contract import Effect
 from damper_estimator.model import DamperModel
@@ -28,8 +28,11 @@ def in_another_form(state: ModelState) -> tuple[ModelState, str, Hypothesis] | N
     best = None
     for label, less, form in _replacements(state):
         changed, _ = form.added_to(less)
-        after = replace(state, added=(*(name for name in state.added if name in _names(less)), form.name))
+        kept = {name: region for name, region in state.added.items() if name in _names(less)}
+        after = replace(state, added={**kept, form.name: form.region})
         after = after.with_model(identified(after, changed), f"in place of {label}")
+        if not are_themselves(after.model, after.added):
+            continue
         if best is None or after.rmse_unseen_n < best[0].rmse_unseen_n:
             best = after, label, form
     most = np.sqrt(1.0 - limits().gain) * state.rmse_unseen_n

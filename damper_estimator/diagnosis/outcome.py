@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from damper_estimator.diagnosis.accepted import names_of, together
+from damper_estimator.diagnosis.accepted import regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
@@ -63,7 +63,7 @@ def outcome_of(
     first = _searched(state, floor_n, mode, skip, workers, lambda text, share: progress(text, 0.05 + 0.85 * share))
     if first.steps or not first.found.accepted or first.verdict != "unexplained":
         return first
-    promising = set(names_of(together(first.found.accepted)[0]))
+    promising = set(regions_of(together(first.found.accepted)[0]))
     again = _searched(
         state, floor_n, mode, {*skip, *promising}, workers, lambda text, share: progress(text, 0.9 + 0.1 * share)
     )

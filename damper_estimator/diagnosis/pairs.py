@@ -6,7 +6,7 @@ compared to first order (``couples``), the best of them are fitted, and then eac
 support goes to what explains most with the other one there.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from damper_estimator.diagnosis.couples import (
 )
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.evaluation import errors, rmse
-from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.hypotheses import Hypothesis, Region
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
@@ -36,36 +36,36 @@ _RIVALS = 1.5  # times what the pair leaves: what leaves more in a place of it c
 
 @dataclass(frozen=True)
 class _Pair:
-    """Two effects fitted together: what they leave, their names, and the model with them."""
+    """Two effects fitted together: what they leave, the effects with their regions, and the model with them."""
 
     left: float
-    names: tuple[str, str]
+    regions: Mapping[str, Region]
     model: DamperModel
 
 
 def paired(
     current: Round,
     tried: Sequence[Hypothesis],
-    names: Collection[str],
+    before: Mapping[str, Region],
     workers: int,
     progress: Callable[[int], None],
 ) -> tuple[list[Accepted], DamperModel] | None:
     """Two effects that the data support together, and the model with them; None where there are none.
 
     Args:
-        names: of effects that were found before.
+        before: effects that were found before, with their regions.
     """
-    most = _most(current, names)
+    most = _most(current, is_first=not before)
     if most <= 0.0:
         return None
     about_fits, about_starts = couples_of(current, most)
-    promising = [*most_promising(about_fits, most), *most_promising(about_starts, most)]
-    for pair in sorted((_fitted(current, one, names) for one in promising), key=lambda pair: pair.left):
+    promising = [one for couples in (about_fits, about_starts) for one in most_promising(current, couples, most)]
+    for pair in sorted((_fitted(current, one, before) for one in promising), key=lambda pair: pair.left):
         if pair.left > most:
             break
-        within = max(_RIVALS * pair.left, INEXACT * most)
-        near = [one.names for one in (*about_fits, *about_starts) if one.left < within]
-        found = _in_their_places(current, pair, tried, near, within, names, workers, progress)
+        nearest = max(_RIVALS * pair.left, INEXACT * most)
+        near = [one.names for one in (*about_fits, *about_starts) if one.left < nearest]
+        found = _in_their_places(current, pair, tried, near, nearest, before, workers, progress)
         if found is not None:
             return found
     return None
@@ -76,8 +76,8 @@ def _in_their_places(
     pair: _Pair,
     tried: Sequence[Hypothesis],
     near: Sequence[tuple[str, str]],
-    within: float,
-    names: Collection[str],
+    nearest: float,
+    before: Mapping[str, Region],
     workers: int,
     progress: Callable[[int], None],
 ) -> tuple[list[Accepted], DamperModel] | None:
@@ -86,27 +86,29 @@ def _in_their_places(
 
     Args:
         near: pairs whose effects compete where they have one effect in common with this one.
-        within: what else leaves less than this, to first order, beside the other one competes as well.
-        names: of effects that were found before.
+        nearest: what else leaves less than this, to first order, beside the other one competes as well.
+        before: effects that were found before, with their regions.
     """
     data, model, found = current.baseline.data, pair.model, []
-    other, alone = pair.names
+    regions = dict(pair.regions)
+    other, alone = regions
     for _ in range(2):
         less, element = _without(model, alone)
         base = None if current.refits else ()
-        baseline = baseline_of(less, data, positions(less, [*names, other]), base)
-        free = [h for h in tried if h.name not in {*names, other}]
+        baseline = baseline_of(less, data, positions(less, [*before, other]), base)
+        free = [h for h in tried if h.name not in {*before, other}]
         rivals = {alone, *(name for both in near if other in both for name in both)}
-        rivals |= set(resembling(current, baseline, [h for h in free if h.name not in rivals], within))
+        rivals |= set(resembling(current, baseline, [h for h in free if h.name not in rivals], nearest))
         among = [replace(h, element=element) if h.name == alone else h for h in free if h.name in rivals]
         again = round_of(baseline, all_fitted(baseline, among, 0.0, workers, progress), current.mode)
         best = again.best
         if best is None or again.reason_against(best, data.force_rms):
             return None
         found.append(accepted_in(again, best))
+        regions = {other: regions[other], best.name: best.region}
         alone, other = other, best.name
         changed = best.fitted_into(again.baseline.model)
-        model = fitted_together(changed, [*names, alone, other], data, current.refits)
+        model = fitted_together(changed, {**before, **regions}, data, current.refits)
     both = _share(current, model)
     least = limits().second * (1.0 - both)
     if any(_share(current, _without(model, name)[0]) - both < least for name in (alone, other)):
@@ -124,30 +126,24 @@ def _in_order(current: Round, found: Sequence[Accepted]) -> list[Accepted]:
     return [first, second] if needs else [replace(first, before_n=whole, after_n=second.before_n), second]
 
 
-def _most(current: Round, names: Collection[str]) -> float:
+def _most(current: Round, is_first: bool) -> float:
     """What a pair may leave: clearly less than the best single effect, both beside what a wrong form leaves.
 
     If the data support no single effect with the model's parameters kept, and none was found before, a pair need not be
     better than one that is refused: it must explain what two effects do that each explain just enough.
     """
-    if not names and not current.refits and not current.supported(current.baseline.data.force_rms):
+    if is_first and not current.refits and not current.supported(current.baseline.data.force_rms):
         return (1.0 - limits().gain) ** 2
     single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
     return limits().pair * (single + limits().second) - limits().second
 
 
-def _fitted(current: Round, couple: Couple, names: Collection[str]) -> _Pair:
-    model, data = current.baseline.model, current.baseline.data
-    added = couple.names
-    for hypothesis, step in zip(couple.effects, couple.steps, strict=True):
-        model, places = hypothesis.added_to(model)
-        vector = np.array([slot.value for slot in model.slots])
-        low, high = (np.array([getattr(model.slots[i].parameter, end) for i in places]) for end in ("lower", "upper"))
-        vector[list(places)] = np.clip(vector[list(places)] + step, low, high)
-        model = model.with_vector(vector)
-    model = fitted_together(model, [*names, *added], data, current.refits)
+def _fitted(current: Round, couple: Couple, before: Mapping[str, Region]) -> _Pair:
+    data, regions = current.baseline.data, {one.name: one.region for one in couple.effects}
+    model = couple.added_to(current.baseline.model)
+    model = fitted_together(model, {**before, **regions}, data, current.refits)
     left = _share(current, model) + penalty_of(couple.effects)
-    return _Pair(left if np.isfinite(left) else np.inf, added, model)
+    return _Pair(left if np.isfinite(left) else np.inf, regions, model)
 
 
 def _share(current: Round, model: DamperModel) -> float:

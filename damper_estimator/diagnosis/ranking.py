@@ -208,4 +208,6 @@ def _judged(hypothesis: Hypothesis, tests: Sequence[TestEvaluation]) -> Hypothes
     """The hypothesis, without its exclusion if it explains clearly more than what it would imitate."""
     imitated = (test.error for test in tests if test.test.name == hypothesis.imitates)
     least = (1.0 - limits().gain) * next(imitated, 0.0)
-    return replace(hypothesis, excludes=None) if hypothesis.evaluation.error < least else hypothesis
+    if hypothesis.evaluation.error >= least:
+        return hypothesis
+    return replace(hypothesis, region=replace(hypothesis.region, excludes=None))

@@ -8,15 +8,14 @@ import numpy as np
 from damper_estimator.diagnosis.accepted import (
     Accepted,
     accepted_in,
-    entry_of,
     fitted_together,
-    names_of,
     positions,
+    regions_of,
 )
 from damper_estimator.diagnosis.baseline import Baseline, baseline_of
 from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
 from damper_estimator.diagnosis.evaluation import rmse, without_effects
-from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for, settled
+from damper_estimator.diagnosis.hypotheses import Hypothesis, entry_of, hypotheses_for, settled
 from damper_estimator.diagnosis.pairs import paired
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
@@ -96,7 +95,7 @@ def search(
     last = found.last
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     # A refit with the zero freed leaves a mean of the model undetermined.
-    settled_model, names = (model, []) if found.mode == "refit" else (last.model, names_of(accepted))
+    settled_model, names = (model, {}) if found.mode == "refit" else (last.model, regions_of(accepted))
     hidden = found.rounds[0].hidden
     offsets = _hidden_by_the_zero(hidden, data, settled_model, names, {one.name for one in tried}, workers)
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
@@ -158,17 +157,17 @@ def _rounds(
         rounds.append(found)
         best = _supported(found, rounds[0])
         report = _report(progress, len(accepted), 2 * len(tried))
-        pair = paired(found, tried, names_of(accepted), workers, report)
+        pair = paired(found, tried, regions_of(accepted), workers, report)
         if pair is not None:
             accepted, model = accepted + pair[0], pair[1]
         elif best is not None:
             accepted.append(accepted_in(found, best))
-            model = fitted_together(best.fitted_into(current.model), names_of(accepted), data, found.refits)
+            model = fitted_together(best.fitted_into(current.model), regions_of(accepted), data, found.refits)
         else:
             break
-        current = _next(current, model, names_of(accepted), found.refits)
+        current = _next(current, model, regions_of(accepted), found.refits)
         accepted[-1] = replace(accepted[-1], after_n=rmse(current, without_effects(current)[int(found.refits)]))
-        names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(names_of(accepted))
+        names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(regions_of(accepted))
         tried = [one.resumed(one) for one in fitted if one.name in names]
     return _Pass(mode, rounds, accepted, current)
 

@@ -103,8 +103,9 @@ def _applied(before: ModelState, one: Accepted, mode: str, promised: float) -> M
     """With a finding in its place: from its values next to all other findings, and if that keeps too little of the
     promise, from those that it had alone.
     """
-    after = applied(before, one.element, mode, promised, one.hypothesis.joint)
+    region = one.hypothesis.region
+    after = applied(before, one.element, region, mode, promised, one.hypothesis.joint)
     if after.fulfils(promised, before):
         return after
-    alone = applied(before, one.hypothesis.fitted_element, mode, promised)
+    alone = applied(before, one.hypothesis.fitted_element, region, mode, promised)
     return min(after, alone, key=lambda state: state.rmse_unseen_n)

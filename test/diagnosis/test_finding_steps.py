@@ -8,7 +8,7 @@ import pytest
 from faults import changed
 from planted import rounded, tried
 
-from damper_estimator.diagnosis.accepted import accepted_in, names_of
+from damper_estimator.diagnosis.accepted import accepted_in, regions_of
 from damper_estimator.diagnosis.apply_finding import ModelState, state_of
 from damper_estimator.diagnosis.steps import steps_of
 from damper_estimator.effects.discovery import find_effect
@@ -45,7 +45,7 @@ def delivered(noisy, monkeypatch, errors: dict[tuple[str, ...], float], promised
 
     monkeypatch.setattr(import_module("damper_estimator.diagnosis.steps"), "_applied", applied)
     start = ModelState(noisy.model, (), (), (), (), BEFORE, BEFORE)
-    return names_of([step[0] for step in steps_of(start, pair, "both")])
+    return regions_of([step[0] for step in steps_of(start, pair, "both")])
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,7 @@ def test_candidates_are_between_their_bounds_whatever_was_driven(ranges):
         assert free
         for i in free:
             slot = model.slots[i]
-            low, high = hypothesis.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
+            low, high = hypothesis.region.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
             assert slot.parameter.lower <= low < high <= slot.parameter.upper
             assert low <= slot.value <= high
 

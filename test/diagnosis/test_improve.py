@@ -107,10 +107,12 @@ def test_trusted_parameters_stay(user_model, base):
 def test_what_a_later_effect_made_needless_is_taken_out(user_model, soft):
     """Friction that is not there, put in by hand as if an earlier step had added it."""
     from damper_estimator.diagnosis.diagnose import begun
+    from damper_estimator.diagnosis.hypotheses import Region
     from damper_estimator.diagnosis.improve import _Improving, _prune
 
     needless = user_model.with_effect(make_element(find_effect("coulomb"), {"force": 0.5}))
-    improving = _Improving(replace(begun(needless, [soft[0]], [soft[1]]), added=("coulomb", "inertia")), "both")
+    added = {"coulomb": Region({}), "inertia": Region({})}
+    improving = _Improving(replace(begun(needless, [soft[0]], [soft[1]]), added=added), "both")
     improving.keep("start", improving.current, None, None)
     _prune(improving, lambda text, share: None)
     assert improving.steps[-1].action == "prune" and improving.steps[-1].effect == "coulomb"

@@ -47,7 +47,7 @@ def test_a_better_form_takes_the_place_of_a_wrong_one(creeping):
     assert (label, form.phenomenon) == ("semi_active_squash", "current")
     assert after.rmse_unseen_n < 0.5 * state.rmse_unseen_n
     assert "semi_active_squash" not in names(after.model) and form.name in names(after.model)
-    assert after.added == (form.name,)
+    assert list(after.added) == [form.name]
 
 
 def test_the_right_form_stays(creeping):

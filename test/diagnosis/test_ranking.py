@@ -161,7 +161,7 @@ def test_only_what_is_identified_of_a_model_is_known(user_model, base):
 def long_groove(baseline, share):
     """As long as the stroke, so that it acts alike at every position."""
     groove = tried(baseline, "bypass_groove", share)
-    longest = groove.limits["half_length"][1]
+    longest = groove.region.limits["half_length"][1]
     return replace(groove, fit=replace(groove.fit, values={**groove.fit.values, "half_length": longest}))
 
 
@@ -184,4 +184,4 @@ def test_what_effects_imitate_is_a_test_that_exists(noisy):
     friction = dict.fromkeys(("bouc_wen", "tanh_hysteresis"), "friction step")
     assert imitated == {"bypass_groove": "curve", "valve_inertia": "mass", **friction}
     assert set(imitated.values()) <= {test.name for test in TESTS}
-    assert all(known(noisy)[name].excludes is not None for name in imitated)
+    assert all(known(noisy)[name].region.excludes is not None for name in imitated)
