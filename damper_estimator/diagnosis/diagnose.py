@@ -87,7 +87,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
     picture, floor = outcome.picture, before.noise_floor_n
     order = [one.element.effect.name for one in found.accepted]
     taken = [
-        (order.index(one.element.effect.name), finding_of(one, floor, again, old, new), one.element, at)
+        (order.index(one.element.effect.name), finding_of(one, at.model, floor, again, old, new), one.element, at)
         for one, at, old, new in steps
     ]
     ordered = sorted(taken, key=lambda group: group[0])

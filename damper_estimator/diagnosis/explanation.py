@@ -1,11 +1,13 @@
 """Explains a search in words and numbers: findings, reasons, ranking."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from damper_estimator.diagnosis.accepted import Accepted
+from damper_estimator.diagnosis.accepted import Accepted, positions
 from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, rmse
 from damper_estimator.diagnosis.evidence import confirming, evidence
-from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.hypotheses import Hypothesis, within
 from damper_estimator.diagnosis.ranking import Round
 from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.result import (
@@ -16,17 +18,25 @@ from damper_estimator.diagnosis.result import (
     RankedEffect,
 )
 from damper_estimator.diagnosis.search import Search
-from damper_estimator.diagnosis.trial_fit import TrialFit
+from damper_estimator.diagnosis.trial_fit import TrialFit, is_at_end
 from damper_estimator.identification import FittedParameter
 from damper_estimator.identification.rows import split
-from damper_estimator.model import Element
+from damper_estimator.model import DamperModel, Element
 from damper_estimator.numerics import standard_errors
 
 _SHOWN = 0.05  # gain from which on it is kept what a hypothesis explains
 
 
-def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n: float, after_n: float) -> Finding:
-    """An accepted effect in words and numbers; ``before_n``, ``after_n`` are unseen errors without and with it."""
+def finding_of(
+    one: Accepted, model: DamperModel, floor: float, again: Reidentified | None, before_n: float, after_n: float
+) -> Finding:
+    """An accepted effect in words and numbers.
+
+    Args:
+        model: after the effect was added, or its correction made.
+        floor, before_n, after_n: noise floor, and the unseen errors without and with it, N.
+    """
+    values = delivered(one, model)
     effect = one.element.effect
     current = one.round
     gain, low, high = one.gain
@@ -47,16 +57,16 @@ def finding_of(one: Accepted, floor: float, again: Reidentified | None, before_n
         high=high,
         evidence=evidence(current.baseline, effect, without, with_it, current.tests),
         test_to_separate=confirming(effect, one.tied),
-        remark=_remark(one, again),
-        parameters=parameters_of(one.element, one.hypothesis.fit, current),
+        remark=_remark(one, values, again),
+        parameters=values,
         is_channel=effect.kind == "channel",
         partner=one.partner if one.needs else "",
     )
 
 
-def _remark(one: Accepted, again: Reidentified | None) -> str:
+def _remark(one: Accepted, values: Sequence[FittedParameter], again: Reidentified | None) -> str:
     """What makes the finding suspect: parameters at a limit, and where kept and refitted parameters disagree."""
-    return " ".join(filter(None, (_at_a_limit(one), _acting_against(one) or _disagreement(one, again))))
+    return " ".join(filter(None, (_at_a_limit(values), _acting_against(one) or _disagreement(one, again))))
 
 
 def _acting_against(one: Accepted) -> str:
@@ -65,8 +75,8 @@ def _acting_against(one: Accepted) -> str:
     return f"It acts against {one.partner.replace('_', ' ')}: each explains little alone, the errors are those of both."
 
 
-def _at_a_limit(one: Accepted) -> str:
-    bounded = [address.rpartition(".")[2].replace("_", " ") for address in one.hypothesis.fit.at_bound]
+def _at_a_limit(values: Sequence[FittedParameter]) -> str:
+    bounded = [value.name.rpartition(".")[2].replace("_", " ") for value in values if value.at_bound]
     if not bounded:
         return ""
     verb = "lie at limits" if len(bounded) > 1 else "lies at a limit"
@@ -88,6 +98,24 @@ def _disagreement(one: Accepted, again: Reidentified | None) -> str:
             f"with them only {100.0 * max(1.0 - left, 0.0):.0f} %: they can take over part of it."
         )
     return ""
+
+
+def delivered(one: Accepted, model: DamperModel) -> tuple[FittedParameter, ...]:
+    """The effect's values as they are in the model that it was added to, with the standard errors of that
+    identification; a correction of the signal map has those of the search.
+    """
+    effect, region = one.element.effect, one.hypothesis.region
+    if effect.correct is not None:
+        return parameters_of(one.element, one.hypothesis.fit, one.round)
+    errors, limited = model.standard_errors, within(model, {effect.name: region})
+    rows = []
+    for i in positions(model, [effect.name]):
+        slot, bounds = model.slots[i], limited[i].parameter
+        name = f"{effect.name}.{slot.address.rpartition('.')[2]}"
+        stopped = is_at_end(slot.value, bounds.lower, bounds.upper)
+        error = float("nan") if stopped else errors.get(slot.address, float("nan"))
+        rows.append(FittedParameter(name, slot.value, error, slot.parameter.unit, stopped))
+    return tuple(rows)
 
 
 def parameters_of(element: Element, fit: TrialFit, current: Round) -> tuple[FittedParameter, ...]:

@@ -84,7 +84,7 @@ def _more(first: Round, left: Errors) -> bool:
 
 def _moved(before: DamperModel, after: DamperModel) -> tuple[Moved, ...]:
     """Where the knots of a curve were laid out again, the curve before is read off at the new ones."""
-    errors = after.fit.get("standard_errors", {})
+    errors = after.standard_errors
     moved = []
     for old, new in zip(with_knots_of(before, after).slots, after.slots, strict=True):
         change, error = abs(new.value - old.value), errors.get(new.address, float("nan"))

@@ -184,7 +184,11 @@ def at_bound(problem: Problem, vector: np.ndarray, slots: Sequence[int]) -> tupl
     """Addresses of the parameters among ``slots`` that are at a limit of the problem."""
     names = []
     for i in slots:
-        low, high = problem.lower[i], problem.upper[i]
-        if min(vector[i] - low, high - vector[i]) <= 1e-6 * (high - low):
+        if is_at_end(vector[i], problem.lower[i], problem.upper[i]):
             names.append(problem.slots[i].address)
     return tuple(names)
+
+
+def is_at_end(value: float, low: float, high: float) -> bool:
+    """Whether a value stopped at a limit."""
+    return bool(min(value - low, high - value) <= 1e-6 * (high - low))

@@ -95,6 +95,13 @@ class DamperModel:
                 places[slot.address] = f"at {element.settings[slot.parameter.size][slot.index]:.4g} {unit}"
         return places
 
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Of identified parameters by address, as the record of the fit states them; empty without one."""
+        errors = self.fit.get("standard_errors")
+        stated = errors.items() if isinstance(errors, Mapping) else ()
+        return {str(name): float(error) for name, error in stated if isinstance(error, (int, float))}
+
     def __repr__(self) -> str:
         """Name and labels of the effects; ``model_yaml`` returns the whole model."""
         return f"DamperModel({self.name}: {', '.join(label for label, _ in labels(self.effects))})"

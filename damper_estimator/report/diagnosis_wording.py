@@ -176,10 +176,10 @@ def correction_rows(found: Diagnosis | Improvement) -> list[dict[str, str]]:
 
 def model_rows(model: object) -> list[dict[str, object]]:
     """All parameters of a model with the standard errors that its last identification left."""
-    errors = dict(model.fit.get("standard_errors") or {})
+    errors = model.standard_errors
     rows = []
     for slot in model.slots:
-        value, error = with_error(slot.value, float(errors.get(slot.address, "nan")))
+        value, error = with_error(slot.value, errors.get(slot.address, float("nan")))
         rows.append(
             {
                 "name": slot.address,

@@ -15,7 +15,7 @@ _UNITS = {"1": "", "m/s^2": "m/s²", "deg C": "°C"}
 def parameter_list(model: DamperModel) -> list:
     """One group per entry of the model, in order."""
     groups = []
-    errors, places = dict(model.fit.get("standard_errors") or {}), model.knots
+    errors, places = model.standard_errors, model.knots
     movable = len(model.slots) <= _MOST
     for index, (label, element) in enumerate(labels(model.effects)):
         slots = [slot for slot in model.slots if slot.entry == index]
@@ -38,7 +38,7 @@ def _certainty(slot: Slot, errors: dict[str, float]) -> str:
     """What the last identification says of a value; nothing where there was none."""
     if slot.is_at_bound:
         return "at its bound"
-    return plus_minus(slot.value, float(errors.get(slot.address, "nan"))) if errors and not slot.fixed else ""
+    return plus_minus(slot.value, errors.get(slot.address, float("nan"))) if errors and not slot.fixed else ""
 
 
 def _row(slot: Slot, certain: str, place: str) -> html.Div:

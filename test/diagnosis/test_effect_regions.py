@@ -88,3 +88,12 @@ def test_every_effect_of_a_diagnosis_ends_where_it_is_what_it_represents(user_mo
         region, entry = known[effect], entry_of(found.improved, effect)
         for name, (low, high) in region.limits.items():
             assert low <= entry.parameters[name] <= high
+
+
+def test_the_values_of_a_finding_are_those_of_the_improved_model(user_model, base):
+    fit, unseen = halves(changed(base, lambda kinematics: TRUE * kinematics.acceleration))
+    found = diagnose(user_model, [fit], [unseen])
+    (finding,) = found.findings
+    (shown,) = finding.parameters
+    assert shown.name == "inertia.mass" and shown.value == mass(found.improved) == pytest.approx(TRUE, rel=0.05)
+    assert shown.standard_error == found.improved.standard_errors["inertia.mass"]
