@@ -1,9 +1,18 @@
 """Prints faults of the measurement chain that recordings reveal."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from damper_estimator.validation import DataFinding
+from damper_estimator.validation import DataFinding, data_findings
+from damper_estimator.workflows import Recording
+
+
+def spoiled(recording: Recording) -> Iterator[str]:
+    """Notes on recordings from which nothing that is identified means anything."""
+    for damper, measurements in recording.measurements.items():
+        for finding in data_findings(None, measurements):
+            if finding.spoils:
+                yield f"{Path(finding.recording).name}: {damper}: {finding.sentence}; {finding.remedy}"
 
 
 def print_findings(findings: Sequence[DataFinding]) -> None:

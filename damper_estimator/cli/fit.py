@@ -18,6 +18,7 @@ import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from damper_estimator.cli.data_finding_text import spoiled
 from damper_estimator.cli.fit_option_values import check_objectives, limits_of
 from damper_estimator.cli.fit_report import joint_table, table
 from damper_estimator.cli.verb_support import (
@@ -119,6 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     recording = read_recordings(arguments).with_force("fit")
     report_notes(recording.notes)
+    report_notes(spoiled(recording))
     records = (_fit_joint if arguments.each else _fit_plain)(arguments, recording, options)
     write_json(arguments.json, {"bags": arguments.bags, "model": arguments.model, "dampers": records})
     return 0

@@ -15,6 +15,7 @@ from damper_estimator.signals.sensor_table import looked_up
 
 DEFAULT_CUTOFF = 60.0  # Hz
 DEFAULT_BAND = 30.0  # Hz
+_UNITS = {"displacement": "m", "force": "N", "temperature": "deg C", "pressure": "Pa", "acceleration": "m/s^2"}
 ROLES = ("displacement", "force", "command", "temperature", "pressure", "acceleration")
 
 
@@ -28,7 +29,7 @@ class Channel:
         skew: s, positive if the channel is late.
         table: raw values and values, instead of scale (motion ratio); None without. What is beyond it by more than 2 %
             of its range is no value.
-        unit: of the command, for people.
+        unit: of the command, for people; the others have the SI unit of their role.
         limits: raw, lowest and highest value: of the command the range of its driver (None: those of the model's fit),
             of temperature and pressure the range of the sensor (None: ordinary bounds).
         max_age: s, of command, temperature and pressure: age of a value above which the channel counts as silent;
@@ -250,13 +251,13 @@ def _channel(what: str, entry: object, default: Channel, spring: dict[str, float
     allowed = [f.name for f in fields(Channel) if f.name not in ("limits", "max_age", "given")]
     allowed += ["spring_rate", "preload"] if of_force else ["limits", "max_age"] if is_slow else []
     given = dict(_mapping(entry, what, tuple(allowed), faults))
-    values: dict[str, object] = {}
-    for key in ("topic", "field", "unit"):
-        if key in given:
-            values[key] = str(given[key])
-    for key in ("scale", "offset", "skew"):
-        if key in given:
-            values[key] = _number(given[key], f"{what}.{key}", faults)
+    values: dict[str, object] = {key: str(given[key]) for key in ("topic", "field", "unit") if key in given}
+    si = _UNITS.get(what.rpartition(".")[2])
+    if si and values.get("unit", si) != si:
+        faults.append(
+            f"{what}.unit is {values['unit']}, but values are in {si}: give a scale that converts to it instead"
+        )
+    values |= {k: _number(given[k], f"{what}.{k}", faults) for k in ("scale", "offset", "skew") if k in given}
     for key in ("spring_rate", "preload"):
         if of_force and key in given:
             spring[key] = _number(given[key], f"{what}.{key}", faults)

@@ -4,14 +4,16 @@ from dataclasses import asdict, dataclass
 
 from damper_estimator.signals import Channel, DamperSignals
 
+_SPOILING = ("dead_channel", "unit", "sign")
+
 
 @dataclass(frozen=True)
 class DataFinding:
     """A mistake that the recordings show by themselves, whatever the model lacks.
 
     Attributes:
-        kind: ``gaps``, ``stamps``, ``saturation``, ``dead_channel``, ``held``, ``quantisation``, ``rate``, ``sign``,
-            ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
+        kind: ``gaps``, ``stamps``, ``saturation``, ``dead_channel``, ``unit``, ``held``, ``quantisation``, ``rate``,
+            ``sign``, ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
         sentence: the mistake, with numbers.
         remedy: the action, or the entry of the signal map that corrects it.
         recording: path of the bag; "" for several together.
@@ -23,6 +25,11 @@ class DataFinding:
     remedy: str
     recording: str
     share: float
+
+    @property
+    def spoils(self) -> bool:
+        """Whether nothing that is identified from the recording means anything before it is corrected."""
+        return self.kind in _SPOILING
 
     def record(self) -> dict[str, object]:
         """For JSON."""

@@ -7,6 +7,7 @@ from damper_estimator.signals import Measurement
 from damper_estimator.validation.channel_findings import channel_findings
 from damper_estimator.validation.finding import DataFinding
 from damper_estimator.validation.force_findings import force_findings
+from damper_estimator.validation.magnitudes import unit_findings
 
 
 def data_findings(model: DamperModel | None, measurements: Sequence[Measurement]) -> tuple[DataFinding, ...]:
@@ -16,7 +17,12 @@ def data_findings(model: DamperModel | None, measurements: Sequence[Measurement]
     spring rate that show against a model alone are candidates of the diagnosis.
     """
     found = [finding for m in measurements for finding in channel_findings(m)]
-    dead = {finding.recording for finding in found if finding.kind == "dead_channel"}
-    alive = [m for m in measurements if m.recording not in dead and m.force is not None and m.judged.any()]
+    found += [finding for m in _unspoiled(measurements, found) for finding in unit_findings(m)]
+    alive = [m for m in _unspoiled(measurements, found) if m.force is not None and m.judged.any()]
     # Parts of one recording repeat the findings of their channels.
     return tuple(dict.fromkeys([*found, *force_findings(model, alive)]))
+
+
+def _unspoiled(measurements: Sequence[Measurement], found: Sequence[DataFinding]) -> list[Measurement]:
+    spoiled = {finding.recording for finding in found if finding.spoils}
+    return [m for m in measurements if m.recording not in spoiled]

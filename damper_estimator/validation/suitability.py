@@ -1,5 +1,6 @@
 """Whether a recording is good enough to identify a damper, and which excitation to record next."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ from scipy import signal
 
 from damper_estimator.signals import Measurement
 from damper_estimator.validation.channel_quality import ChannelQuality
+from damper_estimator.validation.finding import DataFinding
 
 CELLS = 12  # of the velocity-displacement plane, each way
 LEAST_SECONDS, LEAST_RATE, LEAST_SPEED, LEAST_STROKE = 5.0, 100.0, 0.05, 0.004
@@ -113,8 +115,14 @@ class Verdict:
         return asdict(self)
 
 
-def verdict(e: Excitation, displacement: ChannelQuality, force: ChannelQuality | None, at_rest: bool) -> Verdict:
-    """Judges excitation and data quality together."""
+def verdict(
+    e: Excitation,
+    displacement: ChannelQuality,
+    force: ChannelQuality | None,
+    at_rest: bool,
+    findings: Sequence[DataFinding] = (),
+) -> Verdict:
+    """Judges excitation, data quality and the mistakes that were found together."""
     faults, remarks, drive = [], [], []
     if force is None:
         faults.append("no force was measured")
@@ -136,7 +144,9 @@ def verdict(e: Excitation, displacement: ChannelQuality, force: ChannelQuality |
         faults.append(f"{e.seconds:.1f} s is short")
         drive.append("record half a minute or more")
     _judge_motion(e, displacement, faults, remarks, drive)
-    if np.isfinite(e.damping) and e.damping <= 0.0:
+    spoiling = [finding for finding in findings if finding.spoils]
+    faults += [finding.sentence for finding in spoiling]
+    if np.isfinite(e.damping) and e.damping <= 0.0 and not spoiling:
         faults.append("the force opposes the wrong direction (it falls with velocity): turn a sign in the signal map")
     if not at_rest:
         remarks.append("no rest: offsets cannot be zeroed")

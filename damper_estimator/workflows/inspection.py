@@ -151,5 +151,5 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
         for role, channel in data.items()
         if role not in quality
     }
-    judged = verdict(motion, quality["displacement"], quality.get("force"), bool(rests))
+    judged = verdict(motion, quality["displacement"], quality.get("force"), bool(rests), findings)
     return DamperInspected(quality, motion, ranges, rests, tuple(findings), judged)

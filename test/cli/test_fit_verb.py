@@ -188,3 +188,12 @@ def test_a_real_damper_is_identified_and_agrees_on_another_file(shared_data, tmp
     capsys.readouterr()
     assert main(["compare", unseen, "-m", out, "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["dampers"]["mr_damper"]["esr"] < 0.05
+
+
+def test_a_recording_that_means_nothing_is_reported(bag, damper, tmp_path, capsys):
+    """Fitted to kilonewtons, a damper is a thousand times too soft."""
+    soft = {"linear_viscous.rebound": 3.1, "linear_viscous.compression": 1.3, "static_force.force": 0.0}
+    path = bag("kilonewtons", front=damper.with_values(soft))
+    assert main(["fit", path, "-m", "linear_viscous", "-o", str(tmp_path / "f.yaml")]) == 0
+    warning = capsys.readouterr().err
+    assert "kilonewtons.mcap: front:" in warning and "probably it is in kN" in warning and "scale: 1000" in warning

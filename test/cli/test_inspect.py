@@ -43,6 +43,16 @@ def test_millimetres_and_a_wrong_sign_are_guessed_and_said(driven, tmp_path):
     assert "in mm" in guesses and "compression" in guesses
 
 
+@pytest.mark.parametrize(("gauge", "fault"), [(0.0, "never changes"), (-1.0, "sign"), (1e-3, "in kN")])
+def test_a_force_that_means_nothing_is_a_fault(driven, write_bag, tmp_path, gauge, fault):
+    _, stamp, x, measured = driven()
+    bag = write_bag("faulty.mcap", ["front_left", "front_right"], stamp, x, gauge * measured)
+    (tmp_path / "map.yaml").write_text("dampers: {front_left: {}}")  # otherwise sign and unit are guessed
+    damper = inspect(tmp_path, bag, "-s", tmp_path / "map.yaml")["dampers"]["front_left"]
+    assert not damper["verdict"]["good"]
+    assert any(fault in text for text in damper["verdict"]["faults"])
+
+
 def test_channels_are_found_by_name_and_type(tmp_path):
     """No JointState: plain numbers, distinguished by their topics."""
     time = np.arange(4000) / 500.0

@@ -145,6 +145,7 @@ def test_a_saved_map_loads_again(tmp_path):
         ("use: [{from: 5, to: 2}]", ["is empty"]),
         ("use: 3", ["use must be a list"]),
         ("colour: red", ["'colour'"]),
+        ("dampers: {a: {displacement: {unit: mm}}}", ["displacement.unit is mm, but values are in m"]),
         ("filter: [", ["not valid YAML"]),
     ],
 )

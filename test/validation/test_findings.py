@@ -188,6 +188,26 @@ def test_a_gauge_of_another_damper_is_dead_for_this_one(recorded):
     assert finding.kind == "dead_channel" and "does not follow the motion" in finding.sentence
 
 
+@pytest.mark.parametrize(("role", "factor"), [("displacement", 1e3), ("displacement", -1e3), ("force", 1e-3)])
+def test_millimetres_and_kilonewtons_are_named_and_corrected(role, factor, recorded):
+    finding = only(recorded(change=values(role, lambda t, v: factor * v)))
+    assert finding.kind == "unit" and finding.spoils
+    assert ("in mm" if role == "displacement" else "in kN") in finding.sentence
+    assert getattr(corrected(finding).dampers["passenger_front"], role).scale == pytest.approx(1.0 / abs(factor))
+
+
+def test_a_weak_gauge_that_does_not_follow_the_motion_is_dead_and_not_in_kilonewtons(recorded):
+    noise = np.random.default_rng(0)
+    finding = only(recorded(change=values("force", lambda t, v: 0.5 * noise.standard_normal(v.size))))
+    assert finding.kind == "dead_channel" and "does not follow the motion" in finding.sentence
+
+
+def test_of_two_wrong_units_the_displacement_comes_first(recorded):
+    """In both, the force over the velocity is a millionth: the stroke alone tells the channels apart."""
+    both = recorded(change=values("displacement", lambda t, v: 1e3 * v))
+    assert "in mm" in only(replace(both, force=1e-3 * both.force)).sentence
+
+
 @pytest.mark.parametrize("role", ["displacement", "force"])
 def test_a_logger_that_repeats_values_is_named_and_the_lateness_corrected(role, recorded):
     finding = only(recorded(change=repeated(role, 5)))
