@@ -8,6 +8,7 @@ excitation and by groups of velocity and frequency, formed from the recordings o
 """
 
 import argparse
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -102,9 +103,14 @@ def _print(name: str, found: ModelsCompared) -> None:
 def _print_row(label: str, width: int, m: Mapping[str, float]) -> None:
     print(
         f"  {label:{width}}  {m['rmse_n']:7.4g} N  {100 * m['nrmse']:6.1f} %  {m['esr']:6.4f}  "
-        f"{m['fit_percent']:4.0f} %"
-        f"  {m['correlation']:11.4f}  {100 * m['energy_error']:+4.0f} %  {m['bias_n']:+.4g} N"
+        f"{m['fit_percent']:4.0f} %  {_cell(m['correlation'], '11.4f')}  {_cell(100 * m['energy_error'], '+4.0f')} %  "
+        f"{m['bias_n']:+.4g} N"
     )
+
+
+def _cell(value: float, form: str) -> str:
+    """A number of this form; a dash as wide where it has no meaning, as the correlation of a constant."""
+    return f"{value:{form}}" if math.isfinite(value) else "–".rjust(len(f"{0.0:{form}}"))
 
 
 def _print_regions(comparison: Comparison, named: bool) -> None:

@@ -119,7 +119,17 @@ class DamperModel:
         return self.stream().force(block)
 
     def contributions(self, block: np.ndarray) -> dict[str, np.ndarray]:
-        """Contribution of each entry to the force, (n,) in N by label; the sum is ``force``."""
+        """Contribution of each entry to the force, (n,) in N by label; the sum is ``force``.
+
+        That of a compliance is what it changes of the force of all that it wraps.
+        """
+        wraps = next((label for label, e in labels(self.effects) if e.effect.kind == "series"), None)
+        if wraps is not None:
+            less = self.without(wraps)
+            known = {id(element.parameters): label for label, element in labels(self.effects)}
+            named = {label: known[id(element.parameters)] for label, element in labels(less.effects)}
+            inside = {named[label]: part for label, part in less.contributions(block).items()}
+            return {wraps: self.force(block) - sum(inside.values()), **inside}
         _, parts = self.stream().contributions(block)
         return {
             label: part

@@ -155,31 +155,6 @@ def _length(recording: Recording) -> float:
     return float(np.clip(2.0 * _CYCLES * seconds / max(turns, 1), _SHORTEST, _LONGEST))
 
 
-def shares(shown: BeforeAfter) -> dict[str, float]:
-    """RMS in N of each effect's share of the improved model's force in band, over the judged samples, largest first.
-
-    The share of a compliance is what it changes of the force of all that it wraps.
-    """
-    squares: dict[str, float] = {}
-    count = 0
-    for trace in shown.after.traces:
-        measurement, count = trace.measurement, count + int(trace.judged.sum())
-        for label, part in _parts(shown.after.model, measurement.kinematics.block).items():
-            in_band = measurement.in_band(np.nan_to_num(part))[trace.judged]
-            squares[label] = squares.get(label, 0.0) + float(np.sum(in_band**2))
-    rms = {label: float(np.sqrt(square / count)) for label, square in squares.items()}
-    return dict(sorted(rms.items(), key=lambda item: -item[1]))
-
-
-def _parts(model, block: np.ndarray) -> dict[str, np.ndarray]:
-    """(n,) N by label; they add up to the model's force."""
-    wraps = next((entry.effect.name for entry in model.effects if entry.effect.kind == "series"), None)
-    if wraps is None:
-        return model.contributions(block)
-    inside = model.without(wraps)
-    return {wraps: model.force(block) - inside.force(block)} | _parts(inside, block)
-
-
 @dataclass(frozen=True)
 class Explained:
     """What one found effect accounts for, in the recording with the worst passage.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.diagnosis import Diagnosis, Finding
-from damper_estimator.report.before_after import BeforeAfter, before_after, explained, shares
+from damper_estimator.report.before_after import BeforeAfter, before_after, explained
 from damper_estimator.report.before_after_figures import (
     cloud_figure,
     contribution_figure,
@@ -104,7 +104,7 @@ def force_figures(shown: BeforeAfter, findings: Sequence[Finding]) -> dict[str, 
         "loops": loops_figure(shown),
         "over_velocity": cloud_figure(shown, "velocity"),
         "over_displacement": cloud_figure(shown, "displacement"),
-        "contributions": contribution_figure(shares(shown), {f.effect for f in findings}),
+        "contributions": contribution_figure(shown.after.contributions, {f.effect for f in findings}),
     }
     chain = [finding for finding in findings if finding.is_channel]
     for index, finding in enumerate(findings):

@@ -98,7 +98,8 @@ def error_parts(traces: Sequence[Trace]) -> ErrorParts:
 
 
 def _offset(trace: Trace, error: np.ndarray, least: float) -> float:
-    """N, the mean of an error (n,) in slow motion; 0 where it is below ``least``, or not the same everywhere.
+    """N, the mean of an error (n,) in slow motion; 0 where it is below ``least``, not the same everywhere, or where
+    the whole error is larger without it.
 
     Cells are thirds of the stroke and halves of the time; the mean of both directions in each leaves no friction.
     """
@@ -126,7 +127,8 @@ def _offset(trace: Trace, error: np.ndarray, least: float) -> float:
         return 0.0
     offset = float(np.median(cells))
     alike = np.abs(np.array(cells) - offset) <= 0.5 * abs(offset)
-    return offset if abs(offset) > least and np.count_nonzero(~alike) <= 1 else 0.0
+    lowers = abs(error.mean() - offset) < abs(error.mean())  # otherwise fast motion has the opposite error
+    return offset if abs(offset) > least and lowers and np.count_nonzero(~alike) <= 1 else 0.0
 
 
 def _gain(rest: np.ndarray, modelled: np.ndarray) -> tuple[float, np.ndarray]:

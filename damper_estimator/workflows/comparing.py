@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from damper_estimator.model import DamperModel
 from damper_estimator.validation import (
     Comparison,
     JudgedStep,
@@ -171,10 +173,22 @@ def _compared(
     one: Recording, damper: str, models: Sequence[ModelLike], named: tuple[object, ...], groups: Groups, steps: bool
 ) -> ModelsCompared:
     measurements = one.measurements[damper]
-    judged = [compared(model_for(model, damper), *measurements) for model in models]
+    judged = [compared(model, *measurements) for model in _distinct([model_for(model, damper) for model in models])]
     comparisons = tuple(replace(comparison, grouping=groups) for comparison in judged)
     steps_by_model = {c.model.name: _steps(c) for c in comparisons} if steps else None
     return ModelsCompared(comparisons, named, steps_by_model)
+
+
+def _distinct(models: Sequence[DamperModel]) -> list[DamperModel]:
+    """The models, numbered where several have the same name."""
+    count = Counter(model.name for model in models)
+    number: Counter[str] = Counter()
+    found = []
+    for model in models:
+        number[model.name] += 1
+        name = f"{model.name} ({number[model.name]})" if count[model.name] > 1 else model.name
+        found.append(replace(model, name=name))
+    return found
 
 
 def _steps(comparison: Comparison) -> list[dict[str, object]]:

@@ -46,6 +46,23 @@ def test_several_models_are_compared_with_each_other(driven, model_file, tmp_pat
     assert "viscous_and_friction" in capsys.readouterr().out
 
 
+def test_models_of_one_name_are_numbered(driven, model_file, tmp_path, capsys):
+    bag, *_ = driven()
+    twice = results(tmp_path, bag, "-m", model_file, "-m", model_file)["front_left"]
+    names = [entry["model"] for entry in twice["models"]]
+    printed = capsys.readouterr().out
+    assert len(set(names)) == 2 and all(name in printed for name in names)
+
+
+def test_a_measure_without_meaning_is_a_dash(driven, tmp_path, capsys):
+    bag, *_ = driven()
+    still = tmp_path / "still.yaml"
+    still.write_text("name: still\nsource: test\neffects: [static_force: {force: 10.0}]\n")
+    assert results(tmp_path, bag, "-m", still)["front_left"]["correlation"] is None
+    printed = capsys.readouterr().out
+    assert "nan" not in printed and "–" in printed
+
+
 def test_standard_output_has_only_json(driven, model_file, capsys):
     bag, *_ = driven()
     assert main(["compare", str(bag), "-m", str(model_file), "--json", "-"]) == 0

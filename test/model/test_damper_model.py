@@ -70,6 +70,18 @@ def test_contributions_add_up_to_the_force(effects, seed):
     force, parts = model.stream().contributions(block)
     assert force == pytest.approx(parts.sum(axis=0), abs=1e-9 * (1.0 + np.abs(force).max()))
     assert np.array_equal(force, model.force(block))
+    shown = model.contributions(block)
+    assert sum(shown.values()) == pytest.approx(force, abs=1e-9 * (1.0 + np.abs(force).max()))
+
+
+def test_a_compliance_contributes_what_it_changes():
+    rate = {"viscous": {"rate": 1500.0}}
+    model = parse_model({"name": "m", "source": "s", "effects": [{"oil_spring": {"path": [rate]}}]}, "test")
+    block = sweep(400, 3)
+    alone = parse_model({"name": "m", "source": "s", "effects": [rate]}, "test").force(block)
+    parts = model.contributions(block)
+    assert parts["viscous"] == pytest.approx(alone)
+    assert parts["oil_spring"] == pytest.approx(model.force(block) - alone)
 
 
 @given(chains())

@@ -8,7 +8,7 @@ import pytest
 from damper_estimator.diagnosis import corrected
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import make_element
-from damper_estimator.report.before_after import before_after, explained, shares
+from damper_estimator.report.before_after import before_after, explained
 
 
 def with_unseen(found, *unseen):
@@ -72,7 +72,7 @@ def test_shares_of_effects_inside_a_compliance_add_up_to_the_force(found):
     outer = make_element(find_effect("oil_spring"), {}, found.model.effects)
     model = replace(found.model, effects=(outer, make_element(find_effect("static_force"), {"force": 100.0})))
     shown = before_after(replace(found, improved=model))
-    seen = shares(shown)
+    seen = shown.after.contributions
     assert set(seen) == {"oil_spring", "linear_viscous", "static_force"}
     assert seen["static_force"] == pytest.approx(100.0, rel=0.01)
     force = np.sqrt(np.mean((1500.0 * found.unseen[0].kinematics.velocity) ** 2))

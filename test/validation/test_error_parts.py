@@ -38,6 +38,18 @@ def test_a_gain_is_reported_in_percent(gain, viscous, motion, measured):
     assert f"{100 * abs(1 / gain - 1):.2g} % too {'large' if gain < 1 else 'small'} as a whole" in parts.sentences[0]
 
 
+def test_what_is_called_a_zero_lowers_the_error(viscous, motion, measured):
+    """Slow motion is off by a constant that the fast motion makes up for: no constant corrects that."""
+
+    def error(k):
+        slow = np.exp(-((k.velocity / 0.1) ** 2))
+        return 40.0 * (slow - np.mean(slow))
+
+    c = compare(viscous, measured(*motion(), with_(error)))
+    assert abs(c.measures.bias_n) < 1.0
+    assert c.split.offset_n == 0.0 and not any("standstill" in text for text in c.split.sentences)
+
+
 ERRORS = {
     "one direction": lambda k: 800.0 * np.maximum(k.velocity, 0.0),
     "asymmetry": lambda k: 600.0 * np.abs(k.velocity),
