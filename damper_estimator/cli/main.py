@@ -11,6 +11,7 @@ from pathlib import Path
 from damper_estimator import __doc__ as PURPOSE
 from damper_estimator import __version__
 from damper_estimator.cli.closable_output import ClosableOutput
+from damper_estimator.cli.output_check import check_outputs
 from damper_estimator.errors import InputError, did_you_mean
 
 PROGRAM = "damper-estimator"
@@ -58,6 +59,7 @@ def _run(words: Sequence[str]) -> int:
     """The exit status of a verb; what users can correct, and bugs, are reported."""
     try:
         arguments = _parser(words).parse_args(words)
+        check_outputs(arguments)
         return arguments.run(arguments)
     except InputError as error:
         return _refuse(error)

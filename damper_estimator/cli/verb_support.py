@@ -9,13 +9,12 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from damper_estimator.cli.output_check import STANDARD_OUTPUT
 from damper_estimator.errors import InputError
 from damper_estimator.files import json_text, write_text
 
 if TYPE_CHECKING:
     from damper_estimator.workflows import Reader, Recording
-
-STANDARD_OUTPUT = "-"
 
 
 def add_bags(parser: argparse.ArgumentParser, several: bool = True) -> None:
