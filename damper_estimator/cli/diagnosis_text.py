@@ -36,7 +36,7 @@ def _findings(found: Diagnosis) -> list[str]:
     if found.stretches:
         lines.append(_wrapped(stretches_sentence(found), "  "))
     if found.findings:
-        lines += _table(found.findings)
+        lines += _table(found.findings, "found" if found.verdict == "missing" else "as if by")
     for finding in found.findings:
         lines += _details(finding)
     if found.moved:
@@ -59,10 +59,11 @@ def _findings(found: Diagnosis) -> list[str]:
     return lines
 
 
-def _table(findings: Sequence[Finding]) -> list[str]:
-    width = max(len("found"), *(len(finding.phenomenon) for finding in findings))
+def _table(findings: Sequence[Finding], title: str) -> list[str]:
+    """Gains and errors have different bases, which a line below the table names."""
+    width = max(len(title), *(len(finding.phenomenon) for finding in findings))
     wide = max(len("effect"), *(len(finding.effect) for finding in findings))
-    lines = [f"  {'found':<{width}}  {'effect':<{wide}}  {'explains, 5 to 95 %':<21}  {'unseen error':<18}  confidence"]
+    lines = [f"  {title:<{width}}  {'effect':<{wide}}  {'explains, 5 to 95 %':<21}  {'unseen error':<18}  confidence"]
     for finding in findings:
         gain = f"{100 * finding.gain:.0f} % ({100 * finding.low:z.0f} to {100 * finding.high:z.0f} %)"
         errors = f"{number(finding.rmse_before_n)} -> {number(finding.rmse_after_n)} N"
@@ -70,7 +71,10 @@ def _table(findings: Sequence[Finding]) -> list[str]:
             f"  {finding.phenomenon:<{width}}  {finding.effect:<{wide}}  {gain:<21}  {errors:<18}  "
             f"{100 * finding.confidence:.0f} %"
         )
-    return lines
+    note = (
+        "explains: of the squared error without zero and drift; unseen error: of the model with the effect, with both"
+    )
+    return [*lines, f"  {note}"]
 
 
 def _details(finding: Finding) -> list[str]:

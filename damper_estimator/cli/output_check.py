@@ -10,7 +10,7 @@ from damper_estimator.errors import InputError
 
 STANDARD_OUTPUT = "-"
 FILES = ("json", "html", "peaks", "fmu")  # arguments that name a file, in a folder that exists
-PLACES = ("output", "c", "tables", "steps_dir", "signals_out")  # a file or a folder, which verbs create as far as needed
+PLACES = ("output", "c", "tables", "steps_dir", "signals_out")  # files, or folders that verbs create
 
 
 def check_outputs(arguments: argparse.Namespace) -> None:

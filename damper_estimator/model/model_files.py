@@ -11,6 +11,7 @@ from damper_estimator.effects.discovery import LISTS, find_effect
 from damper_estimator.errors import InputError, did_you_mean, did_you_mean_file
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.model.element import Element, make_element
+from damper_estimator.model.record_faults import REMEDY, record_faults
 from damper_estimator.share import share_path
 
 KEYS = ("name", "source", "notes", "effects", "fixed", "fit")
@@ -64,8 +65,10 @@ def parse_model(content: object, where: str) -> DamperModel:
         raise InputError(f"{where}: unknown keys {', '.join(unknown)}; allowed are {', '.join(KEYS)}")
     try:
         fit, fixed = content.get("fit") or {}, content.get("fixed") or []
-        if not isinstance(fit, dict) or not isinstance(fixed, list):
-            raise InputError("fit must be a mapping and fixed a list of addresses")
+        if not isinstance(fixed, list):
+            raise InputError("fixed must be a list of addresses")
+        if faults := list(record_faults(fit)):
+            raise InputError(f"fit: {'; '.join(faults)}; {REMEDY}")
         model = DamperModel(
             name=str(content.get("name", Path(where).stem)),
             source=str(content.get("source", "")),

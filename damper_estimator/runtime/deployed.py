@@ -8,6 +8,7 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel
+from damper_estimator.model.record_faults import REMEDY, record_faults
 from damper_estimator.runtime.damper_record import SLOW, fresh_record
 from damper_estimator.runtime.memory import memory, settling
 from damper_estimator.runtime.status import bounds_of
@@ -117,24 +118,12 @@ def deployed(
             f"model {model.name}: {', '.join(model.channel_effects)} belong to the measurement chain; correct the "
             "signal map and remove them from the model"
         )
-    errors = {name: model.fit[name] for name in _STDDEVS if model.fit.get(name) is not None}
-    region = model.fit.get("region") or {}
-    faults = [f"{name} = {value!r} is not a number" for name, value in errors.items() if not _is_number(value)]
-    if not isinstance(region, Mapping):
-        faults, region = [*faults, f"region must be a mapping, got {region!r}"], {}
-    faults += [f"region.{name} must be two numbers, got {r!r}" for name, r in region.items() if not _is_range(r)]
+    faults = list(record_faults(model.fit))
     if faults:
-        raise InputError(f"model {model.name}: fit: {'; '.join(faults)}; identify the model again, or remove fit")
-    bounds = bounds_of({name: (float(r[0]), float(r[1])) for name, r in region.items()})
+        raise InputError(f"model {model.name}: fit: {'; '.join(faults)}; {REMEDY}")
+    errors = {name: model.fit[name] for name in _STDDEVS if model.fit.get(name) is not None}
+    bounds = bounds_of({name: (float(r[0]), float(r[1])) for name, r in (model.fit.get("region") or {}).items()})
     return Deployed(
         model, cutoff, max_gap, lead if fusion is None else 0.0, float(next(iter(errors.values()), np.nan)), bounds,
         fusion, signals or default_signals(""),
     )  # fmt: skip
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
-
-
-def _is_range(value: object) -> bool:
-    return isinstance(value, list | tuple) and len(value) == 2 and all(_is_number(item) for item in value)

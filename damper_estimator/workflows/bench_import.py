@@ -95,7 +95,7 @@ def guess_files(paths: Sequence[Path], output: Path) -> tuple[Guessed, ...]:
     """Guesses the column map of each file and writes it next to ``output``, with a preview page.
 
     Raises:
-        InputError: for unreadable files, and if the output cannot be written.
+        InputError: for unreadable files, if the output cannot be written, and if a map there differs from the guess.
     """
     folder = output.parent if output.suffix == ".mcap" else output
     _make_folder(output)
@@ -104,10 +104,20 @@ def guess_files(paths: Sequence[Path], output: Path) -> tuple[Guessed, ...]:
         guess = guess_columns(path)
         parts = _readable(guess)
         columns, page = (folder / f"{path.stem}_{name}" for name in ("columns.yaml", "preview.html"))
+        _check_unchanged(columns, guess.map_text())
         write_text(columns, guess.map_text())
         write_text(page, import_page(guess, parts))
         found.append(Guessed(guess, columns, page, parts))
     return tuple(found)
+
+
+def _check_unchanged(columns: Path, text: str) -> None:
+    """A map that was corrected by hand is kept."""
+    if columns.exists() and columns.read_text(encoding="utf-8") != text:
+        raise InputError(
+            f"{columns}: differs from what is guessed now, and is kept; import with --columns {columns}, or remove it "
+            "to guess again"
+        )
 
 
 def import_guessed(guessed: Sequence[Guessed], output: Path) -> tuple[Imported, ...]:

@@ -65,3 +65,14 @@ def test_columns_and_guess_exclude_each_other(bench, capsys):
         with pytest.raises(SystemExit) as ended:
             main(["import", str(bench / "good.csv"), *words, "-o", str(bench / "out")])
         assert ended.value.code == 2
+
+
+def test_a_map_that_was_corrected_by_hand_is_kept(bench, capsys):
+    words = ["import", str(bench / "good.csv"), "--guess", "-o", str(bench / "out")]
+    assert main(words) == 0 and main(words) == 0  # an unchanged guess may be written again
+    columns = bench / "out" / "good_columns.yaml"
+    corrected = columns.read_text().replace("unit: N", "unit: kN")
+    columns.write_text(corrected)
+    assert main(words) == 1
+    assert f"import with --columns {columns}" in capsys.readouterr().err
+    assert columns.read_text() == corrected
