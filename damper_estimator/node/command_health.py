@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from damper_estimator.node.diagnostic_status import OK, WARN, status
 from damper_estimator.node.force_follower import CommandTally
-from damper_estimator.node.health import OK, WARN, status
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from damper_estimator.node.controlled_corner import ControlledCorner, CornerTall
 from damper_estimator.node.controller_health import corner_status
 from damper_estimator.node.controller_settings import DECLARATIONS, ControllerSettings
 from damper_estimator.node.current_topics import CurrentTopics, deliver
-from damper_estimator.node.health import WARN, status
+from damper_estimator.node.diagnostic_status import WARN, status
 from damper_estimator.node.rclpy_private import RCLError
 from damper_estimator.node.ros_parameters import check_words, declare
 from damper_estimator.node.wire import NANOSECONDS, float_message

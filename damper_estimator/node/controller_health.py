@@ -3,7 +3,7 @@
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.node.controlled_corner import CornerTally
-from damper_estimator.node.health import OK, WARN, status
+from damper_estimator.node.diagnostic_status import OK, WARN, status
 
 
 def corner_status(prefix: str, name: str, tally: CornerTally, before: CornerTally, desired: float) -> DiagnosticStatus:

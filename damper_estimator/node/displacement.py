@@ -1,6 +1,6 @@
 """One displacement topic: serialised messages in, serialised forces out. Independent of ROS."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -178,15 +178,15 @@ class DisplacementInput:
         return not self._reader.knows(data)
 
     @property
-    def has_estimates(self) -> bool:
-        """Whether any sample has given an estimate."""
-        return bool(np.isfinite(self.last_good).any())
+    def estimated(self) -> set[str]:
+        """Names of the dampers of which any sample has given an estimate."""
+        return {name for name, at in zip(self.line.names, self.last_good, strict=True) if np.isfinite(at)}
 
-    def stale(self, now: float, after: float) -> list[bytes]:
+    def stale(self, now: float, after: float, without: Collection[str] = ()) -> list[bytes]:
         """Messages about the dampers whose input stopped ``after`` s ago or earlier: their last estimate, marked STALE,
-        under its stamp.
+        under its stamp. Those ``without`` are left out.
         """
-        silent = now - self.last_good > after
+        silent = (now - self.last_good > after) & [name not in without for name in self.line.names]
         if not silent.any():
             return []
         messages = []

@@ -1,6 +1,6 @@
 """The processing of messages for one set of settings: built completely, then swapped in at once. Independent of ROS."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -255,19 +255,22 @@ class Estimation:
         comparisons = [displacement.comparison for displacement in self.displacement.values()]
         return [message for comparison in comparisons for message in comparison.compare(measured)]
 
-    def stale(self, now: float) -> list[bytes]:
-        """Messages about dampers whose input has stopped, at the steady time ``now``, s."""
+    def stale(self, now: float, without: Collection[str] = ()) -> list[bytes]:
+        """Messages about dampers whose input has stopped, at the steady time ``now``, s; ``without`` some of them."""
         after = self.settings.stale_after
-        found = [message for source in self._sources() for message in source.stale(now, after)]
+        found = [message for source in self._sources() for message in source.stale(now, after, without)]
         if self._before is not None:
-            if any(source.has_estimates for source in self._sources()):
+            estimated = {name for source in self._sources() for name in source.estimated}
+            # Only a roster that takes dampers as they come may still meet one that it does not know.
+            gone = set() if self.roster.template is not None else set(self._before.names) - set(self.names)
+            if estimated | gone >= set(self._before.names):
                 self._before = None
             else:
-                found += self._before.stale(now)
+                found += self._before.stale(now, {*without, *estimated, *gone})
         return found
 
     def continue_after(self, before: "Estimation | None") -> None:
-        """Until the first sample of this estimation, the estimates of the one before become stale."""
+        """Until a damper's first sample in this estimation, its estimate of the one before becomes stale."""
         if before is not None and before.roster is not self.roster:
             before._before = None
             self._before = before

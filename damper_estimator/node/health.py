@@ -1,13 +1,14 @@
 """The node's health once a second (REP-107): counts since the start, judged by the last second."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from socket import gethostname
+from dataclasses import dataclass, replace
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 
+from damper_estimator.node.diagnostic_status import ERROR, OK, WARN, status
 from damper_estimator.node.error_drift import Drift
+from damper_estimator.node.input_health import PUBLISHERS, InputTally
 from damper_estimator.runtime import (
     BY_STATUS,
     COUNTS,
@@ -26,106 +27,9 @@ from damper_estimator.runtime import (
     WARMING_UP,
 )
 from damper_estimator.signals.admission import DUPLICATE, GAP, INVERSION, NON_FINITE, STEP_BACK
+from damper_estimator.signals.butterworth import LEAST_RATE
 
-HARDWARE = gethostname()
-SUBSCRIBERS, PUBLISHERS = "subscribers", "publishers"
-OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
-
-
-@dataclass
-class InputTally:
-    """The messages of one topic; counts never decrease.
-
-    Attributes:
-        topic: resolved name.
-        messages: received.
-        malformed: messages that do not fit their type.
-        failures: messages that the node could not process because of an internal error.
-        lost: messages missing by their sequence numbers, between the first and the last received.
-        reported_lost: messages that the middleware reports as lost.
-        doubled: messages by damper that came from one of two publishers of it.
-        publishers: present number.
-        incompatible: publishers whose quality of service does not match the subscription.
-        other_types: publishers of another message type.
-        last: steady time of the last message, s; None before the first.
-        names: of the last message whose structure was new.
-        age: s, age of the last stamp on arrival; NaN before the first.
-        late: samples that were too old on arrival.
-        is_other_clock: whether the stamps are not of this machine's time.
-    """
-
-    topic: str
-    messages: int = 0
-    malformed: int = 0
-    failures: int = 0
-    lost: int = 0
-    reported_lost: int = 0
-    doubled: Mapping[str, int] = field(default_factory=dict)
-    publishers: int = 0
-    incompatible: int = 0
-    other_types: int = 0
-    last: float | None = None
-    names: Sequence[str] = ()
-    age: float = float("nan")
-    late: int = 0
-    is_other_clock: bool = False
-
-
-def input_status(prefix: str, now: InputTally, before: InputTally, time: float, known: set[str]) -> DiagnosticStatus:
-    """Health of one displacement topic.
-
-    Args:
-        prefix: the node's name.
-        now, before: counts now and a period ago.
-        time: steady time, s.
-        known: names of the estimated dampers.
-    """
-    values = {
-        "topic": now.topic,
-        PUBLISHERS: now.publishers,
-        "messages": now.messages,
-        "lost": now.lost,
-        "lost by the middleware": now.reported_lost,
-        "from one of two publishers": ", ".join(f"{name}: {count}" for name, count in sorted(now.doubled.items())),
-        "incompatible publishers": now.incompatible,
-        "malformed": now.malformed,
-        "failures": now.failures,
-        "names not estimated": ", ".join(sorted(set(now.names) - known)),
-        "age of the stamps on arrival [ms]": f"{1e3 * now.age:.1f}",
-        "too old on arrival": now.late,
-    }
-    return status(f"{prefix}: input {now.topic}", *_judge_input(now, before, time), values)
-
-
-def _judge_input(now: InputTally, before: InputTally, time: float) -> tuple[bytes, str]:
-    if now.incompatible and now.messages == before.messages:
-        return (
-            ERROR,
-            "there is a publisher, but its quality of service does not match; set qos_reliability to best_effort",
-        )
-    if now.other_types and now.last is None:
-        return ERROR, "there is a publisher, but of another type of message"
-    if now.last is None and now.publishers:
-        return WARN, "there is a publisher, but it has not sent a message yet"
-    if now.last is None:
-        return WARN, "no message yet; check the topic, the namespace and ROS_DOMAIN_ID"
-    if now.messages == before.messages:
-        return ERROR, f"no message for {time - now.last:.1f} s"
-    if now.failures > before.failures:
-        return ERROR, "messages could not be processed; the log has the traceback"
-    doubled = sorted(name for name, count in now.doubled.items() if count > before.doubled.get(name, 0))
-    if doubled:
-        return WARN, f"two publishers send {', '.join(doubled)} on {now.topic}; stop one or remap it"
-    if now.malformed > before.malformed:
-        return WARN, f"{now.malformed - before.malformed} messages do not fit their type"
-    lost = max(now.lost - before.lost, now.reported_lost - before.reported_lost)
-    if lost > 0:
-        return WARN, f"{lost} messages were lost on the way"
-    if now.late > before.late:
-        return WARN, f"{now.late - before.late} samples were too old on arrival; see max_age"
-    if now.is_other_clock:
-        return OK, "receiving; the stamps are another clock's, so their age cannot be judged"
-    return OK, "receiving"
+SUBSCRIBERS = "subscribers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +40,7 @@ class DamperNow:
         counts: by the constants of ``runtime.damper_record``.
         noise: m/s, standard deviation of the velocity.
         is_identified: whether the model was fitted to measurements.
+        stamp: of the last used sample, ns.
         influential: the slow channels that the model's force depends on.
         slow: counts of the slow channels' topics, by role.
     """
@@ -146,6 +51,7 @@ class DamperNow:
     counts: np.ndarray
     noise: float
     is_identified: bool
+    stamp: int
     influential: Sequence[str]
     slow: Mapping[str, InputTally]
     missing: int
@@ -155,7 +61,7 @@ class DamperNow:
 
 def before_first_sample(now: DamperNow) -> DamperNow:
     """The same damper before its first sample."""
-    return replace(now, counts=np.zeros(COUNTS, np.int64), missing=0)
+    return replace(now, counts=np.zeros(COUNTS, np.int64), stamp=0, missing=0)
 
 
 def damper_status(prefix: str, now: DamperNow, before: DamperNow, cutoff: float, delay: float) -> DiagnosticStatus:
@@ -195,21 +101,23 @@ def damper_status(prefix: str, now: DamperNow, before: DamperNow, cutoff: float,
             "error against the gauge [%]": f"{100 * now.drift.error:.1f}",
             "error at the beginning [%]": f"{100 * now.drift.reference:.1f}",
         }
-    return status(f"{prefix}: {now.name}", *_judge_damper(now, before), values)
+    return status(f"{prefix}: {now.name}", *_judge_damper(now, before, cutoff), values)
 
 
-def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
+def _judge_damper(now: DamperNow, before: DamperNow, cutoff: float) -> tuple[bytes, str]:
     new = now.counts - before.counts
     samples, missing = int(new[: NON_FINITE + 1].sum()), now.missing - before.missing
     if new[NOT_FINITE]:
         return ERROR, "the model's force is not finite"
     if not samples and missing:
         return ERROR, "the messages do not contain this damper"
+    dropped, resets = int(new[DUPLICATE : NON_FINITE + 1].sum()), int(new[GAP] + new[STEP_BACK])
+    if now.is_stale and samples and dropped == samples:
+        return ERROR, f"messages arrive, but none can be used; estimates are stale: {_dropped(new)}"
     if now.is_stale:
         return ERROR, "the input has stopped; estimates are stale"
     if not samples:
         return WARN, "no samples"
-    dropped, resets = int(new[DUPLICATE : NON_FINITE + 1].sum()), int(new[GAP] + new[STEP_BACK])
     warnings = [f"{dropped} of {samples} samples were dropped"] if dropped else []
     warnings += [f"gaps or clock steps: {resets} resets"] if resets else []
     warnings += [f"{missing} messages did not contain this damper"] if missing else []
@@ -217,6 +125,7 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
     warnings += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
     warnings += ["the displacement is constant, although its sensor is noisy"] if new[STUCK] else []
     warnings += [f"{new[SUSPECT]} samples in doubt because of their age, sender or current"] if new[SUSPECT] else []
+    warnings += _judge_rate(now, before, samples - dropped, cutoff)
     warnings += _judge_slow(now, new)
     warnings += [] if now.is_identified else ["the model was never identified: fit it to recordings of this damper"]
     if now.drift is not None and now.drift.is_alarm:
@@ -226,6 +135,22 @@ def _judge_damper(now: DamperNow, before: DamperNow) -> tuple[bytes, str]:
         return WARN, "; ".join(warnings)
     outside = int(new[BY_STATUS + EXTRAPOLATING])
     return OK, f"estimating; {outside} of {samples} samples outside the region of the fit" if outside else "estimating"
+
+
+def _dropped(new: np.ndarray) -> str:
+    """How many samples were dropped for which reason."""
+    reasons = {DUPLICATE: "equal stamps", INVERSION: "older stamps", NON_FINITE: "values that are not finite"}
+    return ", ".join(f"{new[row]} with {what}" for row, what in reasons.items() if new[row])
+
+
+def _judge_rate(now: DamperNow, before: DamperNow, used: int, cutoff: float) -> list[str]:
+    """Whether the samples are too rare for the filter: then the velocity between them is a guess."""
+    seconds = (now.stamp - before.stamp) / 1e9
+    least = LEAST_RATE * cutoff
+    if not before.stamp or used < 2 or seconds <= 0.0 or used >= least * seconds:
+        return []
+    rate = used / seconds
+    return [f"{rate:.0f} samples per second are too few for the filter of {cutoff:g} Hz: send {least:.0f}, or lower it"]
 
 
 def _judge_slow(now: DamperNow, new: np.ndarray) -> list[str]:
@@ -265,9 +190,3 @@ def output_status(
             f"{prefix}: output", WARN, "a subscriber requests a quality of service that is not offered", values
         )
     return status(f"{prefix}: output", OK, "publishing" if values[SUBSCRIBERS] else "no subscriber", values)
-
-
-def status(name: str, level: bytes, message: str, values: Mapping[str, object]) -> DiagnosticStatus:
-    """One status with its values as text."""
-    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
-    return DiagnosticStatus(level=level, name=name, message=message, hardware_id=HARDWARE, values=pairs)

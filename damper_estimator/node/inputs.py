@@ -15,7 +15,7 @@ from rclpy.subscription import Subscription
 from damper_estimator.errors import InputError
 from damper_estimator.node.command_publisher import CommandPublisher
 from damper_estimator.node.estimation import Arrival, Estimation
-from damper_estimator.node.health import InputTally
+from damper_estimator.node.input_health import InputTally
 from damper_estimator.node.message_info import with_info
 from damper_estimator.node.ports import NodeState, SubscribingNode
 from damper_estimator.node.quality_of_service import OVERRIDABLE

@@ -7,10 +7,12 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from damper_estimator.node import health
 from damper_estimator.node.command_health import CommandNow, command_status
+from damper_estimator.node.diagnostic_status import WARN, status
 from damper_estimator.node.displacement import JOINT_STATE, names_in
 from damper_estimator.node.estimation import Estimation
 from damper_estimator.node.force_follower import CommandTally, ForceFollower
 from damper_estimator.node.force_publisher import ForcePublisher
+from damper_estimator.node.input_health import InputTally, input_status, other_status
 from damper_estimator.node.inputs import Inputs
 from damper_estimator.node.ports import NamedNode, NodeState
 from damper_estimator.node.stamp_age import StampAge
@@ -24,7 +26,7 @@ class Reporter:
         self._node, self._state, self._messages, self._forces = node, state, inputs, forces
         self._before: dict[str, health.DamperNow] = {}
         self._commands: dict[str, CommandTally] = {}
-        self._inputs: dict[str, health.InputTally] = {}
+        self._inputs: dict[str, InputTally] = {}
         self._introduced: set[tuple] = set()
 
     def introduce(self, estimation: Estimation) -> None:
@@ -59,27 +61,42 @@ class Reporter:
         estimation = state.estimation
         if estimation is None:
             reason = state.refusal or "not configured"
-            return [health.status(f"{prefix}: node", health.WARN, reason, {"state": "unconfigured"})]
+            return [status(f"{prefix}: node", WARN, reason, {"state": "unconfigured"})]
         statuses, now = [], time.monotonic()
         inputs = self._messages.snapshot(estimation.displacement)
         known = set(estimation.names)
         for topic, displacement in estimation.displacement.items():
             tally, source = inputs[topic], displacement.source
             self._complete(tally, topic, source.age)
-            before = self._inputs.get(topic, health.InputTally(""))
-            statuses.append(health.input_status(prefix, tally, before, now, known))
+            before = self._inputs.get(topic, InputTally(""))
+            statuses.append(input_status(prefix, tally, before, now, known))
             for d, estimator in enumerate(source.estimators):
                 statuses.append(self._damper(prefix, topic, estimation, d, estimator.name))
             statuses += [self._command(prefix, follower) for follower in source.followers if follower.tally.desired]
-        self._inputs = inputs
+        others = self._other_inputs(estimation)
+        for topic, tally in others.items():
+            statuses.append(other_status(prefix, tally, self._inputs.get(topic, InputTally(""))))
+        self._inputs = inputs | others
         statuses.append(
             health.output_status(prefix, self._output(), self._forces.incompatible, self._messages.clock_has_stopped)
         )
         if state.recorder is not None:
-            statuses.append(health.status(f"{prefix}: recording", *state.recorder.health()))
+            statuses.append(status(f"{prefix}: recording", *state.recorder.health()))
         return statuses
 
-    def _complete(self, tally: health.InputTally, topic: str, age: StampAge) -> None:
+    def _other_inputs(self, estimation: Estimation) -> dict[str, InputTally]:
+        """Counts of the other topics that the signal map names, or that someone publishes on."""
+        topics = {topic: kind for topic, kind in estimation.topics.items() if topic not in estimation.displacement}
+        found = {}
+        for topic, tally in self._messages.snapshot(topics).items():
+            if topic in estimation.named and tally.last is None:
+                publishers = self._node.get_publishers_info_by_topic(tally.topic)
+                tally.other_types = sum(publisher.topic_type != topics[topic] for publisher in publishers)
+            if topic in estimation.named or tally.messages or tally.publishers or tally.incompatible:
+                found[topic] = tally
+        return found
+
+    def _complete(self, tally: InputTally, topic: str, age: StampAge) -> None:
         """Adds the values that are not worth computing with every message."""
         if tally.last is None:
             publishers = self._node.get_publishers_info_by_topic(tally.topic)
@@ -104,6 +121,7 @@ class Reporter:
             source.line.records["counts"][d].copy(),
             source.line.velocity_noise(d),
             deployed.is_identified,
+            int(source.stamps[d]),
             [role for role, memory in deployed.memories.items() if memory is not None],
             self._slow_inputs(estimation, name),
             int(source.missing[d]),
@@ -118,7 +136,7 @@ class Reporter:
         roster = estimation.roster
         return health.damper_status(prefix, now, before, roster.signal_map.cutoff, roster.delay)
 
-    def _slow_inputs(self, estimation: Estimation, damper: str) -> dict[str, health.InputTally]:
+    def _slow_inputs(self, estimation: Estimation, damper: str) -> dict[str, InputTally]:
         topics = estimation.slow_topics(damper)
         tallies = self._messages.snapshot(topics.values())
         return {role: tallies[topic] for role, topic in topics.items()}

@@ -18,6 +18,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 
 STATE_SIZE = 4  # y, y'/w, y''/w^2, last raw value
+LEAST_RATE = 2.5  # samples in a period of the cutoff
 _HALF_ROOT_3 = sqrt(3.0) / 2.0
 _AT_A_TIME = 8  # columns that are filtered together
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from damper_estimator.signals import DEFAULT_MAX_GAP, Measurement
-from damper_estimator.signals.butterworth import STATE_SIZE, differentiate
+from damper_estimator.signals.butterworth import LEAST_RATE, STATE_SIZE, differentiate
 from damper_estimator.signals.clipping import clipped
 from damper_estimator.signals.rest import noise_level, quantum
 from damper_estimator.validation.finding import DataFinding, entry
@@ -14,7 +14,6 @@ LEAST_LOST = 0.01  # share of samples that are missing or unusable
 UNEVEN = 0.3  # standard deviation of the steps over their mean
 ROUNDED = 0.05  # error of a rounded stamp over the mean step
 COARSE = 0.05  # error that quantisation makes of the velocity, over its rms; or of the force
-LEAST_RATE = 2.5  # samples in a period of the filter's cutoff, or of the band
 _WINDOW = 64
 
 

@@ -12,7 +12,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from damper_estimator.errors import InputError
-from damper_estimator.node.health import PUBLISHERS, SUBSCRIBERS
+from damper_estimator.node.health import SUBSCRIBERS
+from damper_estimator.node.input_health import PUBLISHERS
 from damper_estimator.node.inputs import message_type
 
 WINDOW = 20  # largest number of unanswered displacement messages
