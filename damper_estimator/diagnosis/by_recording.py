@@ -9,7 +9,7 @@ is what no effect is asked to explain, so that a recording at rest does not deci
 An explanation that raises the error of many recordings is contradicted by them, however much of another one it
 explains: it does something on that motion that the model gets wrong, and is not what is missing.
 
-Recordings of different motion are independent witnesses, because a form that is not quite the damper's errs otherwise
+Recordings of different motion are independent, because a form that is not quite the damper's errs otherwise
 in each. Of recordings with weights w and distributions p_r over the cells of motion, command and temperature, so many
 count as independent:
 
@@ -28,7 +28,7 @@ from damper_estimator.signals.layout import COMMAND, TEMPERATURE, A, V, X
 _WHOLE = 20.0  # s, from which on a recording counts fully
 _CELLS = 6  # over the driven range of each variable
 _VARIABLES = X, V, A, COMMAND, TEMPERATURE
-_MOST = 2.0  # independent witnesses: what is wrong with a form shows on every motion to some extent
+_MOST = 2.0  # independent recordings: what is wrong with a form shows on every motion to some extent
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def by_recording(rows: Sequence[Rows]) -> ByRecording:
 
 
 def independent(rows: Sequence[Rows]) -> float:
-    """n, how many independent witnesses the recordings of some rows are; 1 to 2."""
+    """n, for how many independent recordings those of some rows count; 1 to 2."""
     apart = by_recording(rows)
     if apart.weight.size == 1:
         return 1.0

@@ -65,7 +65,7 @@ class DiagnosisData:
         return by_recording(self.unseen)
 
     @cached_property
-    def witnesses(self) -> float:
+    def independent(self) -> float:
         """How many independent ones the recordings are."""
         return independent(self.fit)
 

@@ -79,8 +79,8 @@ def explanations(model: DamperModel, measurements: Sequence[Measurement], phenom
     whole = list(informative(whole)) if phenomena else whole
     state = identified_first(state_of(model, whole, whole[:1]), "both")
     model = state.model
-    news = [without_misfit(model, m) for m in whole] if phenomena else whole
-    both = data_of(model, news, news)
+    beyond_known = [without_misfit(model, m) for m in whole] if phenomena else whole
+    both = data_of(model, beyond_known, beyond_known)
     data = replace(both, unseen=both.unseen[:1])
     tried, untestable = hypotheses_for(model, data.ranges)
     if not phenomena:

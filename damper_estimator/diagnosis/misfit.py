@@ -1,7 +1,7 @@
 """What a model already got wrong when it was identified, without assuming a form, kept in its record of the fit.
 
 A model that lacks the oil's compressibility errs on every recording in the same way. Without knowing that, whatever
-changes later is looked for beneath an error that is no news. The joint solution of the atlas's tests on the recordings
+changes later is looked for beneath an error that is not new. The joint solution of the atlas's tests on the recordings
 of the identification predicts the old error on new ones:
 
     F_measured - F_model ~ sum_k c_k term_k(x, v, a, F_model)
@@ -55,7 +55,7 @@ class Misfit:
     coefficients: Mapping[str, tuple[float, ...]]
     left: float = float("nan")
 
-    def leaves_news(self, left: float) -> bool:
+    def leaves_more(self, left: float) -> bool:
         """Whether an error, share of the force's rms, is clearly larger than what the prediction always left."""
         return is_larger(left, self.left)
 
@@ -205,7 +205,7 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
-    """The measurement less what the model is known to get wrong, if that is finite: what is left to explain is news.
+    """The measurement less what the model is known to get wrong, if that is finite: what is left to explain is new.
 
     Far above the comparison's band, in which it was found, the prediction is mostly noise, of rates of the force and of
     accelerations. It would fold into the band where the recording is thinned.

@@ -24,7 +24,7 @@ from damper_estimator.diagnosis.explanation import ranking_of
 from damper_estimator.diagnosis.misfit import has_grown, misfit_of, probability_of_change, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
-from damper_estimator.diagnosis.search import Search, as_if_by, search, surveyed
+from damper_estimator.diagnosis.search import Search, as_if_by, evaluated_only, search
 from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
@@ -77,7 +77,7 @@ def _searched(
     state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
 ) -> Outcome:
     found, data = first_search(state, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
-    if found.is_survey:
+    if found.is_evaluated_only:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
     again = reidentified(found.rounds[0], data) if mode != "kept" else None
@@ -94,11 +94,11 @@ def _searched(
     if verdict == "parameters_changed":
         found = replace(found, accepted=named or as_if_by(found.rounds[0]))
         steps = steps_of(state, found.accepted, mode, names_changes=again is not None)
-    # Without a candidate only a large growth is news: errors on good recordings of one damper differ by up to two.
+    # Without a candidate only a large growth counts: errors on good recordings of one damper differ by up to two.
     share = share_of_force(state, data) / float(np.sqrt(limits().growth))
     is_old = share < limits().usual and not has_grown(state.model, share)
     if verdict == "unexplained" and not here and is_old:
-        verdict, picture, found = "nothing_missing", None, replace(found, is_survey=True)
+        verdict, picture, found = "nothing_missing", None, replace(found, is_evaluated_only=True)
     return Outcome(found, again, verdict, picture, tuple(steps))
 
 
@@ -116,37 +116,43 @@ def first_search(
 ) -> tuple[Search, DiagnosisData]:
     """What was found before it is added to the model, and on which recordings: without the error that the model had
     when it was identified, if that accounts for part of the error and leaves more than it did then; otherwise as
-    measured. A usual error that the model has always had is surveyed only.
+    measured. A usual error that the model has always had is evaluated only.
     """
     data = data_of(state.model, state.fit_part, state.unseen_part)
     known = misfit_of(state.model.fit)
     parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
-    news = data if known is None else data_of(state.model, *parts)
+    beyond_known = data if known is None else data_of(state.model, *parts)
     force = dynamic_force(data.unseen)
     whole, left = (
         unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
-        for source in (data, news)
+        for source in (data, beyond_known)
     )
-    leaves_news = known is None or known.leaves_news(left / force)
+    leaves_more = known is None or known.leaves_more(left / force)
     error = max(whole / force, share_of_force(state, data))
     asks_for_change = mode == "both" and not state.is_identified_here
     if asks_for_change:
         change = probability_of_change(state.model, error)
-        data, news = replace(data, change=change), replace(news, change=change)
+        data, beyond_known = replace(data, change=change), replace(beyond_known, change=change)
     grown = has_grown(state.model, error)
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
-    bound = limits().usual if not grown else 0.0 if leaves_news else limits().acceptable
+    bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable
     is_usual = asks_for_change and error < bound
     is_accounted_for = known is not None and left**2 < limits().accounted * whole**2
-    if is_accounted_for and left > limits().least_force * force and leaves_news:
+    if is_accounted_for and left > limits().least_force * force and leaves_more:
         found = search(
-            state.model, news, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), trusted=True
+            state.model,
+            beyond_known,
+            mode,
+            skip,
+            workers,
+            lambda text, share: progress(text, 0.5 * share),
+            trusted=True,
         )
-        # On the recordings of the identification a zero is no news, and the old error is what the model lacks.
+        # On the recordings of the identification a zero is not new, and the old error is what the model lacks.
         zeros = {hypothesis.name for hypothesis in found.rounds[0].hidden if state.is_identified_here}
         if {one.element.effect.name for one in found.accepted} - zeros:
-            return found, news
+            return found, beyond_known
     if is_usual:
-        return surveyed(state.model, data, news, skip, workers, progress), data
+        return evaluated_only(state.model, data, beyond_known, skip, workers, progress), data
     here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data

@@ -4,8 +4,8 @@
     left_p = min over the effects e of p of left_e^(1 - w)  x  min over the tests t of p of left_t^w
     P(p)   = prior_p left_p^-kn / sum over q of prior_q left_q^-kn,    averaged over a bootstrap of the unseen part
 
-prior_p is that of its effect, 1 for most; n is the number of independent witnesses that the recordings are
-(``by_recording``).
+prior_p is that of its effect, 1 for most; n says for how many independent recordings those at hand
+count (``by_recording``).
 
 left is a share of the squared error. The tests assume no form: a phenomenon whose real form differs from that of the
 effect in the library keeps part of its credit, and one whose effect fits while the error does not depend on its
@@ -72,14 +72,14 @@ def _blended(left: float | np.ndarray, free: float | np.ndarray) -> np.ndarray:
     return np.maximum(left, _LEAST) ** (1.0 - share) * np.maximum(free, _LEAST) ** share
 
 
-def probabilities(found: Sequence[PhenomenonScore], witnesses: float = 1.0) -> dict[str, float]:
-    """The probability of each phenomenon, given that it is one of them, if the recordings are so many independent
-    witnesses.
+def probabilities(found: Sequence[PhenomenonScore], independent: float = 1.0) -> dict[str, float]:
+    """The probability of each phenomenon, given that it is one of them, if the recordings count for so many
+    independent ones.
     """
     if not found:
         return {}
     left = np.array([score.replicates for score in found])
     prior = np.array([[score.prior] for score in found])
-    weight = prior * (left / left.min(axis=0)) ** -(witnesses * limits().sharpness)
+    weight = prior * (left / left.min(axis=0)) ** -(independent * limits().sharpness)
     share = np.mean(weight / weight.sum(axis=0), axis=1)
     return {score.phenomenon: float(p) for score, p in zip(found, share, strict=True)}

@@ -56,7 +56,7 @@ class Round:
     @cached_property
     def probabilities(self) -> dict[str, float]:
         """Of each phenomenon, given that what is missing is one of them."""
-        return probabilities(self.scores, self.baseline.data.witnesses)
+        return probabilities(self.scores, self.baseline.data.independent)
 
     @property
     def best(self) -> Hypothesis | None:

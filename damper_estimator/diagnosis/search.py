@@ -37,7 +37,7 @@ class Search:
     Attributes:
         left_n: unseen error with them, N.
         mode: how the rounds evaluate: both, kept or refit.
-        is_survey: whether nothing is added, because the error is not new.
+        is_evaluated_only: whether nothing is added, because the error is not new.
     """
 
     rounds: tuple[Round, ...]
@@ -46,7 +46,7 @@ class Search:
     left_n: float
     untestable: dict[str, str]
     mode: str
-    is_survey: bool = False
+    is_evaluated_only: bool = False
 
     @property
     def without_n(self) -> float:
@@ -110,10 +110,10 @@ def _explained(one: Accepted) -> float:
     return one.before_n**2 - one.after_n**2
 
 
-def surveyed(
+def evaluated_only(
     model: DamperModel,
     data: DiagnosisData,
-    news: DiagnosisData,
+    beyond_known: DiagnosisData,
     skip: Collection[str],
     workers: int,
     progress: Progress,
@@ -122,12 +122,12 @@ def surveyed(
     what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
 
     Args:
-        news: the recordings without the error that the model has always had, as far as that is known.
+        beyond_known: the recordings without the error that the model has always had, as far as that is known.
     """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
-    zeros = _hidden_by_the_zero(first.hidden, news, model, (), {one.name for one in tried}, workers)
+    zeros = _hidden_by_the_zero(first.hidden, beyond_known, model, (), {one.name for one in tried}, workers)
     zeros = tuple(one for one in zeros if one.gain[0] >= _MOST_OF_IT)
     return Search((first,), zeros, model, rmse(baseline, first.without), untestable, "both", not zeros)
 

@@ -61,13 +61,13 @@ class TaskCounts:
     """Progress of a run; ``known`` excludes tasks of recordings without an overview so far.
 
     Attributes:
-        recordings, surveyed: all recordings, and those whose dampers are known.
+        recordings, looked_at: all recordings, and those whose dampers are known.
         known: tasks; ``kept`` of them were done before this run, ``done`` in this run; ``failed`` of both failed.
         seconds: duration of the work, summed over all workers.
     """
 
     recordings: int = 0
-    surveyed: int = 0
+    looked_at: int = 0
     known: int = 0
     kept: int = 0
     done: int = 0
@@ -77,7 +77,7 @@ class TaskCounts:
     @property
     def expected(self) -> float:
         """Expected number of tasks; recordings without an overview count with the average of the others."""
-        return self.known * self.recordings / self.surveyed if self.surveyed else float(self.recordings)
+        return self.known * self.recordings / self.looked_at if self.looked_at else float(self.recordings)
 
 
 @dataclass
@@ -165,7 +165,7 @@ class Fleet:
 
     def _found(self, recording: Recording, overview: RecordingOverview, waiting: deque) -> None:
         """Adds the tasks of a recording whose dampers are known; unfinished ones come next."""
-        self.counts.surveyed += 1
+        self.counts.looked_at += 1
         for damper in recording.dampers or tuple(overview.temperature_c) or ("",):
             task, reason = self._task(recording, overview, damper)
             self.tasks.append(task)

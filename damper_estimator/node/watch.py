@@ -46,7 +46,7 @@ _GREW = "error grew from"  # in a drift alarm
 
 @dataclass
 class Damper:
-    """The news of one damper since the last line."""
+    """What came of one damper since the last line."""
 
     force: list[tuple[float, float]] = field(default_factory=list)
     residual: list[tuple[float, float]] = field(default_factory=list)
@@ -90,7 +90,7 @@ class Watch:
             self._executor.spin_once(timeout_sec=left)
 
     def line(self) -> dict[str, object]:
-        """The news since the last line."""
+        """What came since the last line."""
         dampers = {
             name: {
                 "force": thinned(damper.force), "residual": thinned(damper.residual), "status": damper.status,

@@ -12,7 +12,7 @@ that of draws from their covariance on the old recordings (Bayesian, as in Box a
 
 The decision is the one that a diagnosis takes from all recordings: a phenomenon is named alone once its odds against
 each rival exceed (1 - p) / p, p the bound of a tie. Recordings judge one by one there. With o the odds before the test,
-n_0 and n the independent witnesses without and with it, w its weight among the recordings, and k the sharpness of the
+n_0 and n the independent recordings without and with it, w its weight among the recordings, and k the sharpness of the
 diagnosis for effects (its form-free tests are taken to speak for both alike), the odds after the test are
 
     log odds = n (1 - w) (log o / n_0 + k log(1 + H / S)) + n w k log rho,      rho = (E + D + C_B) / (E + C_A)
@@ -94,7 +94,7 @@ class Weighing:
     """How a diagnosis weighs the test beside the recordings that are there.
 
     Attributes:
-        before, after: n_0 and n, independent witnesses without and with the test.
+        before, after: n_0 and n, independent recordings without and with the test.
         weight: w of the test.
     """
 

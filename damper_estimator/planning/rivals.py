@@ -79,7 +79,7 @@ def weighed(found: Explanations, on: Simulated) -> Weighing:
 
 
 def _ahead(
-    hypotheses: Sequence[FittedExplanation], probable: Mapping[str, float] | None, witnesses: float
+    hypotheses: Sequence[FittedExplanation], probable: Mapping[str, float] | None, independent: float
 ) -> np.ndarray:
     """(h, h) log odds of each hypothesis against each other one on the old recordings.
 
@@ -88,7 +88,7 @@ def _ahead(
     squares = np.array([max(float(np.sum(one.residual**2)), 1e-300) for one in hypotheses])
     names = [one.phenomenon for one in hypotheses]
     best = np.array([min(s for s, other in zip(squares, names, strict=True) if other == name) for name in names])
-    per_error = witnesses * sharpness()
+    per_error = independent * sharpness()
     if probable is None:
         most = _STANDING * decisive()
         odds = np.clip(per_error * np.log(best[None, :] / best[:, None]), -most, most)

@@ -1,4 +1,4 @@
-"""Recordings judge one by one, and count as witnesses by how much their motions differ."""
+"""Recordings judge one by one, and count by how much their motions differ."""
 
 from dataclasses import replace
 
@@ -70,13 +70,13 @@ def with_residual(data, noisy, size):
     return without_effects(baseline)[0]
 
 
-def test_recordings_of_the_same_motion_are_one_witness_and_of_different_ones_two(user_model, base):
+def test_recordings_of_the_same_motion_count_once_and_of_different_ones_twice(user_model, base):
     same = data_of(user_model, [base, renamed(base, "again")], [base])
-    assert same.witnesses == pytest.approx(1.0)
+    assert same.independent == pytest.approx(1.0)
     other = data_of(user_model, [base, renamed(base, "small", 0.02)], [base])
-    assert 1.5 < other.witnesses <= 2.0
+    assert 1.5 < other.independent <= 2.0
     many = [renamed(base, f"{place}", 0.1, 0.1 * place) for place in range(5)]
-    assert data_of(user_model, many, [base]).witnesses == 2.0
+    assert data_of(user_model, many, [base]).independent == 2.0
 
 
 def test_a_short_recording_counts_less(user_model, base):

@@ -1,4 +1,4 @@
-"""What a model already got wrong when it was identified is no news."""
+"""What a model already got wrong when it was identified is not new."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -41,9 +41,9 @@ def test_only_an_error_that_has_grown_clearly_is_news(rough):
     model, _, other = rough
     known = misfit_of(model.fit)
     usual = error(model, without_misfit(model, other)) / float(np.std(other.force[other.judged]))
-    assert known.left == pytest.approx(usual, rel=0.3) and not known.leaves_news(known.left)
-    assert known.leaves_news(1.5 * known.left) and not known.leaves_news(1.3 * known.left)
-    assert replace(known, left=float("nan")).leaves_news(1.0)  # of an earlier version: unknown
+    assert known.left == pytest.approx(usual, rel=0.3) and not known.leaves_more(known.left)
+    assert known.leaves_more(1.5 * known.left) and not known.leaves_more(1.3 * known.left)
+    assert replace(known, left=float("nan")).leaves_more(1.0)  # of an earlier version: unknown
     share = model.fit["residual_stddev"] / model.fit["force_rms"]
     assert not has_grown(model, 1.3 * share) and has_grown(model, 1.5 * share)
     assert has_grown(replace(model, fit={}), 0.01)
@@ -105,7 +105,7 @@ def test_the_more_an_error_has_grown_the_more_probable_is_a_change(rough):
     growths = np.array([0.2, 1.0, 1.5, 2.0, 4.0, 8.0, 20.0])
     chances = [probability_of_change(model, share * np.sqrt(growth)) for growth in growths]
     assert chances == sorted(chances) and chances[0] == chances[2] > 0.0
-    # Twice the squared error is no news, twenty times is.
+    # Twice the squared error is not new, twenty times is.
     assert chances[3] < 0.5 and chances[-1] > 0.99
     assert probability_of_change(replace(model, fit={}), 0.01) == 1.0
 
@@ -128,7 +128,7 @@ def test_a_model_without_a_finite_force_has_an_infinite_error(rough, monkeypatch
 
 @pytest.mark.parametrize("is_here", [True, False])
 def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_fit(rough, monkeypatch, is_here):
-    """Beneath the old error only a zero is found: news elsewhere, and none where the model was identified."""
+    """Beneath the old error only a zero is found: new elsewhere, but not where the model was identified."""
     module = import_module("damper_estimator.diagnosis.outcome")
     original = module.search
 

@@ -166,7 +166,7 @@ def test_no_more_tasks_are_submitted_than_the_workers_need(run, client, tmp_path
     submitted, most = [], []
     submit = client.submit
     monkeypatch.setattr(client, "submit", lambda *a, **k: submitted.append(1) or submit(*a, **k))
-    run(tmp_path / "many" / "*.mcap", progress=lambda t: most.append(len(submitted) - t.done - t.surveyed))
+    run(tmp_path / "many" / "*.mcap", progress=lambda t: most.append(len(submitted) - t.done - t.looked_at))
     assert len(submitted) == 48 and max(most) <= 8
 
 

@@ -135,18 +135,18 @@ def test_the_mean_over_phenomena_weighs_each_by_its_probability(rng):
 
 
 def test_the_factor_of_a_decision_follows_from_the_diagnosis():
-    """Two witnesses of equal weight: the test alone has to bring odds of nine."""
+    """Two independent recordings of equal weight: the test alone has to bring odds of nine."""
     assert decisive() == pytest.approx(np.log(9.0)) and sharpness() == pytest.approx(8.0 * 0.9)
     assert Weighing().ratio(decisive()) == pytest.approx(9.0 ** (1.0 / (8.0 * 0.9)), rel=1e-6)
 
 
 @pytest.mark.parametrize("odds", [3.0, -3.0])
-def test_of_two_witnesses_each_adds_its_odds(odds):
+def test_of_two_recordings_each_adds_its_odds(odds):
     """What the old recordings say, and what the refit of the rival adds there, count like what the test says."""
     both = Weighing(before=1.0, after=2.0, weight=0.5)
     assert both.carried(odds, 1.0) == pytest.approx(odds)
     assert both.carried(odds, 1.3) == pytest.approx(odds + sharpness() * np.log(1.3))
-    assert Weighing(1.0, 1.0, 0.5).carried(odds, 1.0) == pytest.approx(0.5 * odds), "the same motion is one witness"
+    assert Weighing(1.0, 1.0, 0.5).carried(odds, 1.0) == pytest.approx(0.5 * odds), "the same motion counts once"
 
 
 def test_the_search_finds_what_helps_and_keeps_to_the_time():
