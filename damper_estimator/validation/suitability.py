@@ -121,8 +121,11 @@ def verdict(
     force: ChannelQuality | None,
     at_rest: bool,
     findings: Sequence[DataFinding] = (),
+    misses: str = "",
 ) -> Verdict:
-    """Judges excitation, data quality and the mistakes that were found together."""
+    """Judges excitation, data quality and the mistakes that were found together; ``misses`` says why the force cannot
+    be compared with the motion.
+    """
     faults, remarks, drive = [], [], []
     if force is None:
         faults.append("no force was measured")
@@ -144,6 +147,7 @@ def verdict(
         faults.append(f"{e.seconds:.1f} s is short")
         drive.append("record half a minute or more")
     _judge_motion(e, displacement, faults, remarks, drive)
+    faults += [misses] if misses else []
     spoiling = [finding for finding in findings if finding.spoils]
     faults += [finding.sentence for finding in spoiling]
     if np.isfinite(e.damping) and e.damping <= 0.0 and not spoiling:

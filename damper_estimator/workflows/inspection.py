@@ -12,8 +12,10 @@ from damper_estimator.errors import InputError
 from damper_estimator.recordings import Bag, open_bag
 from damper_estimator.signals import (
     DEFAULT_MAX_GAP,
+    Measurement,
     Rest,
     SignalMap,
+    check_force,
     find_rests,
     measure,
     read_channels,
@@ -130,6 +132,16 @@ def _topics(bag: Bag) -> tuple[TopicFacts, ...]:
     return tuple(topics)
 
 
+def _misses(measurement: Measurement) -> str:
+    """Why the force cannot be compared with the motion; "" if it can, or if there is none."""
+    try:
+        if measurement.force is not None:
+            check_force(measurement)
+    except InputError as error:
+        return str(error).removeprefix(f"{measurement.recording}: ")
+    return ""
+
+
 def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
     signals = signal_map.dampers[name]
     data = read_channels(bag, signals.channels())
@@ -151,5 +163,5 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
         for role, channel in data.items()
         if role not in quality
     }
-    judged = verdict(motion, quality["displacement"], quality.get("force"), bool(rests), findings)
+    judged = verdict(motion, quality["displacement"], quality.get("force"), bool(rests), findings, _misses(measurement))
     return DamperInspected(quality, motion, ranges, rests, tuple(findings), judged)

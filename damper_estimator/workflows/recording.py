@@ -140,7 +140,8 @@ class Recording:
         """The parts of the recording with a measured force; ``notes`` list the others.
 
         Raises:
-            InputError: if a damper chosen by name has none.
+            InputError: if a damper chosen by name has none, or if that of a damper was never measured at the same time
+                as its displacement.
         """
         kept: dict[str, tuple[Measurement, ...]] = {}
         notes = list(self.notes)
@@ -153,6 +154,9 @@ class Recording:
                 if measurement.force is None
             ]
             with_force = tuple(measurement for measurement in measurements if measurement.force is not None)
+            if with_force and not any(measurement.judged.any() for measurement in with_force):
+                for measurement in with_force:
+                    check_force(measurement)
             if with_force:
                 kept[damper] = with_force
         return replace(self, measurements=kept, notes=tuple(notes))

@@ -103,3 +103,19 @@ def test_unusable_files_are_one_line(tmp_path, driven, refused):
     for path in (tmp_path / "empty.mcap", tmp_path / "missing.mcap"):
         assert path.name in refused("inspect", path)
     assert "'rear'" in refused("inspect", driven()[0], "-d", "rear")
+
+
+@pytest.mark.parametrize("verb", ["fit", "compare", "diagnose"])
+def test_a_force_of_another_time_is_named_by_every_verb(driven, tmp_path, capsys, verb):
+    """Two loggers with different clocks: there is a force, and a displacement, but never both."""
+    _, stamp, x, measured = driven(names=("left",))
+    with BagWriter(tmp_path / "both.mcap") as writer:
+        fields = {"header.stamp": stamp, "name": ["left"], "position": x}
+        writer.write_columns("/suspension/displacement", "sensor_msgs/msg/JointState", stamp, fields)
+        fields = {"header.stamp": stamp + 100 * 10**9, "name": ["left"], "effort": measured}
+        writer.write_columns("/suspension/force", "sensor_msgs/msg/JointState", stamp + 100 * 10**9, fields)
+    verdict = inspect(tmp_path, tmp_path / "both.mcap")["dampers"]["left"]["verdict"]
+    assert not verdict["good"] and any("not recorded at the same time" in text for text in verdict["faults"])
+    words = ["-o", str(tmp_path / "m.yaml")] if verb == "fit" else []
+    assert main([verb, str(tmp_path / "both.mcap"), "-m", "linear_viscous", *words]) == 1
+    assert "was not recorded at the same time as its displacement" in capsys.readouterr().err
