@@ -14,6 +14,7 @@ from damper_estimator.runtime.line import predict, take_motion, take_slow
 from damper_estimator.runtime.status import watch
 from damper_estimator.signals.admission import DUPLICATE, judge
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, V, X
+from damper_estimator.signals.possible import keep_possible
 
 _PROGRAM = ("first_row", "last_row", "first_state", "last_state", "motions", "forces", "series")
 
@@ -88,16 +89,17 @@ def step(kernels, table, parameters, settings, state, given, answer):
         np.zeros(1, np.int64),
         np.zeros(1, np.int64),
     )
-    value, dt, force, numbers = np.empty(1), np.zeros(1), np.zeros(1), np.empty(1)
+    value, used, dt, force, numbers = np.empty(1), np.zeros(1), np.zeros(1), np.zeros(1), np.empty(1)
     suspect, alone = np.empty(1, np.uint8), np.zeros(1, np.uint8)
     status, trusted = np.zeros(1, np.uint8), np.zeros(1, np.uint8)
     block = state["block"]
     block[:, :] = np.nan
     stamp[0], value[0], suspect[0] = given["stamp"], given["displacement"], given["suspect"]
     judge(stamp, value, state["max_gap"], state["admission"], verdict, dt)
+    keep_possible(value, verdict, dt, state["possible"], used)
     if verdict[0] < DUPLICATE:
-        _take_sample(kernels, table, parameters, settings, state, place, stamp, dt, value, block, alone, doubt, force)
-    watch(state, stamp, value, verdict, suspect, alone, doubt, block, force, status, trusted, numbers)
+        _take_sample(kernels, table, parameters, settings, state, place, stamp, dt, used, block, alone, doubt, force)
+    watch(state, stamp, value, used, verdict, suspect, alone, doubt, block, force, status, trusted, numbers)
     answer["verdict"] = verdict[0]
     if verdict[0] < DUPLICATE:
         answer["displacement"], answer["velocity"], answer["acceleration"] = block[X, 0], block[V, 0], block[A, 0]

@@ -121,7 +121,9 @@ def _judge_damper(now: DamperNow, before: DamperNow, cutoff: float) -> tuple[byt
     warnings = [f"{dropped} of {samples} samples were dropped"] if dropped else []
     warnings += [f"gaps or clock steps: {resets} resets"] if resets else []
     warnings += [f"{missing} messages did not contain this damper"] if missing else []
-    warnings += [f"{new[JUMPS]} jumps of the displacement"] if new[JUMPS] else []
+    if new[JUMPS]:
+        unit = "; it is faster than a damper nearly always: check its unit (scale in the signal map)"
+        warnings.append(f"{new[JUMPS]} jumps of the displacement{unit if 2 * new[JUMPS] > samples else ''}")
     warnings += [f"{new[LATE]} gaps of several steps"] if new[LATE] else []
     warnings += ["the displacement is constant, although its sensor is noisy"] if new[STUCK] else []
     warnings += [f"{new[SUSPECT]} samples in doubt because of their age, sender or current"] if new[SUSPECT] else []

@@ -9,6 +9,7 @@ from damper_estimator.signals.admission import NON_FINITE
 from damper_estimator.signals.butterworth import STATE_SIZE
 from damper_estimator.signals.fusion import FUSION_SIZE, NOISES
 from damper_estimator.signals.layout import COMMAND, PRESSURE, ROWS, TEMPERATURE, A, V, X
+from damper_estimator.signals.possible import STATE_SIZE as POSSIBLE_SIZE
 
 GOOD, WARMING_UP, EXTRAPOLATING, DEGRADED, STALE = range(5)
 SLOW = ("command", "temperature", "pressure")  # the rows of the block from COMMAND on
@@ -60,6 +61,7 @@ RECORD = np.dtype(
         ("begun", "i8"),
         ("origin", "i8"),  # ns, first stamp
         ("admission", "i8", (2,)),
+        ("possible", "f8", (POSSIBLE_SIZE,)),
         ("filter", "f8", (STATE_SIZE,)),
         ("fused", "f8", (FUSION_SIZE,)),
         # State of the accelerometer: its last stamp in ns, and its usual interval in ns.

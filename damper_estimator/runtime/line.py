@@ -21,6 +21,7 @@ from damper_estimator.signals.admission import DUPLICATE, judge
 from damper_estimator.signals.butterworth import differentiate
 from damper_estimator.signals.fusion import fuse
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
+from damper_estimator.signals.possible import keep_possible
 
 _DISPLACEMENT, _VELOCITY, _ACCELERATION, _FORCE, _STDDEV = (FIELDS.index(name) for name in FIELDS[:5])
 
@@ -198,19 +199,20 @@ def _run_damper(d, record, functions, program, inputs, outputs, work, usual):
         else:
             verdicts[i, d] = ABSENT
     judge(times[:arrivals], value[:arrivals], record["max_gap"], record["admission"], verdict[:arrivals], dt[:arrivals])
+    used = real[2]
+    keep_possible(value[:arrivals], verdict[:arrivals], dt[:arrivals], record["possible"], used[:arrivals])
     for j in range(arrivals):
         verdicts[place[j], d] = verdict[j]
         if verdict[j] < DUPLICATE:  # the good ones move up, so that filter and model process them without holes
-            place[good], dt[good] = place[j], dt[j]
+            place[good], dt[good], used[good] = place[j], dt[j], used[j]
             good += 1
-    raw, force, finite, alone, doubt = real[2, :good], real[3, :good], real[4, :good], flags[1, :good], all_doubt[:good]
+    raw, force, finite, alone, doubt = used[:good], real[3, :good], real[4, :good], flags[1, :good], all_doubt[:good]
     block = usual_block if good == n else np.empty((ROWS, good))
     judged = usual_judged if good == n else np.empty((2, good), np.uint8)
     for j in range(good):  # slices would take seconds to compile
         for row in range(ROWS):
             block[row, j] = np.nan
         alone[j], doubt[j] = 0, 0
-        raw[j] = displacement[place[j], d]
     take_motion(record, d, place, stamp, dt[:good], raw, acceleration, acceleration_stamp, block, alone)
     take_slow(record, d, place, stamp, slow, received, block, doubt)
     if record["lead"] > 0.0:
@@ -222,7 +224,7 @@ def _run_damper(d, record, functions, program, inputs, outputs, work, usual):
         np.empty((0, 0)), force,
     )  # fmt: skip
     watch(
-        record, times[:arrivals], value[:arrivals], verdict[:arrivals], doubtful[:arrivals], alone, doubt, block,
+        record, times[:arrivals], value[:arrivals], raw, verdict[:arrivals], doubtful[:arrivals], alone, doubt, block,
         force, judged[0], judged[1], finite,
     )  # fmt: skip
     for j in range(good):

@@ -33,7 +33,7 @@ def _compile_judgement() -> None:
     table, traces = np.zeros((0, chain.COLUMNS), np.int64), np.zeros((0, 0))
     # First, since preparing the models needs it as well.
     chain.run_with_resets(_WHOLE, table, _REAL, _REAL, _BLOCK, 1, 1, _REAL, 0, np.zeros(1), traces, _REAL)
-    watch(record, _WHOLE, _REAL, _WHOLE, _FLAGS, _FLAGS, _WHOLE, _BLOCK, _REAL, _FLAGS, _FLAGS, _REAL)
+    watch(record, _WHOLE, _REAL, _REAL, _WHOLE, _FLAGS, _FLAGS, _WHOLE, _BLOCK, _REAL, _FLAGS, _FLAGS, _REAL)
 
 
 def _compile_step() -> None:

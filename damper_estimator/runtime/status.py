@@ -48,9 +48,9 @@ from damper_estimator.runtime.damper_record import (
 from damper_estimator.runtime.slow import is_outside
 from damper_estimator.signals.admission import DUPLICATE, INVERSION, NON_FINITE
 from damper_estimator.signals.layout import COMMAND, DT, ROWS
+from damper_estimator.signals.possible import SMALL
 
 JUMP_SPEED = 5.0  # m/s, faster than a damper moves
-JUMP = 0.001  # m, smaller changes are noise or resolution
 JUMP_JERK = 2.5e5  # m/s^3, twice that of a wheel in a pothole; a single outlier of the displacement exceeds it
 _OUTLIER = 6.0  # standard deviations of the noise
 LATE_STEP = 3.0  # typical steps that make a gap
@@ -69,12 +69,13 @@ _UNLIKELY = 1e-9
 
 
 @compiled
-def watch(record, stamp, value, verdict, suspect, alone, doubt, block, force, status, trusted, published):
+def watch(record, stamp, value, used, verdict, suspect, alone, doubt, block, force, status, trusted, published):
     """Judges a block of samples in order of arrival; a block of one is the live case.
 
     Args:
         record: of the damper.
         stamp: (n,) int64 ns; ``value``: (n,) m, raw; ``verdict``: (n,) int64, from ``admission.judge``.
+        used: (m,) m, what was used of it (``signals.possible``).
         suspect: (n,) uint8, 1 if the sample is doubtful for a reason outside the line.
         alone: (m,) uint8, 1 if the accelerometer of a fusion was missing.
         doubt: (m,) int64 ns for which the sample's slow channels make the force doubtful; 0 if they are good.
@@ -91,7 +92,7 @@ def watch(record, stamp, value, verdict, suspect, alone, doubt, block, force, st
                 _fault(record, record["last"], settling)
             continue
         _follow(record, stamp[i], value[i], block[DT, j])
-        if alone[j] != 0:
+        if alone[j] != 0 or used[j] != value[i]:
             _fault(record, stamp[i], settling)
         if doubt[j] > 0:
             _fault(record, stamp[i], doubt[j])
@@ -132,8 +133,8 @@ def _follow(record, stamp, value, step):
     second = first - record["first"]
     third = second - record["second"]
     noise = _OUTLIER * sqrt(_THIRD_DIFFERENCE * max(record["variance"], 0.0))
-    usual = max(JUMP, JUMP_JERK * record["step"] ** 3, noise)
-    has_jumped, is_late, is_outlier = abs(moved) > max(JUMP, JUMP_SPEED * step), False, False
+    usual = max(SMALL, JUMP_JERK * record["step"] ** 3, noise)
+    has_jumped, is_late, is_outlier = abs(moved) > max(SMALL, JUMP_SPEED * step), False, False
     if record["step"] <= 0.0:
         record["step"] = step
     elif step > LATE_STEP * record["step"]:
