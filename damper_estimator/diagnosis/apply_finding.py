@@ -141,8 +141,8 @@ def applied(
             found.append(after.with_model(identified(after, joint)))
     if mode != "refit" and not any(one.fulfils(promised, before) for one in found):
         found.append(after.with_model(identified(after, changed, keep=True), "the other parameters are kept"))
-    found = [one for one in found if are_themselves(one.model, one.added)]
-    return min(found, key=lambda one: one.rmse_unseen_n, default=after.with_model(changed))
+    found = [one for one in found if are_themselves(one.model, one.added)] or [after.with_model(changed)]
+    return min(found, key=lambda one: one.rmse_unseen_n)
 
 
 def _is_alike(one: DamperModel, other: DamperModel) -> bool:

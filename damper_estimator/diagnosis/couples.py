@@ -150,11 +150,11 @@ def _combined(current: Round, terms: Sequence[_Term]) -> list[Couple]:
 def _bounds(current: Round, hypothesis: Hypothesis, fit: TrialFit) -> tuple[np.ndarray, np.ndarray]:
     """(k,) lowest and highest steps of its parameters, in their sizes."""
     model, places = hypothesis.added_to(current.baseline.model)
-    ends = []
-    for place in places:
-        slot = model.slots[place]
-        low, high = hypothesis.region.limits.get(slot.parameter.name, (slot.parameter.lower, slot.parameter.upper))
-        ends.append((low - slot.value, high - slot.value))
+    slots = within(model, {hypothesis.name: hypothesis.region})
+    ends = [
+        (slots[place].parameter.lower - slots[place].value, slots[place].parameter.upper - slots[place].value)
+        for place in places
+    ]
     size = np.where(fit.sizes > 0.0, fit.sizes, 1.0)
     low, high = np.array(ends).T / size
     return np.minimum(low, 0.0), np.maximum(high, 0.0)
