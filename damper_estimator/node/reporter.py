@@ -89,18 +89,21 @@ class Reporter:
         topics = {topic: kind for topic, kind in estimation.topics.items() if topic not in estimation.displacement}
         found = {}
         for topic, tally in self._messages.snapshot(topics).items():
-            if topic in estimation.named and tally.last is None:
-                publishers = self._node.get_publishers_info_by_topic(tally.topic)
-                tally.other_types = sum(publisher.topic_type != topics[topic] for publisher in publishers)
+            if topic in estimation.named:
+                self._count_other_types(tally, topics[topic])
             if topic in estimation.named or tally.messages or tally.publishers or tally.incompatible:
                 found[topic] = tally
         return found
 
-    def _complete(self, tally: InputTally, topic: str, age: StampAge) -> None:
-        """Adds the values that are not worth computing with every message."""
+    def _count_other_types(self, tally: InputTally, type_name: str) -> None:
+        """Counts publishers of another type on a topic that has had no message yet."""
         if tally.last is None:
             publishers = self._node.get_publishers_info_by_topic(tally.topic)
-            tally.other_types = sum(publisher.topic_type != JOINT_STATE for publisher in publishers)
+            tally.other_types = sum(publisher.topic_type != type_name for publisher in publishers)
+
+    def _complete(self, tally: InputTally, topic: str, age: StampAge) -> None:
+        """Adds the values that are not worth computing with every message."""
+        self._count_other_types(tally, JOINT_STATE)
         data = self._messages.data.get(topic)
         if data is None:
             return
