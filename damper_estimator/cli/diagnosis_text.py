@@ -71,9 +71,7 @@ def _table(findings: Sequence[Finding], title: str) -> list[str]:
             f"  {finding.phenomenon:<{width}}  {finding.effect:<{wide}}  {gain:<21}  {errors:<18}  "
             f"{100 * finding.confidence:.0f} %"
         )
-    note = (
-        "explains: of the squared error without zero and drift; unseen error: of the model with the effect, with both"
-    )
+    note = "explains: of the squared error without zero and drift; unseen error: with both, the effect in the model"
     return [*lines, f"  {note}"]
 
 
