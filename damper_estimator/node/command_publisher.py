@@ -6,7 +6,7 @@ from damper_msgs.msg import DamperCommand
 from rclpy.publisher import Publisher
 
 from damper_estimator.node.command_message import COMMAND_TYPE, CommandMessages
-from damper_estimator.node.current_topics import CurrentTopics, deliver
+from damper_estimator.node.current_topics import CURRENT_TYPE, CurrentTopics, deliver
 from damper_estimator.node.force_follower import Command
 from damper_estimator.node.ports import Keep, PublishingNode
 from damper_estimator.node.quality_of_service import OVERRIDABLE, offered
@@ -40,7 +40,7 @@ class CommandPublisher:
             message = float_message(command.current)
             publisher = self._currents.publish(command.damper, message)
             if publisher is not None:
-                self._keep(publisher, "std_msgs/msg/Float64", message)
+                self._keep(publisher, CURRENT_TYPE, message)
         self.report(commands)
 
     def report(self, commands: Sequence[Command]) -> None:

@@ -18,6 +18,12 @@ DEPTH = 10
 ACKNOWLEDGED = 0.5  # s, longest wait for the last commands to be acknowledged
 ON_THE_WAY = 0.05  # s for subscriptions that acknowledge nothing
 DISCOVERED = 5.0  # s, longest wait until another context discovers the drivers
+CURRENT_TYPE = "std_msgs/msg/Float64"
+
+
+def topic_of(damper: str) -> str:
+    """The topic on which currents of a damper are commanded."""
+    return f"suspension/{damper}/current_command"
 
 
 class CurrentTopics:
@@ -32,7 +38,7 @@ class CurrentTopics:
         for name in names:
             if name in self._publishers:
                 continue
-            topic = f"suspension/{name}/current_command"
+            topic = topic_of(name)
             try:
                 self._publishers[name] = self._node.create_publisher(
                     Float64, topic, offered(DEPTH), qos_overriding_options=OVERRIDABLE

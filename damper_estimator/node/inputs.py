@@ -3,6 +3,7 @@
 import time
 import traceback
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from importlib import import_module
@@ -14,6 +15,7 @@ from rclpy.subscription import Subscription
 
 from damper_estimator.errors import InputError
 from damper_estimator.node.command_publisher import CommandPublisher
+from damper_estimator.node.current_topics import CURRENT_TYPE, topic_of
 from damper_estimator.node.estimation import Arrival, Estimation
 from damper_estimator.node.input_health import InputTally
 from damper_estimator.node.message_info import with_info
@@ -25,6 +27,7 @@ from damper_estimator.node.simulated_time import SimulatedTime
 from damper_estimator.node.wire import MalformedMessage
 
 LOG_PERIOD = 1.0  # s, at most one error per topic
+OUTPUTS = ("/diagnostics", "/rosout", "/parameter_events", "~/force", "~/residual", "~/command")  # none is an input
 
 
 class Inputs:
@@ -73,18 +76,30 @@ class Inputs:
         """Drops the topics whose name a damper's name makes invalid, for example by a blank.
 
         Raises:
-            InputError: if a topic that the signal map names is invalid.
+            InputError: if a topic that the signal map names is invalid, is one that this node publishes (only the
+                current may be the commanded one), or has another type under another name.
         """
-        for topic in list(estimation.topics):
+        where = estimation.roster.signal_map.where
+        types = {self._node.resolve_topic_name(topic): "" for topic in OUTPUTS}
+        for damper in estimation.names:
+            with suppress(ValueError, RCLError):
+                types[self._node.resolve_topic_name(topic_of(damper))] = CURRENT_TYPE
+        for topic, type_name in list(estimation.topics.items()):
             try:
-                self._node.resolve_topic_name(topic)
+                name = self._node.resolve_topic_name(topic)
             except (ValueError, RCLError) as error:
                 if topic in estimation.named:
                     raise InputError(
-                        f"{estimation.roster.signal_map.where}: {topic!r} cannot be a topic: use letters, digits, _ "
+                        f"{where}: {topic!r} cannot be a topic: use letters, digits, _ "
                         "and /, and begin no part with a digit"
                     ) from error
                 del estimation.topics[topic]
+                continue
+            other = types.setdefault(name, type_name)
+            if not other:
+                raise InputError(f"{where}: {topic} is published by this node; give the topic of the sensor")
+            if other != type_name:
+                raise InputError(f"{where}: topic {topic} is used for {type_name} and for {other}; use one per type")
 
     def subscribe(self, estimation: Estimation) -> None:
         """Creates the missing subscriptions of the estimation, and destroys those that it does not need."""

@@ -9,6 +9,7 @@ PATIENCE = 300.0  # s, far more than anything here takes on a busy machine, comp
 START = 1_700_000_000_000_000_000
 MS = 1_000_000
 DISCOVERED_WITHIN = 0.3  # s
+ANSWERED_WITHIN = 20.0  # s; a question without an answer is asked again
 
 
 class Rig:
@@ -134,11 +135,21 @@ class Rig:
 
     def call(self, kind: type, service: str, request: object) -> object:
         """Calls a service of the node."""
-        client = self._client(kind, service)
-        self.wait(client.service_is_ready, f"the service {service}")
-        future = client.call_async(request)
+        future = self._request(kind, service, request)
         self.wait(future.done, f"an answer of {service}")
         return future.result()
+
+    def ask(self, kind: type, service: str, request: object) -> object:
+        """Calls a service that changes nothing, again if the answer is lost."""
+        end = time.monotonic() + ANSWERED_WITHIN
+        asked = self._request(kind, service, request)
+        self.wait(lambda: asked.done() or time.monotonic() > end, f"an answer of {service}")
+        return asked.result() if asked.done() else self.call(kind, service, request)
+
+    def _request(self, kind: type, service: str, request: object) -> object:
+        client = self._client(kind, service)
+        self.wait(client.service_is_ready, f"the service {service}")
+        return client.call_async(request)
 
     def _client(self, kind: type, service: str) -> object:
         """One client per service. A new one waits until the node has discovered it as well, which being ready does not
@@ -162,7 +173,7 @@ class Rig:
         """The managed node's state."""
         from lifecycle_msgs.srv import GetState
 
-        return self.call(GetState, "get_state", GetState.Request()).current_state.label
+        return self.ask(GetState, "get_state", GetState.Request()).current_state.label
 
     def set(self, **parameters: object) -> tuple[bool, str]:
         """Sets parameters together; returns whether they were accepted, and else the reason."""
@@ -182,13 +193,13 @@ class Rig:
         """All parameters by name; None if one has no value."""
         from rcl_interfaces.srv import ListParameters
 
-        return self._values(self.call(ListParameters, "list_parameters", ListParameters.Request()).result.names)
+        return self._values(self.ask(ListParameters, "list_parameters", ListParameters.Request()).result.names)
 
     def _values(self, names: Sequence[str]) -> dict[str, object]:
         from rcl_interfaces.srv import GetParameters
         from rclpy.parameter import parameter_value_to_python
 
-        values = self.call(GetParameters, "get_parameters", GetParameters.Request(names=names)).values
+        values = self.ask(GetParameters, "get_parameters", GetParameters.Request(names=names)).values
         assert len(values) == len(names), f"only {len(values)} of {len(names)} parameters have a value"
         found = {name: parameter_value_to_python(value) for name, value in zip(names, values, strict=True)}
         return {name: list(value) if type(value).__name__ == "array" else value for name, value in found.items()}

@@ -37,6 +37,16 @@ REFUSED = [
         "dampers: {left: {}}",
         "dampers: right not in .*left",
     ),
+    *(
+        ({"model": "coulomb", "signals": "broken.yaml"}, f"dampers: {{left: {{{role}: {{topic: {topic}}}}}}}", reason)
+        for role, topic, reason in (
+            ("force", "/diagnostics", "broken.yaml: /diagnostics is published by this node"),
+            ("displacement", "/rosout", "/rosout is published by this node"),
+            ("force", "/damper_estimator/residual", "residual is published by this node"),
+            ("displacement", "suspension/left/current_command", "used for sensor_msgs.* and for std_msgs"),
+            ("command", "/damper_estimator/desired_force", "used for .* and for .*; use one per type"),
+        )
+    ),
     ({"model": "coulomb", "executor": "fast"}, "", "executor is 'fast'; allowed are events, single"),
     (
         {"model": "coulomb", "qos_reliability": "maybe"},
