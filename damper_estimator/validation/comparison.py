@@ -93,7 +93,7 @@ class Comparison:
 
     @cached_property
     def groups(self) -> tuple[GroupError, ...]:
-        """Errors of the user's groups, or of of groups of cycles formed from the recordings' ranges."""
+        """Errors of the user's groups, or of groups of cycles formed from the recordings' ranges."""
         if not self.grouping:
             return group_errors(self.traces)
         members = {

@@ -54,5 +54,11 @@ def test_every_key_of_a_section_is_there(records, section):
     assert named(section) and named(section) <= records[section]
 
 
+@pytest.mark.parametrize("section", ["`fit`", "`compare`", "`diagnose`", "`improve`"])
+def test_every_key_is_explained(records, section):
+    named_by_users = {"front_left", "linear_viscous", "static_force"}  # dampers, and effects of a model
+    assert records[section] - set(re.findall(r"`(\w+)`", TEXT)) - named_by_users == set()
+
+
 def test_the_measures_are_there(records):
     assert len(named("Measures")) == 10 and named("Measures") <= records["`compare`"]
