@@ -6,6 +6,7 @@ from damper_estimator.validation.data_quality import DataQuality
 from damper_estimator.validation.finding import DataFinding
 from damper_estimator.validation.findings import data_findings
 from damper_estimator.validation.form_free import reference_error
+from damper_estimator.validation.magnitudes import LONGEST_STROKE, unit_remedy
 from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.regions import Region
 from damper_estimator.validation.spectra import partial_coherence
@@ -15,6 +16,7 @@ from damper_estimator.validation.trace import Trace
 from damper_estimator.validation.velocity import velocity_agreement
 
 __all__ = [
+    "LONGEST_STROKE",
     "ChannelQuality",
     "Comparison",
     "DataFinding",
@@ -34,6 +36,7 @@ __all__ = [
     "per_recording",
     "reference_error",
     "step_check",
+    "unit_remedy",
     "velocity_agreement",
     "verdict",
 ]

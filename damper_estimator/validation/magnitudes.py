@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from damper_estimator.signals import Measurement
+from damper_estimator.signals import DamperSignals, Measurement
 from damper_estimator.validation.finding import DataFinding, entry
 
-LONGEST = 2.0  # m of stroke
+LONGEST_STROKE = 2.0  # m of stroke
 FASTEST = 30.0  # m/s
 SOFTEST = 10.0  # N s/m, rms of the force over that of the velocity: of a bicycle's damper some hundred
 _STRONGEST_IN_KN = 100.0  # largest force that can be in kN
@@ -23,7 +23,7 @@ def unit_findings(m: Measurement) -> Iterator[DataFinding]:
         return
     low, high = np.quantile(k.displacement[warm], [0.001, 0.999])
     stroke, speed = float(high - low), float(np.quantile(np.abs(k.velocity[warm]), 0.999))
-    if stroke > LONGEST or speed > FASTEST:
+    if stroke > LONGEST_STROKE or speed > FASTEST:
         yield _in_millimetres(m, f"the displacement spans {stroke:.3g} m at up to {speed:.3g} m/s")
         return
     judged = m.judged if m.force is not None else np.zeros(len(k), bool)
@@ -53,10 +53,12 @@ def _in_millimetres(m: Measurement, shown: str) -> DataFinding:
 
 
 def _finding(m: Measurement, sentence: str, role: str, factor: float) -> DataFinding:
-    channel = getattr(m.signals, role)
-    remedy = (
-        f"if so, multiply the values of the {role}'s table by {factor:g}"
-        if channel.table is not None
-        else f"if so, `{entry(role, m.signals, scale=factor * channel.scale)}` in the signal map"
-    )
-    return DataFinding("unit", sentence, remedy, m.recording, 1.0)
+    return DataFinding("unit", sentence, unit_remedy(role, m.signals, factor), m.recording, 1.0)
+
+
+def unit_remedy(role: str, signals: DamperSignals, factor: float) -> str:
+    """What to change in the signal map if a channel is in another unit, of which an SI unit has ``1 / factor``."""
+    channel = getattr(signals, role)
+    if channel.table is not None:
+        return f"if so, multiply the values of the {role}'s table by {factor:g}"
+    return f"if so, `{entry(role, signals, scale=factor * channel.scale)}` in the signal map"

@@ -69,5 +69,11 @@ def test_a_recording_without_rest_is_refused_and_no_map_is_left(driven, tmp_path
     assert "never at rest" in line and "front_left" in line and not (tmp_path / "map.yaml").exists()
 
 
+def test_a_displacement_in_millimetres_is_named_with_the_entry_that_corrects_it(standing, tmp_path, refused):
+    (tmp_path / "given.yaml").write_text("dampers: {a: {displacement: {scale: 1000.0}}}")
+    line = refused("tare", standing, "-s", tmp_path / "given.yaml", "-o", tmp_path / "map.yaml")
+    assert "probably it is in mm" in line and "displacement: {" in line and not (tmp_path / "map.yaml").exists()
+
+
 def test_an_unknown_damper_is_refused(standing, tmp_path, refused):
     assert "'rear'" in refused("tare", standing, "-d", "rear", "-o", tmp_path / "map.yaml")
