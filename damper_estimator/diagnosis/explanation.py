@@ -19,6 +19,7 @@ from damper_estimator.diagnosis.result import (
 )
 from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.trial_fit import TrialFit, is_at_end
+from damper_estimator.effects.contract import Effect
 from damper_estimator.identification import FittedParameter
 from damper_estimator.identification.rows import split
 from damper_estimator.model import DamperModel, Element
@@ -66,7 +67,9 @@ def finding_of(
 
 def _remark(one: Accepted, values: Sequence[FittedParameter], again: Reidentified | None) -> str:
     """What makes the finding suspect: parameters at a limit, and where kept and refitted parameters disagree."""
-    return " ".join(filter(None, (_at_a_limit(values), _acting_against(one) or _disagreement(one, again))))
+    return " ".join(
+        filter(None, (at_a_limit(one.element.effect, values), _acting_against(one) or _disagreement(one, again)))
+    )
 
 
 def _acting_against(one: Accepted) -> str:
@@ -75,12 +78,30 @@ def _acting_against(one: Accepted) -> str:
     return f"It acts against {one.partner.replace('_', ' ')}: each explains little alone, the errors are those of both."
 
 
-def _at_a_limit(values: Sequence[FittedParameter]) -> str:
-    bounded = [value.name.rpartition(".")[2].replace("_", " ") for value in values if value.at_bound]
-    if not bounded:
-        return ""
-    verb = "lie at limits" if len(bounded) > 1 else "lies at a limit"
-    return f"{', '.join(bounded)} {verb} of what is physical: the effect's form is not quite that of this damper."
+def at_a_limit(effect: Effect, values: Sequence[FittedParameter]) -> str:
+    """What a reader has to know of parameters that stopped at a limit; "" if none did."""
+    stopped = [value for value in values if value.at_bound]
+    rigid = [value for value in stopped if _is_rigid(effect, value)]
+    bounded = [value for value in stopped if value not in rigid]
+    sentences = []
+    if bounded:
+        verb = "lie at limits" if len(bounded) > 1 else "lies at a limit"
+        sentences.append(
+            f"{_names(bounded)} {verb} of what is physical: the effect's form is not quite that of this damper."
+        )
+    if rigid:
+        sentences.append(f"{_names(rigid)}: so stiff that nothing is seen to deflect.")
+    return " ".join(sentences)
+
+
+def _is_rigid(effect: Effect, value: FittedParameter) -> bool:
+    """Whether a stiffness of what lies in series is as large as it can be: no sign of a wrong form."""
+    upper = effect.parameter(value.name.rpartition(".")[2].partition("[")[0]).upper
+    return effect.kind == "series" and value.unit == "N/m" and value.value > 0.5 * upper
+
+
+def _names(values: Sequence[FittedParameter]) -> str:
+    return ", ".join(value.name.rpartition(".")[2].replace("_", " ") for value in values)
 
 
 def _disagreement(one: Accepted, again: Reidentified | None) -> str:
