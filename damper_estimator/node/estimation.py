@@ -41,6 +41,14 @@ class Answer(NamedTuple):
     has_grown: bool = False
 
 
+def check_type(where: str, topic: str, type_name: str, other: str) -> None:
+    """Raises InputError if a topic is also used for another message type."""
+    if other != type_name:
+        raise InputError(
+            f"{where}: topic {topic} is given for {type_name} and for {other}; use one topic per message type"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Displacement:
     """One displacement topic with its dampers, and their comparison with the gauges."""
@@ -113,11 +121,7 @@ class Estimation:
     def _subscribe(self, topic: str, type_name: str, is_named: bool) -> None:
         if is_named:
             self.named.add(topic)
-        if self.topics.setdefault(topic, type_name) != type_name:
-            raise InputError(
-                f"{self.roster.signal_map.where}: topic {topic} is given for {type_name} and for "
-                f"{self.topics[topic]}; use one topic per message type"
-            )
+        check_type(self.roster.signal_map.where, topic, type_name, self.topics.setdefault(topic, type_name))
 
     def _add_slow_channels(self, source: DisplacementInput, estimator: Estimator) -> None:
         name, signals = estimator.name, estimator.signals

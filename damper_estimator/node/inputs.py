@@ -16,7 +16,7 @@ from rclpy.subscription import Subscription
 from damper_estimator.errors import InputError
 from damper_estimator.node.command_publisher import CommandPublisher
 from damper_estimator.node.current_topics import CURRENT_TYPE, topic_of
-from damper_estimator.node.estimation import Arrival, Estimation
+from damper_estimator.node.estimation import Arrival, Estimation, check_type
 from damper_estimator.node.input_health import InputTally
 from damper_estimator.node.message_info import with_info
 from damper_estimator.node.ports import NodeState, SubscribingNode
@@ -27,7 +27,10 @@ from damper_estimator.node.simulated_time import SimulatedTime
 from damper_estimator.node.wire import MalformedMessage
 
 LOG_PERIOD = 1.0  # s, at most one error per topic
-OUTPUTS = ("/diagnostics", "/rosout", "/parameter_events", "~/force", "~/residual", "~/command")  # none is an input
+# What the node and rclpy publish for it; none is an input.
+OUTPUTS = (
+    "/diagnostics", "/rosout", "/parameter_events", "~/transition_event", "~/force", "~/residual", "~/command",
+)  # fmt: skip
 
 
 class Inputs:
@@ -80,7 +83,8 @@ class Inputs:
                 current may be the commanded one), or has another type under another name.
         """
         where = estimation.roster.signal_map.where
-        types = {self._node.resolve_topic_name(topic): "" for topic in OUTPUTS}
+        outputs = {self._node.resolve_topic_name(topic) for topic in OUTPUTS}
+        types: dict[str, str] = {}  # by resolved name
         for damper in estimation.names:
             with suppress(ValueError, RCLError):
                 types[self._node.resolve_topic_name(topic_of(damper))] = CURRENT_TYPE
@@ -95,11 +99,9 @@ class Inputs:
                     ) from error
                 del estimation.topics[topic]
                 continue
-            other = types.setdefault(name, type_name)
-            if not other:
+            if name in outputs:
                 raise InputError(f"{where}: {topic} is published by this node; give the topic of the sensor")
-            if other != type_name:
-                raise InputError(f"{where}: topic {topic} is used for {type_name} and for {other}; use one per type")
+            check_type(where, topic, type_name, types.setdefault(name, type_name))
 
     def subscribe(self, estimation: Estimation) -> None:
         """Creates the missing subscriptions of the estimation, and destroys those that it does not need."""

@@ -37,16 +37,6 @@ REFUSED = [
         "dampers: {left: {}}",
         "dampers: right not in .*left",
     ),
-    *(
-        ({"model": "coulomb", "signals": "broken.yaml"}, f"dampers: {{left: {{{role}: {{topic: {topic}}}}}}}", reason)
-        for role, topic, reason in (
-            ("force", "/diagnostics", "broken.yaml: /diagnostics is published by this node"),
-            ("displacement", "/rosout", "/rosout is published by this node"),
-            ("force", "/damper_estimator/residual", "residual is published by this node"),
-            ("displacement", "suspension/left/current_command", "used for sensor_msgs.* and for std_msgs"),
-            ("command", "/damper_estimator/desired_force", "used for .* and for .*; use one per type"),
-        )
-    ),
     ({"model": "coulomb", "executor": "fast"}, "", "executor is 'fast'; allowed are events, single"),
     (
         {"model": "coulomb", "qos_reliability": "maybe"},
@@ -56,6 +46,16 @@ REFUSED = [
     ({"model": "coulomb", "qos_depth": 0}, "", "qos_depth: must be between 1 and"),
     ({"model": "coulomb", "cutoff": 60}, "", r"cutoff: must be .* written with a point \(60.0\)"),
     ({"model": "coulomb", "max_gap": -1.0}, "", "max_gap: must be between"),
+    *(
+        ({"model": "coulomb", "signals": "broken.yaml"}, f"dampers: {{left: {{{role}: {{topic: {topic}}}}}}}", reason)
+        for role, topic, reason in (
+            ("force", "/diagnostics", "broken.yaml: /diagnostics is published by this node"),
+            ("displacement", "/rosout", "/rosout is published by this node"),
+            ("force", "/damper_estimator/residual", "residual is published by this node"),
+            ("displacement", "suspension/left/current_command", "given for sensor_msgs.* and for std_msgs"),
+            ("command", "/damper_estimator/desired_force", "given for .* and for .*; use one topic per message type"),
+        )
+    ),
 ]
 
 
@@ -81,6 +81,23 @@ def test_unusable_parameters_are_refused_with_the_reason(parameters, content, re
             node.destroy_node()
         rclpy.shutdown()
     assert "\n" not in str(refusal.value)
+
+
+def test_everything_that_the_node_publishes_is_known_to_the_check_of_its_inputs(domain):
+    import rclpy
+
+    from damper_estimator.node.estimator_node import EstimatorNode
+    from damper_estimator.node.inputs import OUTPUTS
+
+    rclpy.init(args=["test", "--ros-args", "-p", "model:=coulomb", "-p", "dampers:=[left]"])
+    node = EstimatorNode()
+    try:
+        node.start()
+        published = {name for name, _ in node.get_publisher_names_and_types_by_node("damper_estimator", "/")}
+        assert published == {node.resolve_topic_name(topic) for topic in OUTPUTS}
+    finally:
+        node.destroy_node()
+        rclpy.shutdown()
 
 
 @pytest.mark.parametrize("parameters, content, reason", [REFUSED[i] for i in (0, 3, 8, 12)])
