@@ -80,9 +80,8 @@ def _acting_against(one: Accepted) -> str:
 
 def at_a_limit(effect: Effect, values: Sequence[FittedParameter]) -> str:
     """What a reader has to know of parameters that stopped at a limit; "" if none did."""
-    stopped = [value for value in values if value.at_bound]
-    rigid = [value for value in stopped if _is_rigid(effect, value)]
-    bounded = [value for value in stopped if value not in rigid]
+    rigid = [value for value in values if value.at_bound and _is_rigid(effect, value)]
+    bounded = [value for value in values if value.at_bound and not _is_rigid(effect, value)]
     sentences = []
     if bounded:
         verb = "lie at limits" if len(bounded) > 1 else "lies at a limit"

@@ -6,7 +6,7 @@ from damper_estimator.validation.data_quality import DataQuality
 from damper_estimator.validation.finding import DataFinding
 from damper_estimator.validation.findings import data_findings
 from damper_estimator.validation.form_free import reference_error
-from damper_estimator.validation.magnitudes import LONGEST_STROKE, unit_remedy
+from damper_estimator.validation.magnitudes import in_millimetres
 from damper_estimator.validation.measures import Measures, measures
 from damper_estimator.validation.regions import Region
 from damper_estimator.validation.spectra import partial_coherence
@@ -16,7 +16,6 @@ from damper_estimator.validation.trace import Trace
 from damper_estimator.validation.velocity import velocity_agreement
 
 __all__ = [
-    "LONGEST_STROKE",
     "ChannelQuality",
     "Comparison",
     "DataFinding",
@@ -31,12 +30,12 @@ __all__ = [
     "compare",
     "data_findings",
     "excitation",
+    "in_millimetres",
     "measures",
     "partial_coherence",
     "per_recording",
     "reference_error",
     "step_check",
-    "unit_remedy",
     "velocity_agreement",
     "verdict",
 ]

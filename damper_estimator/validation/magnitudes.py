@@ -7,7 +7,7 @@ import numpy as np
 from damper_estimator.signals import DamperSignals, Measurement
 from damper_estimator.validation.finding import DataFinding, entry
 
-LONGEST_STROKE = 2.0  # m of stroke
+LONGEST = 2.0  # m of stroke
 FASTEST = 30.0  # m/s
 SOFTEST = 10.0  # N s/m, rms of the force over that of the velocity: of a bicycle's damper some hundred
 _STRONGEST_IN_KN = 100.0  # largest force that can be in kN
@@ -21,9 +21,8 @@ def unit_findings(m: Measurement) -> Iterator[DataFinding]:
     warm = k.warm()
     if not warm.any():
         return
-    low, high = np.quantile(k.displacement[warm], [0.001, 0.999])
-    stroke, speed = float(high - low), float(np.quantile(np.abs(k.velocity[warm]), 0.999))
-    if stroke > LONGEST_STROKE or speed > FASTEST:
+    stroke, speed = _stroke(k.displacement[warm]), float(np.quantile(np.abs(k.velocity[warm]), 0.999))
+    if stroke > LONGEST or speed > FASTEST:
         yield _in_millimetres(m, f"the displacement spans {stroke:.3g} m at up to {speed:.3g} m/s")
         return
     judged = m.judged if m.force is not None else np.zeros(len(k), bool)
@@ -53,11 +52,24 @@ def _in_millimetres(m: Measurement, shown: str) -> DataFinding:
 
 
 def _finding(m: Measurement, sentence: str, role: str, factor: float) -> DataFinding:
-    return DataFinding("unit", sentence, unit_remedy(role, m.signals, factor), m.recording, 1.0)
+    return DataFinding("unit", sentence, _remedy(role, m.signals, factor), m.recording, 1.0)
 
 
-def unit_remedy(role: str, signals: DamperSignals, factor: float) -> str:
-    """What to change in the signal map if a channel is in another unit, of which an SI unit has ``1 / factor``."""
+def in_millimetres(displacement: np.ndarray, signals: DamperSignals) -> str:
+    """Why a displacement (n,) m is probably in mm, and what to do about it; "" if its stroke is possible."""
+    stroke = _stroke(displacement)
+    if stroke <= LONGEST:
+        return ""
+    return f"the displacement spans {stroke:.3g} m: probably it is in mm; {_remedy('displacement', signals, 1e-3)}"
+
+
+def _stroke(displacement: np.ndarray) -> float:
+    """m, without the outermost thousandth; 0 without samples."""
+    return float(np.ptp(np.quantile(displacement, [0.001, 0.999]))) if displacement.size else 0.0
+
+
+def _remedy(role: str, signals: DamperSignals, factor: float) -> str:
+    """What to change in the signal map if a channel's unit is ``factor`` SI units."""
     channel = getattr(signals, role)
     if channel.table is not None:
         return f"if so, multiply the values of the {role}'s table by {factor:g}"

@@ -21,7 +21,7 @@ from damper_estimator.signals import (
     read_channels,
     signals_for,
 )
-from damper_estimator.validation import LONGEST_STROKE, unit_remedy
+from damper_estimator.validation import in_millimetres
 
 
 @dataclass(frozen=True)
@@ -90,12 +90,8 @@ def _tared(bag: Bag, name: str, signals: DamperSignals) -> Tared:
             f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); correct the signal map"
         )
     displacement = ordered(data["displacement"])
-    stroke = float(np.ptp(np.quantile(displacement[1], [0.001, 0.999]))) if displacement[1].size else 0.0
-    if stroke > LONGEST_STROKE:
-        raise InputError(
-            f"{bag.path}: the displacement of damper {name} spans {stroke:.3g} m: probably it is in mm; "
-            + unit_remedy("displacement", signals, 1e-3)
-        )
+    if fault := in_millimetres(displacement[1], signals):
+        raise InputError(f"{bag.path}: damper {name}: {fault}")
     force = ordered(data["force"]) if "force" in data else (None, None)
     rests = sorted(find_rests(*displacement, *force), key=lambda rest: -rest.seconds)
     if not rests:
