@@ -8,6 +8,7 @@ not stop the run: the exit status is 1 only if every task failed, or results can
 """
 
 import argparse
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,7 +32,7 @@ EXAMPLES = (
     "fleet compare 'passenger_*.mcap' -m mine.yaml -o fleet",
     "fleet fit 'cars/**/*.mcap' -m viscous_curve -o fleet --joint vehicle",
 )
-_LISTED = 20  # failures printed
+_LISTED = 20  # failures, and spoiled recordings, printed
 
 # The options of each verb besides the window.
 _OPTIONS = {
@@ -108,13 +109,17 @@ def run(arguments: argparse.Namespace) -> int:
         for fit in done.fits:
             print(fit)
         print(f"{done.summary}\nrows in {record['rows']}, page {record['page']}")
-        failures = record["failures"]
-        for row in failures[:_LISTED]:
-            print(f"  failed: {row['recording']} {row['damper']}: {row['reason']}")
-        if len(failures) > _LISTED:
-            print(f"  and {len(failures) - _LISTED} more; see the page")
+        _print_rows("failed", record["failures"], "reason")
+        _print_rows("data", record["spoiled"], "spoiled")
     write_json(arguments.json, record)
     return 1 if record["tasks"] and record["failed"] == record["tasks"] else 0
+
+
+def _print_rows(what: str, rows: Sequence[Mapping[str, str]], text: str) -> None:
+    for row in rows[:_LISTED]:
+        print(f"  {what}: {row['recording']} {row['damper']}: {row[text]}")
+    if len(rows) > _LISTED:
+        print(f"  and {len(rows) - _LISTED} more; see the page")
 
 
 def _options(arguments: argparse.Namespace) -> "Options":

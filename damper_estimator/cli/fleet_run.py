@@ -13,7 +13,7 @@ from damper_estimator.files import write_text
 from damper_estimator.fleet.cluster import connected, dashboard_of, threads_of
 from damper_estimator.fleet.joint_models import JointFits, JointModel
 from damper_estimator.fleet.manifest import find_recordings
-from damper_estimator.fleet.result_rows import failures_of, read_rows, write_rows
+from damper_estimator.fleet.result_rows import failures_of, read_rows, spoiled_of, write_rows
 from damper_estimator.fleet.scheduling import Fleet, FleetRequest, TaskCounts
 from damper_estimator.fleet.task import Options
 from damper_estimator.fleet.trend import RULE, drifting
@@ -36,6 +36,7 @@ class Done:
         seconds: duration.
         counts: of the tasks.
         failures: recording, damper and reason of failed tasks, sorted.
+        spoiled: recording, damper and fault where results mean nothing before the recording is corrected.
         fits: each joint fit as text.
     """
 
@@ -45,6 +46,7 @@ class Done:
     seconds: float
     counts: TaskCounts
     failures: list[dict[str, str]]
+    spoiled: list[dict[str, str]]
     fits: tuple[str, ...] = ()
 
     @property
@@ -70,6 +72,7 @@ class Done:
             "failed": self.counts.failed,
             "seconds": self.seconds,
             "failures": self.failures,
+            "spoiled": self.spoiled,
         }
 
 
@@ -141,7 +144,7 @@ def run_fleet(arguments: argparse.Namespace, options: Options) -> Done:
             finally:
                 rows = write_rows(output, verb, fleet.tasks)
                 page = write_fleet_page(output)
-    return Done(verb, rows, page, monotonic() - began, fleet.counts, failures_of(rows), fits)
+    return Done(verb, rows, page, monotonic() - began, fleet.counts, failures_of(rows), spoiled_of(rows), fits)
 
 
 def _fit_text(model: JointModel) -> str:

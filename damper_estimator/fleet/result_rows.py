@@ -33,6 +33,7 @@ COLUMNS = {
     "verdict": _TEXT, "missing": pyarrow.list_(_TEXT), "confidence": pyarrow.list_(_NUMBER),
     "rmse_after_n": _NUMBER,
     "estimates": _COUNT, "residual_rms_n": _NUMBER,
+    "data_findings": pyarrow.list_(_TEXT), "spoiled": _TEXT,
     "gaps": _COUNT, "inversions": _COUNT, "duplicates": _COUNT, "non_finite": _COUNT,
 }  # fmt: skip
 SCHEMA = pyarrow.schema(list(COLUMNS.items()))
@@ -120,6 +121,14 @@ def read_rows(output: Path) -> dict[str, list[dict[str, object]]]:
 
 def failures_of(rows: Path) -> list[dict[str, str]]:
     """Recording, damper and reason of the rows that failed."""
-    names = ["recording", "damper", "reason"]
-    table = pyarrow.parquet.read_table(rows, columns=names, filters=[("status", "==", FAILED)])
-    return table.to_pylist()
+    return _filtered(rows, "reason", [("status", "==", FAILED)])
+
+
+def spoiled_of(rows: Path) -> list[dict[str, str]]:
+    """Recording, damper and fault of the rows whose results mean nothing before the recording is corrected."""
+    return _filtered(rows, "spoiled", [("spoiled", "!=", "")])
+
+
+def _filtered(rows: Path, text: str, conditions: list[tuple[str, str, str]]) -> list[dict[str, str]]:
+    names = ["recording", "damper", text]
+    return pyarrow.parquet.read_table(rows, columns=names, filters=conditions).to_pylist()

@@ -1,6 +1,6 @@
 """The verbs of a fleet: each runs a use case on one recording and damper and returns the columns of the row."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
@@ -9,6 +9,7 @@ from damper_estimator.files import json_text, plain, write_text
 from damper_estimator.fleet.task import Options, Task, words
 from damper_estimator.report import plotly_from
 from damper_estimator.signals import DEFAULT_MAX_GAP
+from damper_estimator.validation import SPOILING, data_findings
 from damper_estimator.workflows import (
     ComparisonResults,
     DiagnosisResults,
@@ -38,7 +39,8 @@ class Compare(Options):
         """As ``Options.run``."""
         results = compare(_recording(task), task.model)
         record = _written(task, results.to_dict())
-        return {**record["data_quality"], **record} | _page(task, results)
+        quality = record["data_quality"]
+        return {**quality, **record} | _data_columns(quality["findings"]) | _page(task, results)
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Diagnose(Options):
             "confidence": [finding["confidence"] for finding in findings],
             "rmse_after_n": findings[-1]["rmse_after_n"] if findings else None,
         }
-        return {**record, **columns} | _page(task, results)
+        return {**record, **columns} | _data_columns(record["data_findings"]) | _page(task, results)
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,9 @@ class Fit(Options):
 
     def run(self, task: Task) -> Mapping[str, object]:
         """As ``Options.run``."""
-        results = fit_with(_recording(task), task.model, self.how, _no_progress)
+        recording = _recording(task)
+        results = fit_with(recording, task.model, self.how, _no_progress)
+        faults = data_findings(None, recording.measurements[task.damper])
         target = task.place("yaml")
         save_fit(results.fit, target)
         dampers = {task.damper: fit_record(results.fit, target)}
@@ -100,7 +104,7 @@ class Fit(Options):
             "parameters": {parameter["name"]: parameter["value"] for parameter in record["parameters"]},
             "standard_errors": {parameter["name"]: parameter["standard_error"] for parameter in record["parameters"]},
         }
-        return {**record, **columns} | _report(task, target)
+        return {**record, **columns} | _data_columns([fault.record() for fault in faults]) | _report(task, target)
 
 
 @dataclass(frozen=True)
@@ -142,6 +146,12 @@ def _written(task: Task, record: Mapping[str, object]) -> dict:
     """Writes the results as the verb does with ``--json``; returns those of the damper."""
     write_text(task.place("json"), json_text(record))
     return plain(record)["dampers"][task.damper]
+
+
+def _data_columns(findings: Sequence[Mapping[str, object]]) -> dict[str, object]:
+    """The columns with the faults of the recording; ``spoiled`` has those that leave the results without a meaning."""
+    text = {f"{one['kind']}: {one['sentence']}; {one['remedy']}": one["kind"] in SPOILING for one in findings}
+    return {"data_findings": list(text), "spoiled": ". ".join(line for line, spoils in text.items() if spoils)}
 
 
 def _page(task: Task, results: ComparisonResults | DiagnosisResults) -> dict[str, object]:

@@ -85,10 +85,14 @@
     draw(find("missing"), "missing", [Object.assign({}, all, { y, x: share(counts) }), Object.assign({}, leading, { y, x: share(first) })], "");
   }
 
+  // The kinds of the recording's faults; their sentences show on hovering.
+  const kinds = (i) => table.data[i].map((sentence) => sentence.split(":")[0].replaceAll("_", " ")).join(", ");
+
   function columns() {
     const list = [["recording", "recording", (i) => table.recording[i]], ["vehicle", "vehicle", vehicle], ["damper", "damper", damper],
       ["begin", "begin (UTC)", (i) => table.begin[i]], ["temperature", "deg C", (i) => table.temperature[i]]];
     for (const name of Object.keys(table.measures)) list.push([name, data.measures[name], (i) => table.measures[name][i]]);
+    if (table.data.some((found) => found.length)) list.push(["data", "data", kinds]);
     if (table.missing.length) list.push(["missing", "missing", (i) => table.missing[i].join(", ") || table.verdict[i] || ""]);
     return list;
   }
@@ -113,6 +117,7 @@
       if (key === "recording" && table.link[i]) cell.append(element("a", content, { href: table.link[i], target: "_blank", rel: "noopener" }));
       else if (typeof content === "number") { cell.textContent = key === "begin" ? day(content) : String(content); cell.className = "number"; }
       else cell.textContent = content === null ? "" : content;
+      if (key === "data") { cell.title = table.data[i].join("\n"); if (table.spoiled[i]) cell.className = "reason"; }
       row.append(cell);
       if (key === "temperature" && table.reason[i]) { row.append(element("td", table.reason[i], { className: "reason", colSpan: list.length - 5 })); break; }
     }

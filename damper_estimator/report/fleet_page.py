@@ -137,6 +137,8 @@ def _columns(rows: Sequence[Mapping[str, object]], verb: str) -> dict[str, objec
         "begin": [None if row["begin"] is None else row["begin"] // 1_000_000 for row in rows],
         "temperature": short([np.nan if row["temperature_c"] is None else row["temperature_c"] for row in rows]),
         "reason": [row["reason"] for row in rows],
+        "data": [row["data_findings"] or [] for row in rows],
+        "spoiled": [bool(row["spoiled"]) for row in rows],
         "verdict": [row["verdict"] for row in rows] if verb == "diagnose" else [],
         "missing": [row["missing"] or [] for row in rows] if verb == "diagnose" else [],
         "far": _far(rows),
@@ -174,6 +176,9 @@ def _headline(rows: Mapping[str, Sequence[Mapping]], trends: Sequence[Mapping], 
         name, count = found.most_common(1)[0]
         words.append(f"Most often missing: {name.replace('_', ' ')}, {count} times.")
     failed = sum(row["status"] != "done" for row in every)
+    spoiled = len({row["recording"] for row in every if row["spoiled"]})
+    if spoiled:
+        words.append(f"In {spoiled} recording{'s' if spoiled != 1 else ''} a channel is faulty: see the column data.")
     return " ".join(words + ([f"{failed} tasks failed."] if failed else []))
 
 

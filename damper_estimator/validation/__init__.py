@@ -3,7 +3,7 @@
 from damper_estimator.validation.channel_quality import ChannelQuality, channel_quality
 from damper_estimator.validation.comparison import Comparison, compare, per_recording
 from damper_estimator.validation.data_quality import DataQuality
-from damper_estimator.validation.finding import DataFinding
+from damper_estimator.validation.finding import SPOILING, DataFinding
 from damper_estimator.validation.findings import data_findings
 from damper_estimator.validation.form_free import reference_error
 from damper_estimator.validation.magnitudes import in_millimetres
@@ -16,6 +16,7 @@ from damper_estimator.validation.trace import Trace
 from damper_estimator.validation.velocity import velocity_agreement
 
 __all__ = [
+    "SPOILING",
     "ChannelQuality",
     "Comparison",
     "DataFinding",

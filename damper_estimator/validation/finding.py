@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 
 from damper_estimator.signals import Channel, DamperSignals
 
-_SPOILING = ("dead_channel", "unit", "sign")
+SPOILING = ("dead_channel", "unit", "sign")  # nothing that is identified means anything before they are corrected
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class DataFinding:
     @property
     def spoils(self) -> bool:
         """Whether nothing that is identified from the recording means anything before it is corrected."""
-        return self.kind in _SPOILING
+        return self.kind in SPOILING
 
     def record(self) -> dict[str, object]:
         """For JSON."""

@@ -17,7 +17,9 @@ def data_findings(model: DamperModel | None, measurements: Sequence[Measurement]
     spring rate that show against a model alone are candidates of the diagnosis.
     """
     found = [finding for m in measurements for finding in channel_findings(m)]
-    found += [finding for m in _unspoiled(measurements, found) for finding in unit_findings(m)]
+    units = [finding for m in _unspoiled(measurements, found) for finding in unit_findings(m)]
+    # Parts of one recording have the same unit, shown with other numbers.
+    found += {(finding.recording, finding.remedy): finding for finding in reversed(units)}.values()
     alive = [m for m in _unspoiled(measurements, found) if m.force is not None and m.judged.any()]
     # Parts of one recording repeat the findings of their channels.
     return tuple(dict.fromkeys([*found, *force_findings(model, alive)]))

@@ -16,8 +16,8 @@ DAY = 86400 * 10**9
 RATE = 200
 
 
-def write_drive(path, seed=0, dampers=("front_left",), gain=1500.0, warm=30.0, begin=START, seconds=6.0):
-    """A bag of displacements, forces of a viscous damper with friction, and a temperature."""
+def write_drive(path, seed=0, dampers=("front_left",), gain=1500.0, warm=30.0, begin=START, seconds=6.0, scale=1.0):
+    """A bag of displacements, multiplied by ``scale``, forces of a viscous damper with friction, and a temperature."""
     time = np.arange(round(seconds * RATE)) / RATE
     draw = np.random.default_rng(seed)
     phases = draw.uniform(0, 6, (len(dampers), 8))
@@ -33,7 +33,7 @@ def write_drive(path, seed=0, dampers=("front_left",), gain=1500.0, warm=30.0, b
     path.parent.mkdir(parents=True, exist_ok=True)
     names, state = list(dampers), "sensor_msgs/msg/JointState"
     streams = [
-        Stream("/suspension/displacement", state, stamp, joint_states(names, stamp, position=x)),
+        Stream("/suspension/displacement", state, stamp, joint_states(names, stamp, position=scale * x)),
         Stream("/suspension/force", state, stamp, joint_states(names, stamp, effort=force)),
     ] + [
         Stream(

@@ -126,6 +126,18 @@ def test_a_signal_map_and_options_reach_the_tasks(fleet, drives, tmp_path):
     assert fleet("compare", drives / "car_b" / "*.mcap", options=["--from=2"])[1]["done"] == 1
 
 
+@pytest.mark.parametrize("verb", ["compare", "diagnose", "fit"])
+def test_a_recording_in_another_unit_is_listed_and_the_others_are_not(fleet, drives, tmp_path, verb):
+    write_drive(drives / "car_c" / "rig.mcap", seed=7, scale=1000.0)
+    status, record, _ = fleet(verb, drives / "car_[bc]" / "*.mcap")
+    assert (status, record["failed"]) == (0, 0)
+    (spoiled,) = record["spoiled"]
+    assert spoiled["recording"].endswith("rig.mcap") and "probably the displacement is in mm" in spoiled["spoiled"]
+    rows = {Path(row["recording"]).name: row for row in parquet.read_table(tmp_path / "out" / "rows").to_pylist()}
+    assert [text.split(":")[0] for text in rows["rig.mcap"]["data_findings"]] == ["unit"]
+    assert rows["monday.mcap"]["data_findings"] == [] and rows["monday.mcap"]["spoiled"] == ""
+
+
 def test_failures_are_listed_and_the_status_is_1_only_if_all_failed(fleet, drives):
     (drives / "car_b" / "foreign.mcap").write_bytes(b"PK\x03\x04" + bytes(500))
     status, record, _ = fleet("compare", drives / "car_b" / "*.mcap")

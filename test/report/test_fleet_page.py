@@ -13,7 +13,7 @@ TEXT = ("recording", "vehicle", "damper", "status", "reason", "report", "verdict
 
 
 def row(vehicle="car 1", damper="left", number=0, error=0.05, **more):
-    fields = dict.fromkeys((*TEXT, *module._MEASURES, "begin", "temperature_c", "missing"))
+    fields = dict.fromkeys((*TEXT, *module._MEASURES, "begin", "temperature_c", "missing", "data_findings", "spoiled"))
     return fields | {
         "recording": f"/f/{vehicle}/{number}.mcap", "vehicle": vehicle, "damper": damper, "status": "done",
         "reason": "", "report": f"tasks/{number}-ab/{damper}.compare.html", "begin": 1_700_000_000_000_000_000 + number,
@@ -49,6 +49,15 @@ def test_outliers_and_failures_are_marked_and_linked():
     assert [k for k, far in enumerate(table["far"]) if far] == [20]
     assert table["link"][20] == "tasks/20-ab/left.compare.html" and table["link"][21] == ""
     assert table["reason"][21] == "cut <off>" and table["measures"]["nrmse"][21] is None
+
+
+def test_faulty_channels_are_counted_and_shown_with_their_recording():
+    sentences = ["gaps: 2 gaps; cut them", "unit: the displacement spans 90 m; scale it"]
+    found = [row(number=1), row(number=2, data_findings=sentences, spoiled=sentences[1])]
+    page = fleet_page({"compare": found, "fit": found}, [], 0, "the rule")
+    table = data_of(page)["verbs"]["compare"]
+    assert table["data"] == [[], sentences] and table["spoiled"] == [False, True]
+    assert "In 1 recording a channel is faulty" in page and "faulty" not in fleet_page({"fit": rows()}, [], 0, "")
 
 
 def test_drifts_and_missing_phenomena_are_reported():
