@@ -72,7 +72,7 @@ def _print_damper(name: str, found: DamperInspected) -> None:
         if role in found.quality:
             q = found.quality[role]
             faults = {"gaps": q.gaps, "steps back": q.steps_back, "older": q.inversions, "equal": q.duplicates}
-            faults |= {"not finite": q.non_finite, "saturated": q.saturated}
+            faults |= {"not finite": q.non_finite, "spikes": q.spikes, "saturated": q.saturated}
             fault_text = ", ".join(f"{count} {kind}" for kind, count in faults.items() if count) or "no faults"
             print(
                 f"  {role}: {q.samples} samples at {q.rate_hz:.4g} Hz (jitter {1e3 * q.jitter_s:.2g} ms), "

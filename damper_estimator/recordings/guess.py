@@ -199,7 +199,8 @@ def _in_range(values: np.ndarray, quantity: str, unit: str, name: object, essent
     factor, offset = QUANTITIES[quantity].units[unit]
     low, high = _BOUNDS[quantity]
     finite = values[np.isfinite(values)] * factor + offset
-    size = 0.5 * float(np.ptp(finite)) if essential else float(np.max(np.abs(finite)))
+    usual = np.quantile(finite, [0.001, 0.999])  # a spike says nothing of the unit
+    size = 0.5 * float(np.ptp(usual)) if essential else float(np.max(np.abs(usual)))
     if quantity == "temperature":
         good = low <= finite.min() and finite.max() <= high
     else:

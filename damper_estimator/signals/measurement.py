@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Admission, Counts
-from damper_estimator.signals.at_stamps import at_stamps
+from damper_estimator.signals.at_stamps import at_stamps, in_order, last_value
 from damper_estimator.signals.butterworth import low_pass, low_pass_zero_phase
 from damper_estimator.signals.channels import ChannelData, read_channels, signals_for, too_few
 from damper_estimator.signals.clipping import clipped, touched
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.layout import T
 from damper_estimator.signals.signal_map import DamperSignals, SignalMap
+from damper_estimator.signals.spikes import displacement_spikes, force_spikes
 
 if TYPE_CHECKING:  # the node runs without the readers' libraries
     from damper_estimator.recordings import Bag
@@ -41,6 +42,8 @@ class Measurement:
         acceleration: (n,) m/s^2, of an accelerometer, through the same causal filter; NaN in its gaps; None without
             one. Models do not use it, but the displacement's derivative.
         gauge_stamp: (m,) int64 ns, corrected for skew; None if the gauge has the stamps of the whole kinematics.
+        spikes: by role, displacement and force, s since the first displacement, of samples that are left out as spikes;
+            of the whole recording, also in a part of it.
     """
 
     recording: str
@@ -56,6 +59,7 @@ class Measurement:
     signals: DamperSignals
     acceleration: np.ndarray | None = None
     gauge_stamp: np.ndarray | None = None
+    spikes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def in_band(self, force: np.ndarray) -> np.ndarray:
         """A force (n,) through the comparison's zero-phase low-pass."""
@@ -158,14 +162,21 @@ def measured(
     arrived = data["displacement"]
     counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
     windows = _windows(signal_map, start, end)
-    kinematics, raw = _kinematics(data, signals, signal_map.cutoff, max_gap, windows)
+    stamp, displacement = in_order(arrived, signals.displacement.skew)
+    wild = {"displacement": stamp[glitch := displacement_spikes(stamp, displacement)]}
+    origin = stamp[0] if stamp.size else 0
+    moved = stamp[~glitch], displacement[~glitch]
+    kinematics, raw = _kinematics(*moved, origin, data, signals, signal_map.cutoff, max_gap, windows)
     if len(kinematics) < 2:
         raise too_few(recording, damper, len(kinematics), arrived, start, end)
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:
-        gauge_stamp, gauge = _in_order(data["force"], signals.force.skew)
-        force, near = _damper_force(data["force"], signals, kinematics, signal_map.cutoff, max_gap)
+        gauge_stamp, gauge = in_order(data["force"], signals.force.skew)
+        wild["force"] = gauge_stamp[glitch := force_spikes(gauge_stamp, gauge)]
+        gauge_stamp, gauge = gauge_stamp[~glitch], gauge[~glitch]
+        force, near = _filtered(gauge_stamp, gauge, kinematics, signal_map.cutoff, max_gap)
+        force = force - signals.spring_rate * kinematics.displacement - signals.preload
         near &= ~touched(kinematics.stamp, gauge_stamp[clipped(gauge)], signal_map.cutoff, signal_map.band)
     return Measurement(
         recording=recording,
@@ -181,6 +192,7 @@ def measured(
         signals=signals,
         acceleration=_acceleration(data, signals, kinematics, signal_map.cutoff, max_gap),
         gauge_stamp=gauge_stamp,
+        spikes={role: tuple(((times - origin) / 1e9).tolist()) for role, times in wild.items() if times.size},
     )
 
 
@@ -208,7 +220,8 @@ def _acceleration(
 ) -> np.ndarray | None:
     if "acceleration" not in data:
         return None
-    values, near = _filtered(data["acceleration"], signals.acceleration.skew, kinematics, cutoff, max_gap)
+    stamp, value = in_order(data["acceleration"], signals.acceleration.skew)
+    values, near = _filtered(stamp, value, kinematics, cutoff, max_gap)
     return np.where(near, values, np.nan)
 
 
@@ -218,28 +231,21 @@ def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[floa
     return [(first, last) for first, last in cut if first < last]
 
 
-def _in_order(data: ChannelData, skew: float) -> tuple[np.ndarray, np.ndarray]:
-    """Stamps corrected for skew and values, ordered by stamp (stable), finite ones only."""
-    good = np.isfinite(data.value)
-    stamp, value = data.stamp[good] - round(skew * 1e9), data.value[good]
-    order = np.argsort(stamp, kind="stable")
-    return stamp[order], value[order]
-
-
 def _kinematics(
+    stamp: np.ndarray,
+    displacement: np.ndarray,
+    origin: int,
     data: Mapping[str, ChannelData],
     signals: DamperSignals,
     cutoff: float,
     max_gap: float,
     windows: list[tuple[float, float]],
 ) -> tuple[Kinematics, np.ndarray]:
-    stamp, displacement = _in_order(data["displacement"], signals.displacement.skew)
-    origin = stamp[0] if stamp.size else 0
     parts, raws = [], []
     for first, last in windows:
         inside = slice(*np.searchsorted(stamp - origin, [first * 1e9, last * 1e9]))
         held = {
-            role: _last_value(data[role], getattr(signals, role).skew, stamp[inside])
+            role: last_value(data[role], getattr(signals, role).skew, stamp[inside])
             for role in ("command", "temperature", "pressure")
             if role in data
         }
@@ -251,29 +257,13 @@ def _kinematics(
     return joined, raws[0] if len(raws) == 1 else np.concatenate(raws or [np.zeros(0)])
 
 
-def _last_value(data: ChannelData, skew: float, stamp: np.ndarray) -> np.ndarray:
-    """The last value of a slow channel at each stamp; NaN before the first."""
-    channel_stamp, value = _in_order(data, skew)
-    index = np.searchsorted(channel_stamp, stamp, side="right") - 1
-    return np.where(index >= 0, value[np.maximum(index, 0)] if value.size else np.nan, np.nan)
-
-
-def _damper_force(
-    data: ChannelData, signals: DamperSignals, kinematics: Kinematics, cutoff: float, max_gap: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Measured damper force at the kinematics' stamps through the same causal filter, and where it was recorded."""
-    force, near = _filtered(data, signals.force.skew, kinematics, cutoff, max_gap)
-    return force - signals.spring_rate * kinematics.displacement - signals.preload, near
-
-
 def _filtered(
-    data: ChannelData, skew: float, kinematics: Kinematics, cutoff: float, max_gap: float
+    stamp: np.ndarray, value: np.ndarray, kinematics: Kinematics, cutoff: float, max_gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """A fast channel at the kinematics' stamps through the causal filter, and where it was recorded nearby.
 
     The channel is linear between its samples; the filter runs over the stamps of both, so it is exact for both.
     """
-    stamp, value = _in_order(data, skew)
     if not stamp.size:
         return np.full(len(kinematics), np.nan), np.zeros(len(kinematics), bool)
     filtered = at_stamps(stamp, value, kinematics, cutoff)

@@ -5,7 +5,7 @@ after filter and status have recovered. A displacement is impossible if it moves
 possible one, which is then used in its place. Where the damper has moved on meanwhile, ``STEADY`` samples have to
 follow each other within reach of it. A displacement that stays beyond (another zero, another unit) is a new start after
 ``LONGEST``, as after a gap: nothing is locked out. For live estimates and their repetition; the analysis of recordings
-takes the displacement as it is, and says so where it cannot be.
+knows what follows, and leaves out whatever comes back (``signals.spikes``).
 """
 
 from damper_estimator.compiled import compiled

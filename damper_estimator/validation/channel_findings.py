@@ -7,6 +7,7 @@ import numpy as np
 from damper_estimator.signals import DEFAULT_MAX_GAP, Measurement
 from damper_estimator.signals.butterworth import LEAST_RATE, STATE_SIZE, differentiate
 from damper_estimator.signals.clipping import clipped
+from damper_estimator.signals.possible import FASTEST
 from damper_estimator.signals.rest import noise_level, quantum
 from damper_estimator.validation.finding import DataFinding, entry
 
@@ -15,6 +16,11 @@ UNEVEN = 0.3  # standard deviation of the steps over their mean
 ROUNDED = 0.05  # error of a rounded stamp over the mean step
 COARSE = 0.05  # error that quantisation makes of the velocity, over its rms; or of the force
 _WINDOW = 64
+_LISTED = 4  # times of spikes
+_AT_THE_NODE = {
+    "displacement": f"The node cannot know what follows: it holds the last value if a step is above {FASTEST:g} m/s",
+    "force": "The node compares its estimate with the force as it is",
+}
 
 
 def channel_findings(m: Measurement) -> list[DataFinding]:
@@ -23,7 +29,7 @@ def channel_findings(m: Measurement) -> list[DataFinding]:
     channels = {"displacement": (m.kinematics.stamp, m.raw_displacement)}
     if m.gauge.size:
         channels["force"] = (gauge_stamp, m.gauge)
-    found = list(_dropped(m))
+    found = [*_dropped(m), *_spikes(m)]
     for role, (stamp, value) in channels.items():
         found += _gaps(m, role, stamp)
         found += _stamps(m, role, stamp)
@@ -52,6 +58,21 @@ def _dropped(m: Measurement) -> Iterator[DataFinding]:
             f"{100.0 * share:.2g} % of the displacement's samples are dropped: {listed}",
             "let the driver stamp each sample when it is taken, once; nothing in the signal map corrects it",
             share,
+        )
+
+
+def _spikes(m: Measurement) -> Iterator[DataFinding]:
+    for role, times in m.spikes.items():
+        total = m.counts.samples if role == "displacement" else m.gauge.size
+        listed = ", ".join(f"{time:.2f}" for time in times[:_LISTED]) + " ..." * (len(times) > _LISTED)
+        one = len(times) == 1
+        yield _finding(
+            m,
+            "spikes",
+            f"{len(times)} sample{'s' * (not one)} of the {role} leave{'s' * one} its course and come{'s' * one} back, "
+            f"as nothing that moves can, at {listed} s",
+            f"left out here; check plug, cable and bus. {_AT_THE_NODE[role]}",
+            len(times) / max(total, 1),
         )
 
 

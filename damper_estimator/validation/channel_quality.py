@@ -24,6 +24,7 @@ class ChannelQuality:
         noise: standard deviation of the white part, from the quiet tenth of short windows.
         saturated: samples at a limit of the sensor's range.
         low, high: extremes.
+        spikes: samples that are left out (``signals.spikes``).
     """
 
     samples: int
@@ -39,6 +40,7 @@ class ChannelQuality:
     saturated: int
     low: float
     high: float
+    spikes: int = 0
 
     def record(self) -> dict[str, object]:
         """For JSON."""

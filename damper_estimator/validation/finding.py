@@ -12,8 +12,8 @@ class DataFinding:
     """A mistake that the recordings show by themselves, whatever the model lacks.
 
     Attributes:
-        kind: ``gaps``, ``stamps``, ``saturation``, ``dead_channel``, ``unit``, ``held``, ``quantisation``, ``rate``,
-            ``sign``, ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
+        kind: ``gaps``, ``spikes``, ``stamps``, ``saturation``, ``dead_channel``, ``unit``, ``held``, ``quantisation``,
+            ``rate``, ``sign``, ``zero_drift``, ``zero_differs``, ``clock_drift`` or ``spring``.
         sentence: the mistake, with numbers.
         remedy: the action, or the entry of the signal map that corrects it.
         recording: path of the bag; "" for several together.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -156,6 +156,7 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
         if role in ("displacement", "force")
     }
     measurement = measure(bag, signal_map, name, force_wanted=False)
+    quality = {role: replace(one, spikes=len(measurement.spikes.get(role, ()))) for role, one in quality.items()}
     motion, findings = excitation(measurement), data_findings(None, [measurement])
     rests = find_rests(*(array for role in quality for array in ordered(data[role])))
     ranges = {

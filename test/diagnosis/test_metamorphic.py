@@ -136,6 +136,22 @@ def test_what_is_hidden_is_found(scene):
         assert scene.found.verdict == "nothing_missing"
 
 
+def spoiled(arrays: Arrays) -> Arrays:
+    """With dropouts and glitches of a few samples in both channels."""
+    x, force = arrays.x.copy(), arrays.force.copy()
+    x[2000], x[4000:4003], x[4020], x[9000] = 5.0, 0.0, -0.2, x[9000] + 0.02
+    force[3000], force[7000:7002] = -60e3, 2e4
+    return replace(arrays, x=x, force=force)
+
+
+def test_spikes_in_both_channels(scene):
+    fit, unseen = (spoiled(arrays) for arrays in scene.slow)
+    found = diagnosed(scene, recording(fit), recording(unseen))
+    alike(scene.found, found)
+    assert {finding.kind for finding in found.diagnosis.data} == {"spikes"}
+    assert len(found.diagnosis.data) == 2, "of each channel, in recordings of one name"
+
+
 def test_units_through_the_map(scene):
     units = (1e-1, 1e-3)  # in 10 m and in kN
     again = diagnosed(scene, *(recording(slow, scale=units) for slow in scene.slow))

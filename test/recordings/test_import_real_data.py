@@ -7,6 +7,7 @@ import pytest
 
 from damper_estimator.cli.main import main
 from damper_estimator.recordings import open_bag
+from damper_estimator.workflows import read
 
 CURRENTS = ("0", "0.25", "0.5", "0.75", "1")
 # Amplitude (mm, as measured), frequency (Hz) and rate (Hz) by file, from the data's provenance.
@@ -58,6 +59,14 @@ def share_of_same_sign(seconds, position, force):
     force = force - (force.max() + force.min()) / 2
     moving = np.abs(velocity) > 0.3 * np.abs(velocity).max()
     return (velocity[moving] * force[moving] > 0).mean()
+
+
+@pytest.mark.parametrize("rig", ["press", "table"])
+def test_no_sample_of_a_rig_is_taken_for_a_spike(rig, request):
+    folder, _ = request.getfixturevalue(rig)
+    for path in sorted(folder.glob("*.mcap")):
+        measurements = read(path).measurements["mr_damper"]
+        assert all(not measurement.spikes for measurement in measurements), path.name
 
 
 def test_every_file_of_the_press_contains_five_currents(press):
