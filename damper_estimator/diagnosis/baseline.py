@@ -45,14 +45,14 @@ class Baseline:
     @cached_property
     def recorded(self) -> tuple[DamperModel, DiagnosisData]:
         """The model as one recorded force, with the data that carries it."""
-        return self._recorded(None)
+        return self._recorded(())
 
     @cached_property
     def recorded_inside(self) -> tuple[DamperModel, DiagnosisData]:
-        """The same with the motion behind the model's series spring, where sources act; as ``recorded`` without one."""
-        return self.recorded if self.model.spring is None else self._recorded(self.model.spring)
+        """The same with the motion behind the series springs, where sources act; as ``recorded`` without any."""
+        return self._recorded(self.model.springs) if self.model.springs else self.recorded
 
-    def _recorded(self, inside: Element | None) -> tuple[DamperModel, DiagnosisData]:
+    def _recorded(self, inside: Sequence[Element]) -> tuple[DamperModel, DiagnosisData]:
         rows = {name: rows_with_force(self.model, getattr(self.data, name), inside) for name in ("fit", "unseen")}
         return recorded_force_model(self.model), replace(self.data, **rows)
 

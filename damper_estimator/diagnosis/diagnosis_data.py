@@ -18,6 +18,7 @@ from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.fit_record import recorded_region
+from damper_estimator.identification.rigid import without_compliances
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
@@ -209,8 +210,9 @@ def _at_rest(model: DamperModel, measurement: Measurement) -> tuple[float, float
     block = kinematics.block[:, :1].copy()
     block[[V, A, DT]] = 0.0
     block[X] = np.median(kinematics.displacement[measurement.judged])
-    force, parts = model.stream().contributions(block)
-    through = [not entry.effect.beside_oil for entry in walk(model.effects)]
+    rigid = without_compliances(model)
+    force, parts = rigid.stream().contributions(block)
+    through = [not entry.effect.beside_oil for entry in walk(rigid.effects)]
     return float(np.nan_to_num(force[0])), float(np.nan_to_num(parts[through]).sum())
 
 

@@ -196,9 +196,9 @@ def hypotheses_for(model: DamperModel, ranges: Ranges) -> tuple[list[Hypothesis]
     for effect in all_effects().values():
         if not effect.phenomenon or effect.trial is None:
             continue
-        takes_its_place = effect.is_series_spring and series == [model.spring]
-        if effect.kind == "series" and series and not takes_its_place:
-            untestable[effect.name] = "there is a compliance already; two in a row cannot be distinguished"
+        is_in_the_row = effect.is_series_spring and series == list(model.springs)
+        if effect.kind == "series" and series and not is_in_the_row:
+            untestable[effect.name] = "there is something in series already; beside it only mount and oil are tried"
             continue
         try:
             found.append(_hypothesis(effect, model, effect.trial(ranges)))
@@ -219,7 +219,8 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
             physical[parameter.name] = (low, high)
         if parameter.size is None:
             values[parameter.name] = min(max(float(values.get(parameter.name, parameter.default)), low), high)
-    starts = [*trial.starts, *_as_stiff(effect, model.spring)]
+    present = next((one for one in model.springs if one.effect.of_oil == effect.of_oil), None)
+    starts = [*trial.starts, *_as_stiff(effect, present)]
     element = new_element(effect, model.effects, values)
     region = Region(physical, trial.exclusion)
     return Hypothesis(element, region, starts, trial.imitates, trial.conditions, trial.prior)

@@ -45,16 +45,16 @@ def recorded_force_model(model: DamperModel) -> DamperModel:
     return replace(model, effects=(Element(BESIDE), Element(RECORDED)), fixed=(), fit={})
 
 
-def rows_with_force(model: DamperModel, rows: Sequence[Rows], inside: Element | None = None) -> tuple[Rows, ...]:
-    """The rows with the model's forces below the block; with ``inside`` the motion behind this series spring."""
+def rows_with_force(model: DamperModel, rows: Sequence[Rows], inside: Sequence[Element] = ()) -> tuple[Rows, ...]:
+    """The rows with the model's forces below the block, and the motion behind the series springs ``inside``."""
     recorded, beside_oil = [], [entry.effect.beside_oil for entry in walk(model.effects)]
     for part in rows:
         measurement = part.measurement
         block = measurement.kinematics.block
         force, parts = (np.nan_to_num(forces) for forces in model.stream().contributions(block))
-        if inside is not None:
-            known = np.isfinite(measurement.force)
-            block = _behind(inside, block, measurement.in_band(np.where(known, measurement.force, force)))
+        known = np.isfinite(measurement.force)
+        for spring in inside:
+            block = _behind(spring, block, measurement.in_band(np.where(known, measurement.force, force)))
         block = np.ascontiguousarray(np.vstack([block, force, parts[beside_oil].sum(axis=0)]))
         recorded.append(
             replace(part, measurement=replace(measurement, kinematics=replace(measurement.kinematics, block=block)))

@@ -13,7 +13,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.model.element import Element, labels, walk
 from damper_estimator.model.program import Program, compile_program, refilled
 from damper_estimator.model.stream import Stream
-from damper_estimator.model.wrapping import carried_count, removed, wrapped
+from damper_estimator.model.wrapping import carried_count, in_series, removed, springs_of, with_source, wrapped
 
 if TYPE_CHECKING:
     from damper_estimator.workflows import WrittenC, WrittenFmu
@@ -190,29 +190,34 @@ class DamperModel:
         return self._with(effects)
 
     @property
-    def spring(self) -> Element | None:
-        """The series spring (oil, mount, joint) that carries the sources of the top level; None if there is none."""
-        return next((e for e in self.effects if e.effect.is_series_spring), None)
+    def springs(self) -> tuple[Element, ...]:
+        """The series springs in a row that carry the sources: the mount or joint, the oil behind it."""
+        return springs_of(self.effects)
 
     def with_missing(self, element: Element) -> "DamperModel":
         """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
 
-        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring; a series spring
-        takes the place of the present one, because two springs in a row are one.
+        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, and a series
+        effect to its place in a row (``in_series``). Springs in front of a new one or behind it keep their stiffness:
+        how they share a deflection does not show in the force.
         """
-        kind, present = element.effect.kind, self.spring
-        if element.effect.is_series_spring and present is not None:
-            place = self.effects.index(present)
-            instead = wrapped(element, present.path)
-            return self._with((*self.effects[:place], *instead, *self.effects[place + 1 :]))
-        is_carried = present is not None and not (present.effect.of_oil and element.effect.beside_oil)
-        if kind in ("source", "path") and is_carried:
-            longer = replace(present, path=(*present.path, element))
-            return self._with(tuple(longer if e is present else e for e in self.effects))
+        kind = element.effect.kind
+        if kind == "series":
+            changed = self._with(in_series(element, self.effects))
+            return changed._with_fixed(self.springs) if element.effect.is_series_spring else changed
+        carried = with_source(element, self.effects) if kind in ("source", "path") else None
+        if carried is not None:
+            return self._with(carried)
         if kind in ("source", "path"):
             channels = [e for e in self.effects if e.effect.kind == "channel"]
             return self._with((*(e for e in self.effects if e not in channels), element, *channels))
         return self.with_effect(element)
+
+    def _with_fixed(self, elements: tuple[Element, ...]) -> "DamperModel":
+        """The model with the parameters fixed of those of these entries that it has."""
+        kept, entries = {id(one.parameters) for one in elements}, list(walk(self.effects))
+        held = [slot.address for slot in self.slots if id(entries[slot.entry].parameters) in kept]
+        return replace(self, fixed=tuple(dict.fromkeys((*self.fixed, *held))))
 
     def without(self, label: str) -> "DamperModel":
         """The model without one entry; entries that a series effect wrapped remain.

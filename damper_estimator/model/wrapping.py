@@ -15,6 +15,43 @@ def carried_count(elements: tuple[Element, ...]) -> int:
     return count
 
 
+def springs_of(entries: tuple[Element, ...]) -> tuple[Element, ...]:
+    """The series springs in a row that carry the sources of a level: the mount or joint, the oil behind it."""
+    spring = next((element for element in entries if element.effect.is_series_spring), None)
+    return () if spring is None else (spring, *springs_of(spring.path))
+
+
+def in_series(element: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
+    """Entries with a series effect in its place of a row: mount, oil, passages beside the valves.
+
+    A spring takes the place of the present one of the mount, or of the oil: two alike in a row are one.
+    """
+    present = next((one for one in entries if one.effect.is_series_spring), None)
+    if present is None or _rank(element) < _rank(present):
+        count = carried_count(entries)
+        return (*wrapped(element, entries[:count]), *entries[count:])
+    if _rank(element) == _rank(present):
+        instead = wrapped(element, present.path)
+    else:
+        instead = (replace(present, path=in_series(element, present.path)),)
+    place = entries.index(present)
+    return (*entries[:place], *instead, *entries[place + 1 :])
+
+
+def _rank(element: Element) -> int:
+    """Of a series effect in a row, from the outside."""
+    return (1 if element.effect.of_oil else 0) if element.effect.is_series_spring else 2
+
+
+def with_source(source: Element, entries: tuple[Element, ...]) -> tuple[Element, ...] | None:
+    """Entries with a source or path behind the series springs that carry it; None where none does."""
+    present = next((element for element in entries if element.effect.is_series_spring), None)
+    if present is None or (present.effect.of_oil and source.effect.beside_oil):
+        return None
+    longer = replace(present, path=with_source(source, present.path) or (*present.path, source))
+    return tuple(longer if element is present else element for element in entries)
+
+
 def wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
     """A series effect around entries, followed by those that act beside it, as forces on the rod do beside the oil.
 

@@ -14,7 +14,9 @@ from damper_estimator.codegen import Choices, damper_of, one_sample
 from damper_estimator.codegen.build import FLAGS, find_compiler
 from damper_estimator.codegen.c_source import Damper
 from damper_estimator.codegen.compiled_damper import CompiledDamper, inputs
+from damper_estimator.effects.discovery import find_effect
 from damper_estimator.model import library_models, load_model
+from damper_estimator.model.element import new_element
 from damper_estimator.recordings import open_bag
 from damper_estimator.runtime import deployed
 from damper_estimator.runtime.damper_record import GOOD, STALE
@@ -50,6 +52,14 @@ def test_every_library_model_on_all_kinds_of_faults(name, tmp_path):
     model = fitted(load_model(name))
     damper = Damper("d", deployed(model, 0.0 if name.endswith("unfiltered") else 60.0, 0.1))
     found = assert_equal(damper, rough(len(name), 2500), tmp_path)
+    assert np.isfinite(found["force"]).all()
+
+
+def test_a_mount_in_front_of_the_oil_is_solved_alike(tmp_path):
+    model = load_model("mr_damper_on_mount")
+    model = model.with_missing(new_element(find_effect("oil_spring"), model.effects))
+    assert len(model.springs) == 2
+    found = assert_equal(Damper("d", deployed(fitted(model), 60.0, 0.1)), rough(5, 2500), tmp_path)
     assert np.isfinite(found["force"]).all()
 
 

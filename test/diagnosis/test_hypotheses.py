@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from planted import tried
@@ -14,6 +15,7 @@ from damper_estimator.diagnosis.hypotheses import hypotheses_for
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.model import DamperModel, make_element
+from damper_estimator.model.element import new_element, walk
 
 MODEL = DamperModel("plain", "", (make_element(all_effects()["viscous_curve"], {}),))
 
@@ -62,19 +64,63 @@ def test_what_was_not_recorded_is_named():
     assert "command" in untestable["command_yield"]
 
 
-def test_a_second_compliance_is_not_tried():
-    series = next(e for e in all_effects().values() if e.kind == "series")
-    soft = DamperModel("soft", "", (make_element(series, {}, MODEL.effects),))
-    found, untestable = hypotheses_for(soft, Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
-    assert not [c for c in found if c.effect.kind == "series"]
-    assert "compliance" in untestable[series.name]
+HERE = Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0)
+
+
+def series_effects(springs):
+    return [e for e in all_effects().values() if e.kind == "series" and e.is_series_spring == springs]
+
+
+@pytest.mark.parametrize("passage", series_effects(springs=False), ids=lambda effect: effect.name)
+def test_nothing_is_tried_in_series_with_a_passage_and_springs_stand_in_front_of_it(passage):
+    model = DamperModel("bypassed", "", (make_element(passage, {}, MODEL.effects),))
+    found, untestable = hypotheses_for(model, HERE)
+    assert {e.name for e in all_effects().values() if e.kind == "series"} <= set(untestable)
+    assert not [h for h in found if h.effect.kind == "series"]
+    for spring in series_effects(springs=True):
+        (outer,) = model.with_missing(new_element(spring, model.effects)).effects
+        assert outer.effect is spring and outer.path == model.effects
+
+
+@pytest.mark.parametrize("spring", series_effects(springs=True), ids=lambda effect: effect.name)
+def test_passages_stand_behind_the_present_spring_and_are_not_tried_there(spring):
+    model = DamperModel("soft", "", (make_element(spring, {}, MODEL.effects),))
+    found, untestable = hypotheses_for(model, HERE)
+    for passage in series_effects(springs=False):
+        assert passage.name in untestable and passage not in {h.effect for h in found}
+        (outer,) = model.with_missing(new_element(passage, model.effects)).effects
+        assert outer.effect is spring and [e.effect for e in outer.path] == [passage]
+        assert outer.path[0].path == MODEL.effects
+
+
+def test_no_compliance_is_tried_where_one_is_in_a_single_path():
+    spring, passage = (series_effects(springs=one)[0] for one in (True, False))
+    inside = make_element(passage, {}, (make_element(spring, {}, MODEL.effects),))
+    found, untestable = hypotheses_for(DamperModel("odd", "", (inside,)), HERE)
+    assert not [h for h in found if h.effect.kind == "series"] and "in series" in untestable[spring.name]
+
+
+@pytest.mark.parametrize("present", series_effects(springs=True), ids=lambda effect: effect.name)
+def test_a_spring_takes_the_place_of_one_of_its_kind_and_stands_beside_the_other(present):
+    soft = DamperModel("soft", "", (make_element(present, {}, MODEL.effects),))
+    springs = [h for h in hypotheses_for(soft, HERE)[0] if h.effect.is_series_spring]
+    assert {h.effect for h in springs} == set(series_effects(springs=True))
+    for hypothesis in springs:
+        model, free = hypothesis.added_to(soft)
+        row = [one.effect for one in model.springs]
+        if hypothesis.effect.of_oil == present.of_oil:
+            assert row == [hypothesis.effect]
+        else:
+            assert row == sorted((present, hypothesis.effect), key=lambda effect: effect.of_oil)
+        entries = list(walk(model.effects))
+        assert free and all(entries[model.slots[i].entry].effect is hypothesis.effect for i in free)
 
 
 def test_a_series_spring_is_tried_in_the_place_of_the_present_one():
-    springs = [e for e in all_effects().values() if e.is_series_spring]
+    springs = [e for e in series_effects(springs=True) if e.of_oil]
     stiff = make_element(springs[0], {p.name: 3e6 for p in springs[0].parameters if p.unit == "N/m"}, MODEL.effects)
-    found, _ = hypotheses_for(DamperModel("soft", "", (stiff,)), Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0))
-    tried_springs = [hypothesis for hypothesis in found if hypothesis.effect.kind == "series"]
+    found, _ = hypotheses_for(DamperModel("soft", "", (stiff,)), HERE)
+    tried_springs = [hypothesis for hypothesis in found if hypothesis.effect in springs]
     assert {hypothesis.effect for hypothesis in tried_springs} == set(springs)
     for hypothesis in tried_springs:
         model, free = hypothesis.added_to(DamperModel("soft", "", (stiff,)))

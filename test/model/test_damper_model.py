@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model, make_element, parse_model, save_model
+from damper_estimator.model.element import new_element
 from damper_estimator.model.model_files import library_models, model_yaml
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
 
@@ -246,7 +247,11 @@ def test_what_is_fixed_stays_so_whatever_is_added_or_removed(tmp_path):
     assert model.with_effect(entry("inertia")).fixed == fixed
     spring = entry("oil_spring", model.effects)
     on_oil = DamperModel("m", "s", (spring,), fixed=("oil_spring.stiffness_rebound", "coulomb.force"))
-    assert on_oil.with_missing(entry("rubber_mount", model.effects)).fixed == ("coulomb.force",)
+    again = on_oil.with_missing(entry("gas_pocket", model.effects))
+    assert again.fixed == ("coulomb.force",), "it takes the place of the oil"
+    on_mount = on_oil.with_missing(new_element(find_effect("rubber_mount"), on_oil.effects))
+    springs = {"oil_spring.stiffness_rebound", "oil_spring.stiffness_compression"}
+    assert set(on_mount.fixed) == {"coulomb.force", *springs}, "the oil stays as stiff as it was behind a mount"
     for changed in (less, model.without("gas_spring"), on_oil.without("oil_spring")):
         save_model(changed, tmp_path / "changed.yaml")
         assert load_model(str(tmp_path / "changed.yaml")).fixed == changed.fixed
