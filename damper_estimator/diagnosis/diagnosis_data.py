@@ -42,6 +42,7 @@ class DiagnosisData:
         blocks: (r,) int, the block of each unseen row.
         ranges: what the recordings drive.
         change: probability that something has changed since the model was identified; 1 where that is not asked.
+        usual: share of the squared error that the model left when it was identified; 0 where that is not known.
     """
 
     fit: tuple[Rows, ...]
@@ -49,6 +50,7 @@ class DiagnosisData:
     blocks: np.ndarray
     ranges: Ranges
     change: float = 1.0
+    usual: float = 0.0
 
     @cached_property
     def force_rms(self) -> float:

@@ -127,7 +127,7 @@ def is_larger(now: float, then: float) -> bool:
     return not now**2 <= limits().growth * then**2
 
 
-def _error_then(model: DamperModel) -> tuple[float, float]:
+def error_then(model: DamperModel) -> tuple[float, float]:
     """Error of a model when it was identified, N and share of the force's rms; NaN where it is unknown."""
     then_n, force_n = recorded(model, "residual_stddev"), recorded(model, "force_rms")
     return then_n, then_n / force_n if force_n else float("nan")
@@ -138,13 +138,20 @@ def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool
 
     Shares, since the error of a form that is not quite the damper's grows with the motion.
     """
-    _, then = _error_then(model)
+    _, then = error_then(model)
     return is_larger(error, then) if np.isfinite(then) else if_unknown
+
+
+def usual_share(then: float, now: float) -> float:
+    """Of the squared error now, from the errors when a model was identified and now, shares of the force's rms; 0 if
+    the error then is unknown.
+    """
+    return min(then / max(now, 1e-12), 1.0) ** 2 if then > 0.0 else 0.0
 
 
 def usual_error(model: DamperModel, share_now: float) -> UsualError:
     """Of a model whose error, share of the force's rms, is not new; NaN where its identification is unknown."""
-    return UsualError(*_error_then(model), share_now)
+    return UsualError(*error_then(model), share_now)
 
 
 def probability_of_change(model: DamperModel, error: float) -> float:
@@ -156,7 +163,7 @@ def probability_of_change(model: DamperModel, error: float) -> float:
 
         P = 1 / (1 + range / (s sqrt(2 pi)) exp(-(ln g / g_0)^2 / (2 s^2)))      for g > g_0
     """
-    _, then = _error_then(model)
+    _, then = error_then(model)
     if not then > 0.0:
         return 1.0
     spread = np.log(limits().growth)

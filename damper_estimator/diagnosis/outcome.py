@@ -21,7 +21,7 @@ from damper_estimator.diagnosis.diagnosis_data import (
     unweighted,
 )
 from damper_estimator.diagnosis.explanation import ranking_of
-from damper_estimator.diagnosis.misfit import has_grown, misfit_of, probability_of_change, without_misfit
+from damper_estimator.diagnosis.misfit import error_then, has_grown, misfit_of, probability_of_change, usual_share, without_misfit
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
 from damper_estimator.diagnosis.search import Search, as_if_by, evaluated_only, search
@@ -132,7 +132,9 @@ def first_search(
     asks_for_change = mode == "both" and not state.is_identified_here
     if asks_for_change:
         change = probability_of_change(state.model, error)
-        data, beyond_known = replace(data, change=change), replace(beyond_known, change=change)
+        data = replace(data, change=change, usual=usual_share(error_then(state.model)[1], whole / force))
+        then = known.left if known is not None else error_then(state.model)[1]
+        beyond_known = replace(beyond_known, change=change, usual=usual_share(then, left / force))
     grown = has_grown(state.model, error)
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
     bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable

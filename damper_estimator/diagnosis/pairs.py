@@ -135,7 +135,9 @@ def _most(current: Round, is_first: bool) -> float:
     if is_first and not current.refits and not current.supported(current.baseline.data.force_rms):
         return (1.0 - limits().gain) ** 2
     single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
-    return limits().pair * (single + limits().second) - limits().second
+    usual, form = current.baseline.data.usual, limits().second
+    new = limits().pair * (max(single - usual, 0.0) + form) - form
+    return max(usual + new if new > 0.0 else 0.0, limits().pair * (single + form) - form)
 
 
 def _fitted(current: Round, couple: Couple, before: Mapping[str, Region]) -> _Pair:
