@@ -21,7 +21,14 @@ from damper_estimator.diagnosis.diagnosis_data import (
     unweighted,
 )
 from damper_estimator.diagnosis.explanation import ranking_of
-from damper_estimator.diagnosis.misfit import error_then, has_grown, misfit_of, probability_of_change, usual_share, without_misfit
+from damper_estimator.diagnosis.misfit import (
+    error_then,
+    has_grown,
+    misfit_of,
+    probability_of_change,
+    usual_share,
+    without_misfit,
+)
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
 from damper_estimator.diagnosis.search import Search, as_if_by, evaluated_only, search

@@ -130,14 +130,15 @@ def _most(current: Round, is_first: bool) -> float:
     """What a pair may leave: clearly less than the best single effect, both beside what a wrong form leaves.
 
     If the data support no single effect with the model's parameters kept, and none was found before, a pair need not be
-    better than one that is refused: it must explain what two effects do that each explain just enough.
+    better than one that is refused: it must explain what two effects do that each explain just enough. What the model
+    left when it was identified is asked of neither, where more than that is left with the single effect.
     """
     if is_first and not current.refits and not current.supported(current.baseline.data.force_rms):
         return (1.0 - limits().gain) ** 2
     single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
     usual, form = current.baseline.data.usual, limits().second
-    new = limits().pair * (max(single - usual, 0.0) + form) - form
-    return max(usual + new if new > 0.0 else 0.0, limits().pair * (single + form) - form)
+    whole, beyond = (limits().pair * (left + form) - form for left in (single, single - usual))
+    return max(whole, usual + beyond) if beyond > 0.0 else whole
 
 
 def _fitted(current: Round, couple: Couple, before: Mapping[str, Region]) -> _Pair:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -162,19 +162,15 @@ def measured(
     arrived = data["displacement"]
     counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
     windows = _windows(signal_map, start, end)
-    stamp, displacement = in_order(arrived, signals.displacement.skew)
-    wild = {"displacement": stamp[glitch := displacement_spikes(stamp, displacement)]}
-    origin = stamp[0] if stamp.size else 0
-    moved = stamp[~glitch], displacement[~glitch]
+    *moved, wild = _course(arrived, signals.displacement.skew, displacement_spikes)
+    origin, spikes = moved[0][0] if moved[0].size else 0, {"displacement": wild}
     kinematics, raw = _kinematics(*moved, origin, data, signals, signal_map.cutoff, max_gap, windows)
     if len(kinematics) < 2:
         raise too_few(recording, damper, len(kinematics), arrived, start, end)
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:
-        gauge_stamp, gauge = in_order(data["force"], signals.force.skew)
-        wild["force"] = gauge_stamp[glitch := force_spikes(gauge_stamp, gauge)]
-        gauge_stamp, gauge = gauge_stamp[~glitch], gauge[~glitch]
+        gauge_stamp, gauge, spikes["force"] = _course(data["force"], signals.force.skew, force_spikes)
         force, near = _filtered(gauge_stamp, gauge, kinematics, signal_map.cutoff, max_gap)
         force = force - signals.spring_rate * kinematics.displacement - signals.preload
         near &= ~touched(kinematics.stamp, gauge_stamp[clipped(gauge)], signal_map.cutoff, signal_map.band)
@@ -192,7 +188,7 @@ def measured(
         signals=signals,
         acceleration=_acceleration(data, signals, kinematics, signal_map.cutoff, max_gap),
         gauge_stamp=gauge_stamp,
-        spikes={role: tuple(((times - origin) / 1e9).tolist()) for role, times in wild.items() if times.size},
+        spikes={role: tuple(((times - origin) / 1e9).tolist()) for role, times in spikes.items() if times.size},
     )
 
 
@@ -229,6 +225,15 @@ def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[floa
     windows = signal_map.windows or ((0.0, float("inf")),)
     cut = [(max(first, start), min(last, end)) for first, last in windows]
     return [(first, last) for first, last in cut if first < last]
+
+
+def _course(
+    data: ChannelData, skew: float, spikes: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stamps and values of a channel without its spikes, and the stamps of these."""
+    stamp, value = in_order(data, skew)
+    wild = spikes(stamp, value)
+    return stamp[~wild], value[~wild], stamp[wild]
 
 
 def _kinematics(

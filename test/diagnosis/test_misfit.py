@@ -10,7 +10,14 @@ from faults import changed, halves
 from damper_estimator.diagnosis import apply_finding, diagnose, with_misfit
 from damper_estimator.diagnosis.accepted import accepted_in
 from damper_estimator.diagnosis.apply_finding import state_of
-from damper_estimator.diagnosis.misfit import KEY, has_grown, misfit_of, probability_of_change, without_misfit
+from damper_estimator.diagnosis.misfit import (
+    KEY,
+    has_grown,
+    misfit_of,
+    probability_of_change,
+    usual_share,
+    without_misfit,
+)
 from damper_estimator.identification import fit, rows_of
 from damper_estimator.model import load_model, parse_model
 from damper_estimator.model.model_files import model_yaml
@@ -47,6 +54,14 @@ def test_only_an_error_that_has_grown_clearly_is_news(rough):
     share = model.fit["residual_stddev"] / model.fit["force_rms"]
     assert not has_grown(model, 1.3 * share) and has_grown(model, 1.5 * share)
     assert has_grown(replace(model, fit={}), 0.01)
+
+
+@pytest.mark.parametrize(
+    ("then", "now", "share"),
+    [(0.05, 0.1, 0.25), (0.1, 0.1, 1.0), (0.2, 0.1, 1.0), (np.nan, 0.1, 0.0)],
+)
+def test_the_share_of_an_error_that_is_usual(then, now, share):
+    assert usual_share(then, now) == pytest.approx(share)
 
 
 def test_it_survives_the_model_file(rough):

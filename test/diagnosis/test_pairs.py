@@ -1,13 +1,19 @@
 """Two effects at once: those that cancel where the curve is straight, and those that a third one resembles."""
 
 from dataclasses import replace
+from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from faults import changed, erring, halves, late, wandering
+from hypothesis import given
+from hypothesis import strategies as st
 
 from damper_estimator.diagnosis import diagnose
 from damper_estimator.diagnosis.diagnosis_data import slope_of
+
+pairs = import_module("damper_estimator.diagnosis.pairs")
 
 
 @pytest.mark.parametrize(("delay", "share"), [(0.003, 1.0), (0.002, 1.3), (0.005, 1.0), (0.006, 1.1)])
@@ -75,3 +81,22 @@ def test_two_are_found_where_the_model_has_always_erred_and_neither_is_found_alo
 def test_two_are_not_found_in_an_old_error_alone(user_model, base):
     fit, unseen = halves(replace(wandering(base, 40.0), recording="another.mcap"))
     assert diagnose(erring(user_model, 40.0), [fit], [unseen]).findings == ()
+
+
+def most(single: float, usual: float) -> float:
+    """What a pair may leave beside a single effect, and an error that the model has always had."""
+    hypothesis = SimpleNamespace(score=single, exclusion="")
+    data = SimpleNamespace(usual=usual, force_rms=500.0)
+    baseline = SimpleNamespace(data=data)
+    return pairs._most(SimpleNamespace(hypotheses=[hypothesis], baseline=baseline, refits=True), is_first=True)
+
+
+@given(single=st.floats(0.01, 1.0), usual=st.floats(0.0, 1.0))
+def test_a_pair_has_to_take_away_most_of_what_is_new(single, usual):
+    alone = most(single, 0.0)
+    assert alone == pytest.approx(0.6 * (single + 0.05) - 0.05)
+    may_leave = most(single, usual)
+    assert alone <= may_leave < max(single, alone + 1e-12)
+    if may_leave > alone:  # it may not be credited with the usual error
+        assert usual < may_leave
+        assert may_leave - usual <= 0.6 * (single - usual) + 1e-12
