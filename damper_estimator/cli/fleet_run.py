@@ -79,7 +79,7 @@ class Done:
 def write_fleet_page(output: Path) -> Path:
     """Writes the fleet's page from the rows of all verbs in the folder."""
     rows = read_rows(output)
-    trends, judged = drifting(rows.get("compare", ()))
+    trends, judged = drifting([row for row in rows.get("compare", ()) if not row["spoiled"]])
     page = output / "index.html"
     write_text(page, fleet_page(rows, [asdict(trend) for trend in trends], judged, RULE))
     return page

@@ -89,10 +89,10 @@
   const kinds = (i) => table.data[i].map((sentence) => sentence.split(":")[0].replaceAll("_", " ")).join(", ");
 
   function columns() {
-    const list = [["recording", "recording", (i) => table.recording[i]], ["vehicle", "vehicle", vehicle], ["damper", "damper", damper],
+    const faults = table.data.some((found) => found.length) ? [["data", "data", kinds]] : [];
+    const list = [["recording", "recording", (i) => table.recording[i]], ["vehicle", "vehicle", vehicle], ["damper", "damper", damper], ...faults,
       ["begin", "begin (UTC)", (i) => table.begin[i]], ["temperature", "deg C", (i) => table.temperature[i]]];
     for (const name of Object.keys(table.measures)) list.push([name, data.measures[name], (i) => table.measures[name][i]]);
-    if (table.data.some((found) => found.length)) list.push(["data", "data", kinds]);
     if (table.missing.length) list.push(["missing", "missing", (i) => table.missing[i].join(", ") || table.verdict[i] || ""]);
     return list;
   }
@@ -119,7 +119,7 @@
       else cell.textContent = content === null ? "" : content;
       if (key === "data") { cell.title = table.data[i].join("\n"); if (table.spoiled[i]) cell.className = "reason"; }
       row.append(cell);
-      if (key === "temperature" && table.reason[i]) { row.append(element("td", table.reason[i], { className: "reason", colSpan: list.length - 5 })); break; }
+      if (key === "temperature" && table.reason[i]) { row.append(element("td", table.reason[i], { className: "reason", colSpan: list.length - row.childElementCount })); break; }
     }
     return row;
   }
@@ -146,11 +146,12 @@
     state.rows = chosen();
     state.page = 0;
     find("count").textContent = `${state.rows.length} of ${table.recording.length} rows`;
-    cloud(find("time"), "time", state.rows, table.begin);
-    cloud(find("warm"), "temperature", state.rows, table.temperature);
-    const count = boxes(find("byvehicle"), state.rows, table.vehicle.of, table.vehicle.names, MOST_VEHICLES);
+    const sound = state.rows.filter((i) => !table.spoiled[i]);
+    cloud(find("time"), "time", sound, table.begin);
+    cloud(find("warm"), "temperature", sound, table.temperature);
+    const count = boxes(find("byvehicle"), sound, table.vehicle.of, table.vehicle.names, MOST_VEHICLES);
     find("vehicles").textContent = "median, quartiles, range" + (count > MOST_VEHICLES ? `; the ${MOST_VEHICLES} worst of ${count}` : "; the worst first");
-    boxes(find("bydamper"), state.rows, table.damper.of, table.damper.names, MOST_VEHICLES);
+    boxes(find("bydamper"), sound, table.damper.of, table.damper.names, MOST_VEHICLES);
     phenomena(state.rows);
     list();
   }

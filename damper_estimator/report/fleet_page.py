@@ -112,7 +112,7 @@ def _far(rows: Sequence[Mapping[str, object]]) -> list[bool]:
     errors = np.array([_error(row) for row in rows])
     groups: dict[tuple, list[int]] = {}
     for i, row in enumerate(rows):
-        if np.isfinite(errors[i]):
+        if np.isfinite(errors[i]) and not row["spoiled"]:
             groups.setdefault((row["vehicle"], row["damper"]), []).append(i)
     # A damper with few recordings is held against all of its name.
     pools: dict[object, list[int]] = {}
@@ -161,7 +161,7 @@ def _headline(rows: Mapping[str, Sequence[Mapping]], trends: Sequence[Mapping], 
     recordings = len({row["recording"] for row in every})
     vehicles = len({row["vehicle"] for row in every})
     words = [f"{recordings} recordings of {vehicles} vehicle{'s' if vehicles != 1 else ''}."]
-    errors = [row["nrmse"] for row in rows.get("compare", ()) if row["nrmse"] is not None]
+    errors = [row["nrmse"] for row in rows.get("compare", ()) if row["nrmse"] is not None and not row["spoiled"]]
     if errors:
         words.append(
             f"The model's error is {100 * float(np.median(errors)):.3g} % of the force in the median recording."
@@ -178,7 +178,8 @@ def _headline(rows: Mapping[str, Sequence[Mapping]], trends: Sequence[Mapping], 
     failed = sum(row["status"] != "done" for row in every)
     spoiled = len({row["recording"] for row in every if row["spoiled"]})
     if spoiled:
-        words.append(f"In {spoiled} recording{'s' if spoiled != 1 else ''} a channel is faulty: see the column data.")
+        some, are = ("recordings", "are") if spoiled > 1 else ("recording", "is")
+        words.append(f"{spoiled} {some} with a faulty channel {are} left out of all figures: see the column data.")
     return " ".join(words + ([f"{failed} tasks failed."] if failed else []))
 
 

@@ -57,7 +57,17 @@ def test_faulty_channels_are_counted_and_shown_with_their_recording():
     page = fleet_page({"compare": found, "fit": found}, [], 0, "the rule")
     table = data_of(page)["verbs"]["compare"]
     assert table["data"] == [[], sentences] and table["spoiled"] == [False, True]
-    assert "In 1 recording a channel is faulty" in page and "faulty" not in fleet_page({"fit": rows()}, [], 0, "")
+    assert "1 recording with a faulty channel is left out" in page
+    assert "faulty" not in fleet_page({"fit": rows()}, [], 0, "")
+
+
+def test_a_faulty_channel_does_not_count():
+    spoiled = row(number=30, nrmse=800.0, spoiled="unit: in mm")
+    page = fleet_page({"compare": [*rows(), spoiled]}, [], 1, "the rule")
+    table = data_of(page)["verbs"]["compare"]
+    assert not table["far"][-1] and table["far"].index(True) == 20
+    without = fleet_page({"compare": rows()}, [], 1, "the rule")
+    assert re.search(r"error is [\d.]+ %", page).group() == re.search(r"error is [\d.]+ %", without).group()
 
 
 def test_drifts_and_missing_phenomena_are_reported():
