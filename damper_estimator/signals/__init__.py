@@ -18,6 +18,7 @@ from damper_estimator.signals.signal_map import (
     load_signal_map,
     parse_signal_map,
 )
+from damper_estimator.signals.spikes import displacement_course, force_course
 
 __all__ = [
     "DEFAULT_MAX_GAP",
@@ -37,8 +38,10 @@ __all__ = [
     "columns_zero_phase",
     "default_signals",
     "delay_seconds",
+    "displacement_course",
     "find_rests",
     "find_topic",
+    "force_course",
     "load_signal_map",
     "low_pass",
     "low_pass_zero_phase",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ from damper_estimator.signals.clipping import clipped, touched
 from damper_estimator.signals.kinematics import Differentiator, Kinematics
 from damper_estimator.signals.layout import T
 from damper_estimator.signals.signal_map import DamperSignals, SignalMap
-from damper_estimator.signals.spikes import displacement_spikes, force_spikes
+from damper_estimator.signals.spikes import displacement_course, force_course
 
 if TYPE_CHECKING:  # the node runs without the readers' libraries
     from damper_estimator.recordings import Bag
@@ -162,7 +162,7 @@ def measured(
     arrived = data["displacement"]
     counts = Counts.of(Admission(max_gap).block(arrived.stamp, arrived.value)[0])
     windows = _windows(signal_map, start, end)
-    *moved, wild = _course(arrived, signals.displacement.skew, displacement_spikes)
+    *moved, wild = displacement_course(arrived, signals.displacement.skew)
     origin, spikes = moved[0][0] if moved[0].size else 0, {"displacement": wild}
     kinematics, raw = _kinematics(*moved, origin, data, signals, signal_map.cutoff, max_gap, windows)
     if len(kinematics) < 2:
@@ -170,7 +170,7 @@ def measured(
     force, near = (None, np.zeros(len(kinematics), bool))
     gauge_stamp, gauge = np.zeros(0, np.int64), np.zeros(0)
     if "force" in data:
-        gauge_stamp, gauge, spikes["force"] = _course(data["force"], signals.force.skew, force_spikes)
+        gauge_stamp, gauge, spikes["force"] = force_course(data["force"], signals.force.skew)
         force, near = _filtered(gauge_stamp, gauge, kinematics, signal_map.cutoff, max_gap)
         force = force - signals.spring_rate * kinematics.displacement - signals.preload
         near &= ~touched(kinematics.stamp, gauge_stamp[clipped(gauge)], signal_map.cutoff, signal_map.band)
@@ -225,15 +225,6 @@ def _windows(signal_map: SignalMap, start: float, end: float) -> list[tuple[floa
     windows = signal_map.windows or ((0.0, float("inf")),)
     cut = [(max(first, start), min(last, end)) for first, last in windows]
     return [(first, last) for first, last in cut if first < last]
-
-
-def _course(
-    data: ChannelData, skew: float, spikes: Callable[[np.ndarray, np.ndarray], np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Stamps and values of a channel without its spikes, and the stamps of these."""
-    stamp, value = in_order(data, skew)
-    wild = spikes(stamp, value)
-    return stamp[~wild], value[~wild], stamp[wild]
 
 
 def _kinematics(

@@ -9,11 +9,13 @@ For the analysis of recordings, which knows what follows. The node does not; it 
 displacement is impossible (``signals.possible``), and such runs of up to 0.1 s are spikes as well if they come back.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from damper_estimator.signals.admission import DEFAULT_MAX_GAP, DUPLICATE, Admission
+from damper_estimator.signals.at_stamps import in_order
+from damper_estimator.signals.channels import ChannelData
 from damper_estimator.signals.possible import STATE_SIZE, keep_possible
 
 _LONGEST = 5  # samples
@@ -25,6 +27,26 @@ _OUTSIDE = 2.0  # times the range of a force without its outermost thousandth
 _RETURN = 0.5  # of the way out: what stays further away has another zero
 _ANOTHER_UNIT = 0.05  # share of impossible samples from which on all are in another unit
 _STEPS = 6.0  # times the smallest step of the values: a coarse signal that rests between two steps has single ones
+
+
+Course = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Stamps (n,) ns and values (n,) of a channel in order of stamp without its spikes, and the stamps (k,) of these."""
+
+
+def displacement_course(data: ChannelData, skew: float = 0.0) -> Course:
+    """Of a displacement, stamps corrected for skew in s."""
+    return _course(data, skew, displacement_spikes)
+
+
+def force_course(data: ChannelData, skew: float = 0.0) -> Course:
+    """Of a force, stamps corrected for skew in s."""
+    return _course(data, skew, force_spikes)
+
+
+def _course(data: ChannelData, skew: float, spikes: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Course:
+    stamp, value = in_order(data, skew)
+    wild = spikes(stamp, value)
+    return stamp[~wild], value[~wild], stamp[wild]
 
 
 def displacement_spikes(stamp: np.ndarray, value: np.ndarray) -> np.ndarray:

@@ -16,7 +16,6 @@ from damper_estimator.signals import (
     Rest,
     SignalMap,
     check_force,
-    find_rests,
     measure,
     read_channels,
     signals_for,
@@ -32,7 +31,7 @@ from damper_estimator.validation import (
     verdict,
 )
 from damper_estimator.workflows.map_proposal import propose
-from damper_estimator.workflows.taring import ordered
+from damper_estimator.workflows.taring import rests_in
 
 
 @dataclass(frozen=True)
@@ -158,7 +157,7 @@ def _inspected(bag: Bag, signal_map: SignalMap, name: str) -> DamperInspected:
     measurement = measure(bag, signal_map, name, force_wanted=False)
     quality = {role: replace(one, spikes=len(measurement.spikes.get(role, ()))) for role, one in quality.items()}
     motion, findings = excitation(measurement), data_findings(None, [measurement])
-    rests = find_rests(*(array for role in quality for array in ordered(data[role])))
+    rests = rests_in(data)
     ranges = {
         role: (float(np.nanmin(channel.value)), float(np.nanmax(channel.value)))
         for role, channel in data.items()

@@ -17,7 +17,9 @@ from damper_estimator.signals import (
     DamperSignals,
     Rest,
     SignalMap,
+    displacement_course,
     find_rests,
+    force_course,
     read_channels,
     signals_for,
 )
@@ -89,11 +91,10 @@ def _tared(bag: Bag, name: str, signals: DamperSignals) -> Tared:
         raise InputError(
             f"{bag.path}: has no displacement of damper {name!r} ({signals.displacement.topic}); correct the signal map"
         )
-    displacement = ordered(data["displacement"])
-    if fault := in_millimetres(displacement[1], signals):
+    moved = data["displacement"].value
+    if fault := in_millimetres(moved[np.isfinite(moved)], signals):
         raise InputError(f"{bag.path}: damper {name}: {fault}")
-    force = ordered(data["force"]) if "force" in data else (None, None)
-    rests = sorted(find_rests(*displacement, *force), key=lambda rest: -rest.seconds)
+    rests = sorted(rests_in(data), key=lambda rest: -rest.seconds)
     if not rests:
         channels = "displacement and force are" if "force" in data else "the displacement is"
         raise InputError(
@@ -106,11 +107,10 @@ def _tared(bag: Bag, name: str, signals: DamperSignals) -> Tared:
     return Tared(tuple(rests), signals, zeroed)
 
 
-def ordered(data: ChannelData) -> tuple[np.ndarray, np.ndarray]:
-    """The finite values of a channel by rising stamp: stamps (n,) ns and values (n,)."""
-    good = np.isfinite(data.value)
-    order = np.argsort(data.stamp[good], kind="stable")
-    return data.stamp[good][order], data.value[good][order]
+def rests_in(data: Mapping[str, ChannelData]) -> tuple[Rest, ...]:
+    """Rests of a damper from its channels, ``displacement`` and, if recorded, ``force``; without their spikes."""
+    force = force_course(data["force"])[:2] if "force" in data else ()
+    return find_rests(*displacement_course(data["displacement"])[:2], *force)
 
 
 def _shifted(channel: Channel, by: float) -> Channel:

@@ -27,6 +27,21 @@ def test_displacement_and_force_are_zero_at_rest_afterwards(standing, tmp_path, 
     assert "rest from 0.0 to 2." in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("place", [0.7, 5.0])
+def test_a_glitch_neither_cuts_a_rest_nor_makes_motion_look_quiet(driven, write_bag, tmp_path, place):
+    _, stamp, x, force = driven("before.mcap", rest=2.0)
+    wild_x, wild_force = x[:, :1] + 0.003, force[:, :1] + 250.0
+    at = np.searchsorted(stamp, stamp[0] + round(place * 1e9))
+    wild_x[at], wild_force[at] = 8.0, 9e5
+    rests = {}
+    for name, values in (("clean", (x[:, :1] + 0.003, force[:, :1] + 250.0)), ("wild", (wild_x, wild_force))):
+        bag, report = write_bag(f"{name}.mcap", ["a"], stamp, *values), tmp_path / f"{name}.json"
+        assert main(["tare", str(bag), "-o", str(tmp_path / f"{name}.yaml"), "--json", str(report)]) == 0
+        rests[name] = json.loads(report.read_text())["dampers"]["a"]["rest"]
+    assert rests["wild"]["from"] == pytest.approx(rests["clean"]["from"], abs=0.11)
+    assert rests["wild"]["to"] == pytest.approx(rests["clean"]["to"], abs=0.11)
+
+
 def test_the_rest_of_a_given_map_is_kept(standing, tmp_path):
     (tmp_path / "given.yaml").write_text(
         "filter: {cutoff: 45.0, band: 25.0}\ndampers:\n  a:\n    displacement: {skew: 0.001}\n"
