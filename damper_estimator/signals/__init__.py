@@ -18,7 +18,7 @@ from damper_estimator.signals.signal_map import (
     load_signal_map,
     parse_signal_map,
 )
-from damper_estimator.signals.spikes import displacement_course, force_course
+from damper_estimator.signals.spikes import displacement_course, force_course, usual_range
 
 __all__ = [
     "DEFAULT_MAX_GAP",
@@ -54,4 +54,5 @@ __all__ = [
     "save_signal_map",
     "signal_map_yaml",
     "signals_for",
+    "usual_range",
 ]

@@ -56,8 +56,12 @@ def displacement_spikes(stamp: np.ndarray, value: np.ndarray) -> np.ndarray:
 
 def force_spikes(stamp: np.ndarray, value: np.ndarray) -> np.ndarray:
     """(n,) bool, the samples of spikes of a force (n,) N at rising stamps (n,) ns, all finite."""
-    usual = float(np.ptp(np.quantile(value, [0.001, 0.999]))) if value.size else 0.0
-    return _spikes(stamp, value, _OUTSIDE * usual)
+    return _spikes(stamp, value, _OUTSIDE * usual_range(value))
+
+
+def usual_range(value: np.ndarray) -> float:
+    """From the lowest to the highest of finite values (n,), without the outermost thousandth; 0 without values."""
+    return float(np.ptp(np.quantile(value, [0.001, 0.999]))) if value.size else 0.0
 
 
 def _dropouts(stamp: np.ndarray, value: np.ndarray) -> np.ndarray:

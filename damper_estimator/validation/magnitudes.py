@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from damper_estimator.signals import DamperSignals, Measurement
+from damper_estimator.signals import DamperSignals, Measurement, usual_range
 from damper_estimator.validation.finding import DataFinding, entry
 
 LONGEST = 2.0  # m of stroke
@@ -21,7 +21,7 @@ def unit_findings(m: Measurement) -> Iterator[DataFinding]:
     warm = k.warm()
     if not warm.any():
         return
-    stroke, speed = _stroke(k.displacement[warm]), float(np.quantile(np.abs(k.velocity[warm]), 0.999))
+    stroke, speed = usual_range(k.displacement[warm]), float(np.quantile(np.abs(k.velocity[warm]), 0.999))
     if stroke > LONGEST or speed > FASTEST:
         yield _in_millimetres(m, f"the displacement spans {stroke:.3g} m at up to {speed:.3g} m/s")
         return
@@ -57,15 +57,10 @@ def _finding(m: Measurement, sentence: str, role: str, factor: float) -> DataFin
 
 def in_millimetres(displacement: np.ndarray, signals: DamperSignals) -> str:
     """Why a displacement (n,) m is probably in mm, and what to do about it; "" if its stroke is possible."""
-    stroke = _stroke(displacement)
+    stroke = usual_range(displacement)
     if stroke <= LONGEST:
         return ""
     return f"the displacement spans {stroke:.3g} m: probably it is in mm; {_remedy('displacement', signals, 1e-3)}"
-
-
-def _stroke(displacement: np.ndarray) -> float:
-    """m, without the outermost thousandth; 0 without samples."""
-    return float(np.ptp(np.quantile(displacement, [0.001, 0.999]))) if displacement.size else 0.0
 
 
 def _remedy(role: str, signals: DamperSignals, factor: float) -> str:

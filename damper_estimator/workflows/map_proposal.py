@@ -9,7 +9,15 @@ import numpy as np
 
 from damper_estimator.errors import InputError
 from damper_estimator.recordings import Bag
-from damper_estimator.signals import Channel, DamperSignals, SignalMap, default_signals, measure, named_element
+from damper_estimator.signals import (
+    Channel,
+    DamperSignals,
+    SignalMap,
+    default_signals,
+    measure,
+    named_element,
+    usual_range,
+)
 from damper_estimator.validation import excitation
 
 WORDS = {
@@ -140,7 +148,7 @@ def _scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str]) -> 
     """Units from the ranges, sign from the slope of the force over velocity."""
     where = signals.displacement
     raw = bag.columns(where.topic, [where.field]).values[:, 0]
-    span = _span(raw)
+    span = usual_range(raw[np.isfinite(raw)])
     guesses.append(
         f"{name}: displacement is {where.field} on {where.topic}, {'in mm' if span > 1.0 else 'in m'} (it "
         f"spans {span:.4g})"
@@ -156,15 +164,9 @@ def _scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str]) -> 
     return signals
 
 
-def _span(raw: np.ndarray) -> float:
-    """From the lowest to the highest value, without the outermost thousandth: a spike says nothing of the unit."""
-    finite = raw[np.isfinite(raw)]
-    return float(np.ptp(np.quantile(finite, [0.001, 0.999]))) if finite.size else 0.0
-
-
 def _force_scaled(bag: Bag, name: str, signals: DamperSignals, guesses: list[str]) -> DamperSignals:
     raw = bag.columns(signals.force.topic, [signals.force.field]).values[:, 0]
-    span = _span(raw)
+    span = usual_range(raw[np.isfinite(raw)])
     if 0.0 < span < 20.0:
         signals = replace(signals, force=replace(signals.force, scale=1e3))
         guesses.append(f"{name}: the force spans {span:.3g}, so kN is assumed; if it is V, state the gauge's scale")
