@@ -204,7 +204,7 @@ def ranking_of(found: Search, accepted: set[str]) -> tuple[RankedEffect, ...]:
         _ranked(first, hypothesis, accepted, _UNDELIVERED if hypothesis.name in by_name else otherwise)
         for hypothesis in order
     ]
-    hidden = [_hidden(hypothesis, by_name.get(hypothesis.name)) for hypothesis in first.hidden]
+    hidden = [_hidden(hypothesis, by_name.get(hypothesis.name), accepted) for hypothesis in first.hidden]
     return tuple(rows + hidden)
 
 
@@ -224,9 +224,10 @@ def _ranked(current: Round, hypothesis: Hypothesis, accepted: set[str], otherwis
     )
 
 
-def _hidden(hypothesis: Hypothesis, one: Accepted | None) -> RankedEffect:
-    if one is None:
-        return RankedEffect(hypothesis.name, hypothesis.phenomenon, None, None, (), "changes nothing that is compared")
+def _hidden(hypothesis: Hypothesis, one: Accepted | None, accepted: set[str]) -> RankedEffect:
+    if one is None or hypothesis.name not in accepted:
+        reason = "changes nothing that is compared" if one is None else _UNDELIVERED
+        return RankedEffect(hypothesis.name, hypothesis.phenomenon, None, None, (), reason)
     evaluation = one.hypothesis.evaluation
     return RankedEffect(
         effect=hypothesis.name,

@@ -52,6 +52,12 @@ def test_every_candidate_is_ranked_or_named_untestable(found_soft):
     assert all(j.kept.low <= j.kept.high for j in found_soft.ranking if j.kept)
 
 
+def test_only_findings_are_ranked_without_a_reason_against_them(user_model, base, monkeypatch):
+    fit, unseen = halves(changed(base, lambda kinematics: 5000.0 * np.maximum(kinematics.displacement, 0.0) + 60.0))
+    monkeypatch.setattr(ModelState, "delivers", lambda *_: False)
+    assert all(row.reason for row in diagnose(user_model, [fit], [unseen]).ranking)
+
+
 def test_a_finding_that_delivers_nothing_does_not_lower_what_is_left(user_model, soft, monkeypatch):
     monkeypatch.setattr(ModelState, "delivers", lambda *_: False)
     found = diagnose(user_model, [soft[0]], [soft[1]], mode="kept")
