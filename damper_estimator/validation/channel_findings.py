@@ -123,9 +123,9 @@ def _stamps(m: Measurement, role: str, stamp: np.ndarray) -> Iterator[DataFindin
     steps = steps[(steps > 0) & (steps <= DEFAULT_MAX_GAP * 1e9)]
     if steps.size < 100:
         return
-    period = float(np.median(steps))
-    grain = int(np.gcd.reduce(np.round(steps / 1e3).astype(np.int64))) * 1000
-    if grain < period and grain / np.sqrt(12.0) > ROUNDED * period:
+    period, whole = float(np.median(steps)), np.round(steps / 1e3).astype(np.int64)  # us
+    grain = 1000 * int(np.gcd.reduce(whole))
+    if grain < 1000 * np.median(whole) and grain / np.sqrt(12.0) > ROUNDED * period:
         yield _finding(
             m,
             "stamps",

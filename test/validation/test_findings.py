@@ -243,6 +243,16 @@ def test_rounded_equal_and_uneven_stamps_are_distinguished(recorded):
     assert "rounded to 1 ms" in sentences[0] and "repeat the one before" in sentences[1] and "uneven" in sentences[2]
 
 
+@pytest.mark.parametrize("rate", [128.0, 300.0, 512.0, 1200.0, 3000.0])
+def test_even_stamps_of_any_rate_are_not_called_rounded(rate, recorded):
+    def even(channels):
+        channel = channels["displacement"]
+        stamp = channel.stamp[0] + np.round(1e9 * np.arange(channel.stamp.size) / rate).astype(np.int64)
+        return channels | {"displacement": replace(channel, stamp=stamp)}
+
+    assert "stamps" not in kinds(recorded(rate=rate, change=even))
+
+
 def jittering(time):
     return np.sort(time + 1e-3 * np.random.default_rng(1).standard_normal(time.size))
 
