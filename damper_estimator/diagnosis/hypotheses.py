@@ -103,9 +103,13 @@ class Hypothesis:
 
     @property
     def exclusion(self) -> str:
-        """Why it is not what it represents with its fitted values, or contradicts recordings; "" if neither."""
+        """Why it is not what it represents with its fitted values, or what the recordings have against it; "" if it
+        is and they have nothing.
+        """
         if self.evaluation is not None and self.evaluation.remaining.worsened >= limits().contradicted:
             return "raises the error on some of the recordings"
+        if self.evaluation is not None and self.evaluation.imitates_change:
+            return "explains only what other values of the model's parameters explain as well"
         return self.region.exclusion(self.fitted_element)
 
     @property

@@ -78,6 +78,18 @@ class Thresholds:
     contradicted: float = _threshold(
         0.33, "weight of the recordings", "an effect that so many contradict is not what is missing", "one of three"
     )
+    own_part: float = _threshold(
+        0.03,
+        _SQUARE,
+        "what only an effect can change must be expected to explain it, to say something",
+        "twice what re-identified parameters miss by chance",
+    )
+    own_found: float = _threshold(
+        0.25,
+        "share of what is expected",
+        "an effect whose own part explains less imitates changed parameters",
+        "hidden effects find more than 0.5, imitations less than 0.2",
+    )
     named: float = _threshold(
         0.2,
         "probability",

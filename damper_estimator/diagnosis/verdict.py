@@ -50,11 +50,13 @@ def verdict_on(
 
 
 def _enough(found: Search, again: Reidentified, floor: float) -> bool:
-    """Whether re-identification takes away most of what there is to explain."""
+    """Whether re-identification takes away most of what there is to explain, or no less than all that was found."""
     first = found.rounds[0]
     before = rmse(first.baseline, first.kept)
     explainable = max(before**2 - floor**2, 1e-12)
-    return again.enough and before**2 - again.rmse_n**2 >= limits().refit_most * explainable
+    takes_most = before**2 - again.rmse_n**2 >= limits().refit_most * explainable
+    takes_more = bool(found.accepted) and again.rmse_n <= found.left_n
+    return again.enough and (takes_most or takes_more)
 
 
 def _residual_before(model: DamperModel) -> float:

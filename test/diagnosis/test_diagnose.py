@@ -81,6 +81,22 @@ def test_a_second_search_follows_an_effect_that_delivers_nothing(user_model, sof
     assert "does not lower the unseen error" in reasons[first] and found.ranking[0].reason == ""
 
 
+@pytest.mark.parametrize(
+    "static",
+    [
+        lambda v: -500.0 * np.maximum(np.abs(v) - 0.2, 0.0) * np.sign(v),
+        lambda v: 250.0 * np.maximum(v, 0.0) - 150.0 * np.minimum(v, 0.0),
+        lambda v: 80.0 * np.tanh(v / 0.05),
+    ],
+    ids=["beyond a speed", "one direction", "step"],
+)
+def test_a_change_of_the_curve_depends_on_nothing_but_velocity(static, user_model, base):
+    fit, unseen = halves(changed(base, lambda k: static(k.velocity)))
+    found = diagnose(user_model, [fit], [unseen]).findings
+    named = {name for finding in found for name in (finding.phenomenon, *finding.tied_with)}
+    assert named and not named & {"position_dependence", "temperature_fade", "current", "gas_spring", "end_stop"}
+
+
 def test_nothing_is_found_where_nothing_is_missing(user_model, base):
     fit, unseen = halves(base)
     found = diagnose(user_model, [fit], [unseen])

@@ -37,6 +37,28 @@ def test_a_refit_that_harms_unseen_data_counts_as_none(noisy):
     assert refitted is kept
 
 
+@pytest.mark.parametrize(("own_is_there", "imitates"), [(True, False), (False, True)])
+def test_an_effect_without_what_only_it_can_change_imitates_changed_parameters(noisy, own_is_there, imitates):
+    """The error is what the model's parameters can make, with or without the rest of the effect's change."""
+    random = np.random.default_rng(3)
+
+    def drawn(like):
+        return random.standard_normal((3, like.size)) * np.array([[100.0], [60.0], [10.0]])
+
+    parts = {"fit": drawn(noisy.residual_fit), "unseen": drawn(noisy.residual_unseen)}
+    error = {name: known + own_is_there * own + noise for name, (known, own, noise) in parts.items()}
+    baseline = replace(
+        noisy, residual_fit=error["fit"], residual_unseen=error["unseen"],
+        base_fit=parts["fit"][0][:, None], base_unseen=parts["unseen"][0][:, None],
+    )  # fmt: skip
+    changes = {f"change_{name}": -(known + own) for name, (known, own, _) in parts.items()}
+    hypothesis = tried(baseline, "coulomb", 0.0)
+    hypothesis = replace(hypothesis, fit=replace(hypothesis.fit, **changes))
+    judged = evaluated(baseline, [hypothesis], "both")[0]
+    assert 1.0 - judged.evaluation.kept.square / np.sum(error["unseen"] ** 2) > 0.6
+    assert judged.evaluation.imitates_change == imitates and bool(judged.exclusion) == imitates
+
+
 def test_the_best_explanation_comes_first_and_parameters_count_against_it(noisy):
     large = max(known(noisy).values(), key=lambda hypothesis: hypothesis.size)
     assert large.size >= known(noisy)["coulomb"].size + 3

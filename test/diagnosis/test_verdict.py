@@ -44,6 +44,13 @@ def test_moved_parameters_count_only_where_they_take_most_of_it_away(noisy):
     assert verdict_on(found(current), again_with(current, 90.0), FORCE, 5.0)[0] != "parameters_changed"
 
 
+def test_a_finding_that_leaves_more_than_moved_parameters_is_not_missing(noisy):
+    current = rounded(noisy, tried(noisy, "coulomb", 0.8))
+    one = accepted_of(current)
+    assert verdict_on(found(current, [one], 75.0), again_with(current, 70.0), FORCE, 5.0)[0] == "parameters_changed"
+    assert verdict_on(found(current, [one], 65.0), again_with(current, 70.0), FORCE, 5.0)[0] == "missing"
+
+
 def test_what_is_left_is_unexplained_only_far_above_the_noise(noisy):
     plain = replace(noisy, model=replace(noisy.model, fit={}))
     current = rounded(plain)
