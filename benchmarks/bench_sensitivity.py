@@ -28,7 +28,7 @@ from damper_estimator.diagnosis.thresholds import limits, using
 
 RANKING = (
     "gain", "least_force", "penalty", "at_bound", "general_margin", "general_share", "form_free", "sharpness",
-    "form_right", "form_share", "named", "tied",
+    "form_right", "form_share", "own_part", "own_found", "named", "tied",
 )  # fmt: skip
 CHANGES = (0.7, 1.0, 1.3)
 

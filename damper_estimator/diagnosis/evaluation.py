@@ -65,7 +65,8 @@ class Evaluation:
         kept, refitted: what is left with the model's parameters as they are, and refitted to first order.
         kept_gains, refitted_gains: (replicates,) gain against the model without the effect, evaluated the same way.
         remaining: of the error without the effect, as the round ranks.
-        imitates_change: whether it explains only what other values of the model's parameters explain as well.
+        own_expected, own_found: shares of the squared error that its own part should explain, and explains
+            (``_own_part``).
     """
 
     kept: Errors
@@ -73,12 +74,21 @@ class Evaluation:
     kept_gains: np.ndarray
     refitted_gains: np.ndarray
     remaining: Remaining
-    imitates_change: bool = False
+    own_expected: float = 0.0
+    own_found: float = 0.0
 
     @property
     def error(self) -> float:
         """Share of the squared error that is left, as the round ranks."""
         return self.remaining.error
+
+    @property
+    def imitates_change(self) -> bool:
+        """Whether it explains only what other values of the model's parameters explain as well; a small part of its own
+        shows nothing.
+        """
+        shows = self.own_expected >= limits().own_part
+        return shows and self.own_found < limits().own_found * self.own_expected
 
 
 @dataclass(frozen=True)
@@ -167,38 +177,35 @@ def evaluated(baseline: Baseline, hypotheses: Sequence[Hypothesis], mode: str) -
         left = _harmless(*(with_effects(baseline, [hypothesis.fit], base) for base in (False, True)))
         gained = (gains(drawn, one, before) for one, before in zip(left, without, strict=True))
         remaining = remaining_of(baseline.data, left[ranked_by], without[ranked_by], drawn)
-        imitates = ranked_by == 0 and _imitates_change(baseline, hypothesis.fit, left, without)
-        evaluation = Evaluation(*left, *gained, remaining, imitates)
+        own = _own_part(baseline, hypothesis.fit, left, without) if ranked_by == 0 else (0.0, 0.0)
+        evaluation = Evaluation(*left, *gained, remaining, *own)
         found.append(replace(hypothesis, evaluation=evaluation))
     return sorted(found, key=lambda hypothesis: hypothesis.score)
 
 
-def _imitates_change(
+def _own_part(
     baseline: Baseline, fit: TrialFit, left: tuple[Errors, Errors], without: tuple[Errors, Errors]
-) -> bool:
-    """Whether an effect lacks in the recordings what only it can change, and explains the rest like other values of the
-    model's parameters.
+) -> tuple[float, float]:
+    """The shares of the squared error that the part which only an effect can change should explain, and explains,
+    beyond the model's refitted parameters.
 
-    Of its change d the parameters make a part as well, to first order. What is left, o, explains so much of the error
-    that refitted parameters leave, if the effect is what is missing:
+    Of its change d, the parameters can make a part as well, to first order. If the effect is what is missing, the rest
+    o explains
 
         expected = gain |o|^2 / |d|^2
-
-    with the gain and the errors as shares of the error without the effect; a small part shows nothing.
     """
     (kept, refitted), (kept_without, refitted_without) = left, without
     whole = max(kept_without.square, 1e-300)
-    gain = 1.0 - kept.square / whole
-    if gain < limits().own_part:
-        return False
+    gain = max(1.0 - kept.square / whole, 0.0)
+    found = (refitted_without.square - refitted.square) / whole
+    if gain == 0.0:
+        return 0.0, found
     free_fit = np.hstack([baseline.found_fit, baseline.base_fit])
     free_unseen = np.hstack([baseline.found_unseen, baseline.base_unseen])
-    own = first_order(fit.change_fit, free_fit, fit.change_unseen, free_unseen)
     changes = fit.change_fit, fit.change_unseen
-    share = min(float(np.sum(part**2) / max(np.sum(d**2), 1e-300)) for part, d in zip(own, changes, strict=True))
-    expected = gain * min(share, 1.0)
-    found = (refitted_without.square - refitted.square) / whole
-    return expected >= limits().own_part and found < limits().own_found * expected
+    own = first_order(changes[0], free_fit, changes[1], free_unseen)
+    shares = (np.sum(part**2) / max(np.sum(d**2), 1e-300) for part, d in zip(own, changes, strict=True))
+    return gain * float(min(*shares, 1.0)), found
 
 
 def with_refitted(data: DiagnosisData, hypothesis: Hypothesis, left: Errors, without: Errors) -> Hypothesis:

@@ -275,6 +275,17 @@ def test_compression_lacks_force_until_the_void_of_the_rebound_is_closed():
     assert computed[time < 0.08] == pytest.approx(0.5 * 2000.0), "rebound is as before"
 
 
+def test_a_void_above_the_piston_mirrors_one_below_it():
+    block, mirrored = sweep(), sweep()
+    mirrored[[X, V, A]] *= -1.0
+    alike = {"rebound": 1800.0, "compression": 1800.0}
+    below = force(block, entry("linear_viscous", **alike), entry("starved_intake", follows=0.1, missing=0.8))
+    above = force(
+        mirrored, entry("linear_viscous", **alike), entry("starved_intake", follows=0.1, missing=0.8, side=-1.0)
+    )
+    assert np.array_equal(above, -below) and not np.array_equal(below, force(block, entry("linear_viscous", **alike)))
+
+
 def test_a_valve_that_is_always_open_is_a_mass():
     block = sweep(amplitude=0.1)
     open_valve = force(block, entry("valve_inertia", mass_rebound=2.0, mass_compression=2.0, opening=1e-3))
