@@ -103,14 +103,19 @@ class Hypothesis:
 
     @property
     def exclusion(self) -> str:
-        """Why it is not what it represents with its fitted values, or what the recordings have against it; "" if it
-        is and they have nothing.
-        """
+        """Why it is not what it represents with its fitted values, or contradicts recordings; "" if neither."""
         if self.evaluation is not None and self.evaluation.remaining.worsened >= limits().contradicted:
             return "raises the error on some of the recordings"
-        if self.evaluation is not None and self.evaluation.imitates_change:
-            return "explains only what other values of the model's parameters explain as well"
         return self.region.exclusion(self.fitted_element)
+
+    @property
+    def exclusion_alone(self) -> str:
+        """The same for it as the only effect that is missing: next to a second one that acts against it, what only it
+        can change is not seen either.
+        """
+        if self.evaluation is not None and self.evaluation.imitates_change:
+            return self.exclusion or "explains only what other values of the model's parameters explain as well"
+        return self.exclusion
 
     @property
     def fitted_element(self) -> Element:

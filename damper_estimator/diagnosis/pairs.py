@@ -135,7 +135,7 @@ def _most(current: Round, is_first: bool) -> float:
     """
     if is_first and not current.refits and not current.supported(current.baseline.data.force_rms):
         return (1.0 - limits().gain) ** 2
-    single = min((one.score for one in current.hypotheses if not one.exclusion), default=1.0)
+    single = min((one.score for one in current.hypotheses if not one.exclusion_alone), default=1.0)
     usual, form = current.baseline.data.usual, limits().second
     whole, beyond = (limits().pair * (left + form) - form for left in (single, single - usual))
     return max(whole, usual + beyond) if beyond > 0.0 else whole

@@ -45,7 +45,7 @@ def scores_of(hypotheses: Sequence[Hypothesis], tests: Sequence[TestEvaluation])
     best: dict[str, tuple[float, Hypothesis]] = {}
     for hypothesis in hypotheses:
         left = hypothesis.score + general_margin(hypothesis.evaluation.error) * hypothesis.effect.general
-        if not hypothesis.exclusion and left < best.get(hypothesis.phenomenon, (np.inf,))[0]:
+        if not hypothesis.exclusion_alone and left < best.get(hypothesis.phenomenon, (np.inf,))[0]:
             best[hypothesis.phenomenon] = left, hypothesis
     found = []
     for phenomenon, (left, hypothesis) in best.items():

@@ -67,7 +67,7 @@ class Round:
 
     def best_of(self, phenomenon: str) -> Hypothesis:
         """The effect that explains most in the way of one phenomenon."""
-        return next(h for h in self.hypotheses if h.phenomenon == phenomenon and not h.exclusion)
+        return next(h for h in self.hypotheses if h.phenomenon == phenomenon and not h.exclusion_alone)
 
     def hypothesis(self, effect: str) -> Hypothesis:
         """The one with an effect."""
@@ -99,8 +99,8 @@ class Round:
 
     def reason_against(self, hypothesis: Hypothesis, force_rms: float) -> str:
         """Why the data do not support an effect by itself; "" where they do."""
-        if hypothesis.exclusion:
-            return hypothesis.exclusion
+        if hypothesis.exclusion_alone:
+            return hypothesis.exclusion_alone
         if not hypothesis.fit.tried:
             return (
                 f"not tried: its form-free tests explain less than {100.0 * limits().hint:.0f} % of the squared error"

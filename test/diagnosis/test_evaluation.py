@@ -56,7 +56,8 @@ def test_an_effect_without_what_only_it_can_change_imitates_changed_parameters(n
     hypothesis = replace(hypothesis, fit=replace(hypothesis.fit, **changes))
     judged = evaluated(baseline, [hypothesis], "both")[0]
     assert 1.0 - judged.evaluation.kept.square / np.sum(error["unseen"] ** 2) > 0.6
-    assert judged.evaluation.imitates_change == imitates and bool(judged.exclusion) == imitates
+    assert judged.evaluation.imitates_change == imitates and bool(judged.exclusion_alone) == imitates
+    assert not judged.exclusion, "a second effect may hide what only this one can change"
 
 
 def test_the_best_explanation_comes_first_and_parameters_count_against_it(noisy):

@@ -85,7 +85,7 @@ def test_two_are_not_found_in_an_old_error_alone(user_model, base):
 
 def most(single: float, usual: float) -> float:
     """What a pair may leave beside a single effect, and an error that the model has always had."""
-    hypothesis = SimpleNamespace(score=single, exclusion="")
+    hypothesis = SimpleNamespace(score=single, exclusion_alone="")
     data = SimpleNamespace(usual=usual, force_rms=500.0)
     baseline = SimpleNamespace(data=data)
     return pairs._most(SimpleNamespace(hypotheses=[hypothesis], baseline=baseline, refits=True), is_first=True)
