@@ -61,8 +61,8 @@ def _verdict(record: Record) -> Iterator[str]:
 def _findings(record: Record) -> Iterator[str]:
     for finding in record["findings"]:
         name, before, after = (finding[key] for key in ("effect", "rmse_before_n", "rmse_after_n"))
-        if record["verdict"] == "missing" and not after < before:
-            yield f"{name} is missing, but the unseen error goes from {before:.4g} to {after:.4g} N"
+        if not after < before:
+            yield f"{name} is found, but the unseen error goes from {before:.4g} to {after:.4g} N"
         if not 0.0 <= finding["confidence"] <= 1.0:
             yield f"{name}: confidence {finding['confidence']}"
         if finding["low"] is not None and not finding["low"] <= finding["gain"] <= finding["high"]:

@@ -16,7 +16,8 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
     """The findings that lower the error, faults of the measurement chain first.
 
     Args:
-        names_changes: whether they name how parameters changed, with the errors of the evaluation: then all are steps.
+        names_changes: whether they name how parameters changed, with the errors of the evaluation: then all are steps
+            that lower those.
     """
     steps: list[Step] = []
     current = state
@@ -30,7 +31,7 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
         if after.delivers(promised, before):
             steps += _with_errors(before, taken)
             current = after
-        elif names_changes:
+        elif names_changes and promised > 0.0:
             steps += [(one, at, one.before_n, one.after_n) for one, at in taken]
     return steps
 

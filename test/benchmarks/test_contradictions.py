@@ -44,7 +44,7 @@ def test_the_verbs_do_not_contradict_themselves_or_each_other(answers):
         (lambda d: d.update(findings=[]), "there is no finding"),
         (lambda d: d.update(verdict="nothing_missing"), "is found"),
         (lambda d: d.update(verdict="nothing_missing", findings=[], noise_floor_n=1.0), "nothing is missing, but"),
-        (lambda d: d["findings"][0].update(rmse_after_n=1e4), "is missing, but the unseen error goes from"),
+        (lambda d: d["findings"][0].update(rmse_after_n=1e4), "is found, but the unseen error goes from"),
         (lambda d: d["findings"][0].update(confidence=1.2), "confidence 1.2"),
         (lambda d: d["findings"][0].update(tied_with=[d["findings"][0]["phenomenon"]]), "tied with itself"),
         (lambda d: d.update(noise_floor_n=1e5), "the noise floor"),

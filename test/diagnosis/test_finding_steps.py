@@ -66,6 +66,18 @@ def test_both_effects_of_a_pair_are_kept_only_if_both_have_a_part_in_it(alone, b
     assert set(delivered(noisy, monkeypatch, errors, {"coulomb": 70.0, "inertia": 40.0})) == kept
 
 
+def test_a_name_for_changed_parameters_has_to_lower_the_error_too(noisy, monkeypatch):
+    current = rounded(noisy, tried(noisy, "coulomb", 0.9), tried(noisy, "inertia", 0.8))
+    falling, rising = (
+        replace(accepted_in(current, hypothesis), before_n=BEFORE, after_n=after)
+        for hypothesis, after in zip(current.hypotheses, (4.0, 12.0), strict=True)
+    )
+    monkeypatch.setattr(import_module("damper_estimator.diagnosis.steps"), "_applied", lambda before, *_: before)
+    start = ModelState(noisy.model, (), (), (), (), BEFORE, BEFORE)
+    steps = steps_of(start, [falling, rising], "both", names_changes=True)
+    assert [(one, before, after) for one, _, before, after in steps] == [(falling, BEFORE, 4.0)]
+
+
 @pytest.mark.parametrize("friction, is_idle", [(0.0, True), (120.0, False)])
 def test_an_effect_that_is_not_missed_where_it_is_taken_out_again_is_idle(user_model, base, friction, is_idle, noisy):
     """The model without it errs as much: what lowered the error was something else."""
