@@ -85,6 +85,7 @@ class DiagnosisData:
             self,
             fit=tuple(rows_of(part.measurement, part.weight) for part in self.fit),
             unseen=tuple(rows_of(part.measurement, part.weight) for part in self.unseen),
+            ranges=replace(self.ranges, with_mean=True),
         )
 
 

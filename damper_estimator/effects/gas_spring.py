@@ -24,11 +24,11 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The gas column is longer than the recorded compression, and finite; only the change of its force is new."""
+    """The gas column is longer than the recorded compression, and finite; without a mean, only its change is new."""
     area = 1.5e-4
     reach = max(-ranges.compression, 0.5 * ranges.stroke, 1e-3)
     limits = {"volume": (1.3 * area * reach, 60.0 * area * reach)}
-    values = {"rod_area": area, "volume": 5.0 * area * reach, "relative": 1.0}
+    values = {"rod_area": area, "volume": 5.0 * area * reach, "relative": float(not ranges.with_mean)}
     return Trial(values, limits, spread(volume=(2.0 * area * reach,)))
 
 

@@ -33,6 +33,7 @@ class Ranges:
             force, or a constant in a curve, which no change of the flow changes.
         spring_rate, preload: of a parallel spring in the gauge's force, as the signal maps state it (N/m, N).
         identified: phenomena that the model has with parameters that are identified.
+        with_mean: whether the mean of the error is to be explained as well, because the gauge's zero is not free.
     """
 
     compression: float
@@ -50,6 +51,7 @@ class Ranges:
     spring_rate: float = 0.0
     preload: float = 0.0
     identified: frozenset[str] = frozenset()
+    with_mean: bool = False
 
     @property
     def stroke(self) -> float:

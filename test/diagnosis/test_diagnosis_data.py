@@ -58,6 +58,7 @@ def test_the_zero_and_a_straight_drift_are_left_out_unless_they_are_asked_for(us
     whole = drifting.with_zero
     left = force_rows(user_model, whole.unseen) - targets(whole.unseen)
     assert unweighted(whole.unseen, left) > unweighted(drifting.unseen, residuals[1]) + 10.0
+    assert whole.ranges.with_mean and not drifting.ranges.with_mean
 
 
 def test_an_error_in_newton_is_told_without_the_weights(user_model, base):

@@ -5,6 +5,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 
 from damper_estimator.effects.discovery import find_effect
+from damper_estimator.effects.trial import Ranges
 from damper_estimator.model import make_element
 from damper_estimator.model.damper_model import DamperModel
 from damper_estimator.signals.layout import COMMAND, DT, ROWS, TEMPERATURE, A, T, V, X
@@ -273,6 +274,14 @@ def test_compression_lacks_force_until_the_void_of_the_rebound_is_closed():
     assert closed == pytest.approx(0.08 + 0.024 / 0.7, abs=0.002)
     assert computed[(time > 0.085) & (time < closed - 0.002)] == pytest.approx(-0.25 * 0.5 * 1500.0)
     assert computed[time < 0.08] == pytest.approx(0.5 * 2000.0), "rebound is as before"
+
+
+@pytest.mark.parametrize("with_mean", [True, False])
+def test_a_gas_is_tried_with_its_static_force_where_the_mean_is_to_be_explained(with_mean):
+    ranges = Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0, with_mean=with_mean)
+    tried = find_effect("gas_spring").trial(ranges)
+    at_middle = force(sweep(), entry("gas_spring", **tried.values, static_force=200.0))[0]
+    assert at_middle == pytest.approx(-200.0 * with_mean)
 
 
 def test_a_void_above_the_piston_mirrors_one_below_it():
