@@ -88,7 +88,7 @@ class Thresholds:
         0.25,
         "share of what is expected",
         "an effect whose own part explains less imitates changed parameters",
-        "hidden effects find more than 0.5, imitations less than 0.2",
+        "most hidden effects find more than 0.7, most imitations less than 0.2",
     )
     named: float = _threshold(
         0.2,
