@@ -139,10 +139,17 @@ def without_effects(baseline: Baseline) -> tuple[Errors, Errors]:
     blocks = baseline.data.blocks
     residuals = baseline.residual_fit, baseline.residual_unseen
     kept = first_order(residuals[0], baseline.found_fit, residuals[1], baseline.found_unseen)
-    free_fit = np.hstack([baseline.found_fit, baseline.base_fit])
-    free_unseen = np.hstack([baseline.found_unseen, baseline.base_unseen])
+    free_fit, free_unseen = _free_columns(baseline)
     refitted = first_order(residuals[0], free_fit, residuals[1], free_unseen)
     return _harmless(errors(blocks, *kept), errors(blocks, *refitted))
+
+
+def _free_columns(baseline: Baseline) -> tuple[np.ndarray, np.ndarray]:
+    """(r, k) of both parts: derivatives by all parameters that a refit moves."""
+    return (
+        np.hstack([baseline.found_fit, baseline.base_fit]),
+        np.hstack([baseline.found_unseen, baseline.base_unseen]),
+    )
 
 
 def _harmless(kept: Errors, refitted: Errors) -> tuple[Errors, Errors]:
@@ -169,7 +176,7 @@ def with_effects(baseline: Baseline, fits: Sequence[TrialFit], base: bool) -> Er
 
 def evaluated(baseline: Baseline, hypotheses: Sequence[Hypothesis], mode: str) -> list[Hypothesis]:
     """All fitted hypotheses with their evaluation, best first; ``mode`` is both, kept or refit."""
-    without = without_effects(baseline)
+    without, free = without_effects(baseline), _free_columns(baseline)
     drawn = block_draws(without[0].blocks.size)
     ranked_by = int(mode == "refit")
     found = []
@@ -177,14 +184,14 @@ def evaluated(baseline: Baseline, hypotheses: Sequence[Hypothesis], mode: str) -
         left = _harmless(*(with_effects(baseline, [hypothesis.fit], base) for base in (False, True)))
         gained = (gains(drawn, one, before) for one, before in zip(left, without, strict=True))
         remaining = remaining_of(baseline.data, left[ranked_by], without[ranked_by], drawn)
-        own = _own_part(baseline, hypothesis.fit, left, without) if ranked_by == 0 else (0.0, 0.0)
+        own = _own_part(hypothesis.fit, free, left, without) if ranked_by == 0 else (0.0, 0.0)
         evaluation = Evaluation(*left, *gained, remaining, *own)
         found.append(replace(hypothesis, evaluation=evaluation))
     return sorted(found, key=lambda hypothesis: hypothesis.score)
 
 
 def _own_part(
-    baseline: Baseline, fit: TrialFit, left: tuple[Errors, Errors], without: tuple[Errors, Errors]
+    fit: TrialFit, free: tuple[np.ndarray, np.ndarray], left: tuple[Errors, Errors], without: tuple[Errors, Errors]
 ) -> tuple[float, float]:
     """The shares of the squared error that the part which only an effect can change should explain, and explains,
     beyond the model's refitted parameters.
@@ -200,10 +207,8 @@ def _own_part(
     found = (refitted_without.square - refitted.square) / whole
     if gain == 0.0:
         return 0.0, found
-    free_fit = np.hstack([baseline.found_fit, baseline.base_fit])
-    free_unseen = np.hstack([baseline.found_unseen, baseline.base_unseen])
     changes = fit.change_fit, fit.change_unseen
-    own = first_order(changes[0], free_fit, changes[1], free_unseen)
+    own = first_order(changes[0], free[0], changes[1], free[1])
     shares = (np.sum(part**2) / max(np.sum(d**2), 1e-300) for part, d in zip(own, changes, strict=True))
     return gain * float(min(*shares, 1.0)), found
 

@@ -110,8 +110,8 @@ class Hypothesis:
 
     @property
     def exclusion_alone(self) -> str:
-        """The same for it as the only effect that is missing: next to a second one that acts against it, what only it
-        can change is not seen either.
+        """Why it cannot be the only effect that is missing; "" if it can. It may still be one of a pair: a second
+        effect that acts against it hides what only it can change.
         """
         if self.evaluation is not None and self.evaluation.imitates_change:
             return self.exclusion or "explains only what other values of the model's parameters explain as well"
