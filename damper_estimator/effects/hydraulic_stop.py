@@ -1,11 +1,11 @@
-"""Hydraulic stop: damping that begins near an end of the stroke and grows towards the end.
+"""Hydraulic stop: damping that begins near an end of the stroke and grows towards the end, beside a return spring.
 
-    F = c_b d_b v g(v),  d_b = max(x_b - x, 0) / s,  g = 1 while closing (v < 0), r on the return
-    F = c_t d_t v g(v),  d_t = max(x - x_t, 0) / s,  g = 1 while extending (v > 0), r on the return
+    F = c_b d_b v g(v) / s - k_b d_b,  d_b = max(x_b - x, 0),  g = 1 while closing (v < 0), r on the return
+    F = c_t d_t v g(v) / s + k_t d_t,  d_t = max(x - x_t, 0),  g = 1 while extending (v > 0), r on the return
 
 x in m (positive in extension), v in m/s, c in N s/m (at a depth s into the stop), s in m (setting), r without unit
-(share of the damping on the return; 0 with an open check valve). No state. Source: hydraulic bump and rebound stops
-with a clearance that narrows, Dixon 2008.
+(share of the damping on the return; 0 with an open check valve), k in N/m. No state. Source: hydraulic bump and rebound
+stops with a clearance that narrows, and the spring that returns their piston, Dixon 2008.
 """
 
 from damper_estimator.compiled import compiled
@@ -19,13 +19,14 @@ def kernel(parameters, settings, kinematics, state, force):
     """F += (bump stop + rebound stop)."""
     for i in range(force.size):
         x, v = kinematics[X, i], kinematics[V, i]
-        bump = max(parameters[1] - x, 0.0) / settings[0]
-        rebound = max(x - parameters[3], 0.0) / settings[0]
+        bump = max(parameters[1] - x, 0.0)
+        rebound = max(x - parameters[3], 0.0)
+        force[i] += parameters[6] * rebound - parameters[5] * bump
         if v > 0.0:
             bump = bump * parameters[4]
         else:
             rebound = rebound * parameters[4]
-        force[i] += (parameters[0] * bump + parameters[2] * rebound) * v
+        force[i] += (parameters[0] * bump + parameters[2] * rebound) / settings[0] * v
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -51,6 +52,8 @@ EFFECT = Effect(
         Parameter("rebound_damping", "N*s/m", 0.0, 0.0, 1e6, "damping of the rebound stop at the depth", linear=True),
         Parameter("rebound_position", "m", 0.05, -0.5, 0.5, "displacement at which the rebound stop begins"),
         Parameter("way_back", "1", 0.2, 0.0, 1.0, "share of the damping on the return"),
+        Parameter("bump_stiffness", "N/m", 0.0, 0.0, 1e6, "spring of the bump stop", linear=True),
+        Parameter("rebound_stiffness", "N/m", 0.0, 0.0, 1e6, "spring of the rebound stop", linear=True),
     ),
     settings=(Setting("depth", "m", 0.02, "depth into a stop at which its damping is stated", lower=1e-4),),
     shows="near an end of the stroke the force grows with velocity far more than in the middle, less on the return",

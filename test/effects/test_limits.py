@@ -2,34 +2,11 @@
 
 import numpy as np
 import pytest
+from motions import entry, force, sweep
 from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 
 from damper_estimator.effects.discovery import find_effect
-from damper_estimator.effects.trial import Ranges
-from damper_estimator.model import make_element
-from damper_estimator.model.damper_model import DamperModel
-from damper_estimator.signals.layout import COMMAND, DT, ROWS, TEMPERATURE, A, T, V, X
-
-
-def sweep(amplitude=0.03, frequency=2.0, seconds=1.0, rate=1000, command=np.nan, temperature=np.nan):
-    """Exact kinematics of a sine."""
-    time = np.arange(round(seconds * rate) + 1) / rate
-    omega = 2 * np.pi * frequency
-    block = np.full((ROWS, time.size), np.nan)
-    block[T], block[DT] = time, np.diff(time, prepend=0.0)
-    block[X], block[V] = amplitude * np.sin(omega * time), amplitude * omega * np.cos(omega * time)
-    block[A] = -(omega**2) * block[X]
-    block[COMMAND], block[TEMPERATURE] = command, temperature
-    return block
-
-
-def entry(name, path=(), **values):
-    return make_element(find_effect(name), values, path)
-
-
-def force(block, *entries):
-    return DamperModel("m", "", entries).force(block)
-
+from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
 
 DASHPOT = {"rebound": 2000.0, "compression": 1500.0}
 
@@ -274,14 +251,6 @@ def test_compression_lacks_force_until_the_void_of_the_rebound_is_closed():
     assert closed == pytest.approx(0.08 + 0.024 / 0.7, abs=0.002)
     assert computed[(time > 0.085) & (time < closed - 0.002)] == pytest.approx(-0.25 * 0.5 * 1500.0)
     assert computed[time < 0.08] == pytest.approx(0.5 * 2000.0), "rebound is as before"
-
-
-@pytest.mark.parametrize("with_mean", [True, False])
-def test_a_gas_is_tried_with_its_static_force_where_the_mean_is_to_be_explained(with_mean):
-    ranges = Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0, with_mean=with_mean)
-    tried = find_effect("gas_spring").trial(ranges)
-    at_middle = force(sweep(), entry("gas_spring", **tried.values, static_force=200.0))[0]
-    assert at_middle == pytest.approx(-200.0 * with_mean)
 
 
 def test_a_void_above_the_piston_mirrors_one_below_it():

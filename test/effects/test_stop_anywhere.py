@@ -1,11 +1,14 @@
-"""A stop is tried at the ends of the recorded stroke, wherever the zero of the displacement is."""
+"""A stop is tried at the ends of the recorded stroke, wherever the zero of the displacement is; its spring."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from motions import entry, force, standing
 
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.effects.trial import Ranges, Untestable
+from damper_estimator.signals.layout import X
 
 
 @pytest.mark.parametrize("name", ["end_stop", "hydraulic_stop"])
@@ -25,3 +28,10 @@ def test_stops_lie_in_the_outer_thirds(name, zero, stroke):
 def test_a_stroke_of_almost_nothing_reaches_no_stop(name):
     with pytest.raises(Untestable, match="too short"):
         find_effect(name).trial(Ranges(0.08, 0.082, speed=1.0, acceleration=50.0, force=500.0, seconds=20.0))
+
+
+def test_the_spring_of_a_hydraulic_stop_pushes_back_to_the_middle_at_rest():
+    block = standing(np.linspace(-0.06, 0.05, 45))
+    stops = {"bump_position": -0.05, "bump_stiffness": 2e4, "rebound_position": 0.04, "rebound_stiffness": 3e4}
+    computed, x = force(block, entry("hydraulic_stop", **stops)), block[X]
+    assert computed == pytest.approx(3e4 * np.maximum(x - 0.04, 0.0) - 2e4 * np.maximum(-0.05 - x, 0.0))
