@@ -40,6 +40,11 @@ class Accepted:
     partner: str = ""
     needs: bool = False
 
+    @property
+    def is_mean(self) -> bool:
+        """Whether it was found in the mean, which the freed zero of the gauge hides otherwise."""
+        return bool(self.round.constants)
+
 
 def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     """The effect, with what else it could be in this round."""

@@ -184,7 +184,7 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         values = values[np.isfinite(values)]
         return (float(values.min()), float(values.max())) if values.size else None
 
-    whole, of_oil = _at_rest(model, measurements[0]) if model is not None else (0.0, 0.0)
+    whole, of_oil = _forces_at_rest(model, measurements[0]) if model is not None else (0.0, 0.0)
     x = gathered(lambda m: m.kinematics.displacement)
     force = gathered(lambda m: m.force)
     low, high = np.quantile(x, [0.001, 0.999])
@@ -207,7 +207,12 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
     )
 
 
-def _at_rest(model: DamperModel, measurement: Measurement) -> tuple[float, float]:
+def force_at_rest(model: DamperModel, measurement: Measurement) -> float:
+    """N, the model's force at rest in the middle of a recording's stroke."""
+    return _forces_at_rest(model, measurement)[0]
+
+
+def _forces_at_rest(model: DamperModel, measurement: Measurement) -> tuple[float, float]:
     """N, the model's force at rest in the middle of the stroke: the whole, and without what acts beside the oil."""
     kinematics = measurement.kinematics
     block = kinematics.block[:, :1].copy()

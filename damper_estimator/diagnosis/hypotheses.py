@@ -182,6 +182,12 @@ def entry_of(model: DamperModel, effect: str) -> Element:
     return [element for element in walk(model.effects) if element.effect.name == effect][-1]
 
 
+def without_last(model: DamperModel, effect: str) -> tuple[DamperModel, Element]:
+    """The model without the entry of an effect that was added, its last, and the entry."""
+    label, element = [(label, one) for label, one in labels(model.effects) if one.effect.name == effect][-1]
+    return model.without(label), element
+
+
 def limits_in(model: DamperModel, added: Mapping[str, Region]) -> dict[str, tuple[float, float]]:
     """Physical limits of the parameters of effects that were added to a model, by address."""
     last = {element.effect.name: label for label, element in labels(model.effects)}

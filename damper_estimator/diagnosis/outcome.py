@@ -157,9 +157,8 @@ def first_search(
             lambda text, share: progress(text, 0.5 * share),
             trusted=True,
         )
-        # On the recordings of the identification a zero is not new, and the old error is what the model lacks.
-        zeros = {hypothesis.name for hypothesis in found.rounds[0].hidden if state.is_identified_here}
-        if {one.element.effect.name for one in found.accepted} - zeros:
+        # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
+        if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
             return found, beyond_known
     if is_usual:
         return evaluated_only(state.model, data, beyond_known, skip, workers, progress), data

@@ -24,12 +24,11 @@ from damper_estimator.diagnosis.couples import (
 )
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.evaluation import errors, rmse
-from damper_estimator.diagnosis.hypotheses import Hypothesis, Region
+from damper_estimator.diagnosis.hypotheses import Hypothesis, Region, without_last
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.model import DamperModel, Element
-from damper_estimator.model.element import labels
+from damper_estimator.model import DamperModel
 
 _RIVALS = 1.5  # times what the pair leaves: what leaves more in a place of it cannot be tied
 
@@ -93,7 +92,7 @@ def _in_their_places(
     regions = dict(pair.regions)
     other, alone = regions
     for _ in range(2):
-        less, element = _without(model, alone)
+        less, element = without_last(model, alone)
         base = None if current.refits else ()
         baseline = baseline_of(less, data, positions(less, [*before, other]), base)
         free = [h for h in tried if h.name not in {*before, other}]
@@ -111,7 +110,7 @@ def _in_their_places(
         model = fitted_together(changed, {**before, **regions}, data, current.refits)
     both = _share(current, model)
     least = limits().second * (1.0 - both)
-    if any(_share(current, _without(model, name)[0]) - both < least for name in (alone, other)):
+    if any(_share(current, without_last(model, name)[0]) - both < least for name in (alone, other)):
         return None  # fitted together, one has taken the part of the other
     return _in_order(current, found), model
 
@@ -154,9 +153,3 @@ def _share(current: Round, model: DamperModel) -> float:
     data = current.baseline.data
     rows = [force_rows(model, part) - targets(part) for part in (data.fit, data.unseen)]
     return share_left(current, errors(data.blocks, *rows))
-
-
-def _without(model: DamperModel, name: str) -> tuple[DamperModel, Element]:
-    """The model without an effect, and the effect's entry."""
-    label, element = [(label, one) for label, one in labels(model.effects) if one.effect.name == name][-1]
-    return model.without(label), element

@@ -16,11 +16,11 @@ from damper_estimator.diagnosis.baseline import Baseline, baseline_of
 from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
 from damper_estimator.diagnosis.evaluation import rmse, without_effects
 from damper_estimator.diagnosis.hypotheses import Hypothesis, entry_of, hypotheses_for, settled
+from damper_estimator.diagnosis.means import found_in_means
 from damper_estimator.diagnosis.pairs import paired
 from damper_estimator.diagnosis.parallel_fits import all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.diagnosis.trial_fit import trial_fit
 from damper_estimator.model import DamperModel
 
 MOST = 4  # findings
@@ -95,12 +95,12 @@ def search(
     last = found.last
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     # A refit with the zero freed leaves a mean of the model undetermined.
-    settled_model, names = (model, {}) if found.mode == "refit" else (last.model, regions_of(accepted))
-    hidden = found.rounds[0].hidden
-    offsets = _hidden_by_the_zero(hidden, data, settled_model, names, {one.name for one in tried}, workers)
+    settled_model, added = (model, ()) if found.mode == "refit" else (last.model, accepted)
+    means = found_in_means(found.rounds[0].hidden, data, settled_model, added, skip, workers)
+    accepted = [one for one in accepted if one.hypothesis.name not in {mean.hypothesis.name for mean in means}]
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((_explained(one) for one in accepted), default=0.0)
-    ahead, behind = ([one for one in offsets if (_explained(one) > most) == first] for first in (True, False))
+    ahead, behind = ([one for one in means if (_explained(one) > most) == first] for first in (True, False))
     ordered = (*ahead, *accepted, *behind)
     return Search(tuple(found.rounds), ordered, last.model, left, untestable, found.mode)
 
@@ -127,7 +127,7 @@ def evaluated_only(
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
-    zeros = _hidden_by_the_zero(first.hidden, beyond_known, model, (), {one.name for one in tried}, workers)
+    zeros = tuple(found_in_means(first.hidden, beyond_known, model, (), skip, workers))
     zeros = tuple(one for one in zeros if one.gain[0] >= _MOST_OF_IT)
     return Search((first,), zeros, model, rmse(baseline, first.without), untestable, "both", not zeros)
 
@@ -211,35 +211,3 @@ def _next(before: Baseline, model: DamperModel, added: Collection[str], refits: 
         return baseline_of(model, before.data, found)
     after = baseline_of(model, before.data, found, base=())
     return replace(after, base_fit=before.base_fit, base_unseen=before.base_unseen)
-
-
-def _hidden_by_the_zero(
-    hidden: Sequence[Hypothesis],
-    data: DiagnosisData,
-    model: DamperModel,
-    added: Collection[str],
-    tried: Collection[str],
-    workers: int,
-) -> list[Accepted]:
-    """Findings that the freed zero of the gauge hides, evaluated with it in the comparison, in addition to all that was
-    found: effects with a mean are fitted with the zero as well, and may explain it.
-
-    A mean is the gauge's only if nothing in the damper makes it: all effects are tried on the same data, and those that
-    explain about as much are ties.
-    """
-    found = []
-    data = data.with_zero
-    for hypothesis in hidden:
-        baseline = baseline_of(model, data, positions(model, added), base=())
-        fit = trial_fit(baseline, hypothesis)
-        if fit.hidden:
-            continue
-        zero = replace(hypothesis, fit=fit)
-        alone = replace(round_of(baseline, [zero], "kept"), constants=frozenset({zero.name}))
-        if not alone.reason_against(alone.best, data.force_rms):
-            names = set(tried) - {zero.name} - settled(added)
-            others = [one for one in hypotheses_for(model, data.ranges)[0] if one.name in names]
-            fitted = [zero, *all_fitted(baseline, others, _WORTH, workers, lambda count: None)]
-            among = replace(round_of(baseline, fitted, "kept"), constants=alone.constants)
-            found.append(accepted_in(among, among.hypothesis(zero.name)))
-    return found

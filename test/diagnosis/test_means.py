@@ -1,0 +1,42 @@
+"""Means of the error: the gauge's zero, or a force of the damper at rest."""
+
+import pytest
+from faults import changed, halves
+
+from damper_estimator.diagnosis import diagnose
+from damper_estimator.identification import fit as identify
+from damper_estimator.model import load_model
+
+
+@pytest.fixture(scope="module")
+def plain(base):
+    """A user's model without gas."""
+    return identify(load_model("viscous_curve"), [base], starts=1).model
+
+
+def charge(newtons: float, column: float, exponent: float = 1.2):
+    """Gas force between slow and fast, of a charge that changes by ``newtons`` in a column of ``column`` m."""
+    return lambda k: -newtons * (1.0 + k.displacement / column) ** -exponent
+
+
+@pytest.mark.parametrize("newtons", [80.0, -80.0])
+def test_a_mean_that_a_changed_charge_may_make_is_tied_with_the_gauges_zero(newtons, plain, base):
+    """A gas column so long that the force on the rod hardly changes over the stroke, with more gas or with less."""
+    fit, unseen = halves(changed(base, charge(newtons, 0.6)))
+    first = diagnose(plain, [fit], [unseen]).findings[0]
+    assert {"force_offset", "gas_spring"} <= {first.phenomenon, *first.tied_with}
+
+
+@pytest.mark.parametrize("newtons", [150.0, -150.0])
+def test_a_mean_with_the_spring_of_a_short_gas_column_is_the_gas(newtons, plain, base):
+    fit, unseen = halves(changed(base, charge(newtons, 0.12)))
+    found = diagnose(plain, [fit], [unseen])
+    assert found.findings[0].phenomenon == "gas_spring"
+    assert "force_offset" not in {name for one in found.findings for name in (one.phenomenon, *one.tied_with)}
+    assert found.findings[0].rmse_after_n < 0.5 * found.findings[0].rmse_before_n
+
+
+def test_lost_gas_is_found_in_a_model_that_has_gas(user_model, base):
+    fit, unseen = halves(changed(base, charge(-150.0, 0.12)))
+    found = diagnose(user_model, [fit], [unseen])
+    assert found.findings[0].phenomenon == "gas_spring"
