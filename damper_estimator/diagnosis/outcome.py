@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from damper_estimator.diagnosis.accepted import regions_of, together
+from damper_estimator.diagnosis.accepted import Accepted, regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
@@ -35,6 +35,7 @@ from damper_estimator.diagnosis.search import Search, as_if_by, evaluated_only, 
 from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import verdict_on
+from damper_estimator.model import DamperModel
 
 Progress = Callable[[str, float], None]
 
@@ -109,6 +110,17 @@ def _searched(
     return Outcome(found, again, verdict, picture, tuple(steps))
 
 
+def _is_measured(one: Accepted, model: DamperModel, data: DiagnosisData) -> bool:
+    """Whether a finding beyond the known error is no mean, or one that lowers the error as measured: a mean that the
+    known error had on another motion may be missing here, without a zero that changed.
+    """
+    rows = data.with_zero.unseen
+    without, with_it = (
+        np.sum((force_rows(model, rows) - targets(rows)) ** 2) for model in (model, one.hypothesis.fitted_into(model))
+    )
+    return not one.is_mean or with_it < without
+
+
 def share_of_force(state: ModelState, data: DiagnosisData) -> float:
     """The error with the gauge's zero, as a share of the force of its own part: the larger of both parts."""
     return max(state.rmse_fit_n / dynamic_force(data.fit), state.rmse_unseen_n / dynamic_force(data.unseen))
@@ -157,6 +169,7 @@ def first_search(
             lambda text, share: progress(text, 0.5 * share),
             trusted=True,
         )
+        found = replace(found, accepted=tuple(one for one in found.accepted if _is_measured(one, state.model, data)))
         # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
         if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
             return found, beyond_known

@@ -17,7 +17,7 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
 
     Args:
         names_changes: whether they name how parameters changed, with the errors of the evaluation: then all are steps
-            that lower those.
+            that lower those, but corrections of the measurement chain, which deliver what they explain or nothing.
     """
     steps: list[Step] = []
     current = state
@@ -31,7 +31,7 @@ def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_c
         if after.delivers(promised, before):
             steps += _with_errors(before, taken)
             current = after
-        elif names_changes and promised > 0.0:
+        elif names_changes and promised > 0.0 and any(one.element.effect.correct is None for one in group):
             steps += [(one, at, one.before_n, one.after_n) for one, at in taken]
     return steps
 

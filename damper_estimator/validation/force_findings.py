@@ -22,6 +22,8 @@ _SAME_POSITION = 0.02  # of the stroke
 _CONFIRMED = 0.5  # of a drift must show at rest
 _BLOCKS = 8
 _LEAST_BLOCK = 1.0  # s; shorter ones are not independent
+_STEADY = 0.06  # scatter of the logarithm of a mean square that is the same in all blocks
+_LATEST = 5e-3  # s: no damper's lateness changes by more
 _UNEXPLAINED = 0.95  # rms of the force that does not follow the motion at all, over its rms
 
 
@@ -184,14 +186,12 @@ def _clock(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
         return
     late = -np.bincount(block, explained.residual[0] * slope, _BLOCKS)[enough] / weight[enough]
     middle, weight = 0.5 * (edges[1:] + edges[:-1])[enough], weight[enough] / weight[enough].sum()
-    centred = middle - float(weight @ middle)
-    spread = float(weight @ centred**2)
-    rate = float(weight @ (centred * late)) / spread
-    scatter = late - float(weight @ late) - rate * centred
-    error = float(np.sqrt((weight @ scatter**2) / (late.size - 2) / spread))
     span = float(time[-1] - time[0])
-    if abs(rate) * span <= LEAST_CLOCK or abs(rate) <= 1.2 * _CERTAIN * error:
-        return
+    rate, _ = _slope(middle, late, weight)
+    for beside in (None, *(_motions(explained, block, slope, enough) if abs(rate) * span < _LATEST else ())):
+        again, error = _slope(middle, late, weight, beside)
+        if abs(again) * span <= LEAST_CLOCK or abs(again) <= 1.2 * _CERTAIN * error:
+            return
     yield DataFinding(
         "clock_drift",
         f"the force's clock runs {abs(1e6 * rate):.2g} ppm {'slow' if rate > 0.0 else 'fast'} against the "
@@ -200,6 +200,27 @@ def _clock(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
         m.recording,
         1.0,
     )
+
+
+def _motions(explained: Surrogate, block: np.ndarray, slope: np.ndarray, enough: np.ndarray) -> Iterator[np.ndarray]:
+    """What a valve, or something in series, may be late by: logarithms of the force's size and of its frequency in
+    blocks (k,), where they change.
+    """
+    count = np.bincount(block, minlength=_BLOCKS)[enough]
+    size, fast = (np.bincount(block, one**2, _BLOCKS)[enough] for one in (explained.motion[0], slope))
+    yield from (one for one in (np.log(size / count), np.log(fast / size)) if np.std(one) > _STEADY)
+
+
+def _slope(
+    at: np.ndarray, values: np.ndarray, weight: np.ndarray, beside: np.ndarray | None = None
+) -> tuple[float, float]:
+    """The slope of values (k,) over ``at`` with its standard error; with ``beside``, of what that does not explain."""
+    columns = np.stack([np.ones_like(at), at, *([] if beside is None else [beside])], axis=1)
+    squares = np.linalg.pinv(columns.T @ (weight[:, None] * columns))
+    found = squares @ (columns.T @ (weight * values))
+    scatter = values - columns @ found
+    variance = float(weight @ scatter**2) / (at.size - columns.shape[1])
+    return float(found[1]), float(np.sqrt(variance * squares[1, 1]))
 
 
 def _spring(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
