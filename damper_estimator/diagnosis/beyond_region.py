@@ -4,8 +4,8 @@ A gas spring that was identified over 19 mm may be anything at 50 mm. What a mod
 a missing effect, however well one would explain it.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from damper_estimator.identification.fit_record import in_region, recorded_regio
 from damper_estimator.signals import Measurement
 
 _MARGIN = 0.1  # of the region's width on either side: nobody drives twice to the same millimetre
+_LEAST_INSIDE = 0.2  # of the time must be inside, to look for effects there
 _LARGER = 2.0  # times: the rms error outside over that inside
 _UNITS = {  # in which values are shown: factor from SI
     "displacement": ("mm", 1e3), "velocity": ("m/s", 1.0), "command": ("A", 1.0), "temperature": ("deg C", 1.0),
@@ -37,6 +38,12 @@ class Beyond:
     share_of_time: float
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The region with a margin on either side."""
+        margin = _MARGIN * (self.high - self.low)
+        return self.low - margin, self.high + margin
+
+    @property
     def is_extrapolation(self) -> bool:
         """Whether most of the error is outside, and is clearly larger there than inside."""
         outside = self.share_of_error * (1.0 - self.share_of_time)
@@ -56,8 +63,31 @@ class Beyond:
 
 def beyond_sentence(state: ModelState) -> str:
     """That the error is one of extrapolation, where it is; "" elsewhere."""
+    most = _most(state)
+    return most.sentence if most is not None else ""
+
+
+def inside_region(state: ModelState) -> ModelState | None:
+    """The recordings judged only where the model was identified, if most of the error is one of extrapolation."""
+    most = _most(state)
+    if most is None or 1.0 - most.share_of_time < _LEAST_INSIDE:
+        return None
+    low, high = most.low, most.high
+
+    def judged_inside(group: Sequence[Measurement]) -> tuple[Measurement, ...]:
+        inside = (in_region(m.kinematics.block, most.channel, low, high) for m in group)
+        return tuple(replace(m, judged=m.judged & within) for m, within in zip(group, inside, strict=True))
+
+    groups = {name: judged_inside(getattr(state, name)) for name in ("fit", "unseen", "fit_part", "unseen_part")}
+    if not all(m.judged.any() for group in groups.values() for m in group):
+        return None
+    return replace(state, **groups).with_model(state.model)
+
+
+def _most(state: ModelState) -> Beyond | None:
+    """The channel beyond whose region most of the error lies, if it is one of extrapolation."""
     most = max(_each(state), key=lambda one: one.share_of_error, default=None)
-    return most.sentence if most is not None and most.is_extrapolation else ""
+    return most if most is not None and most.is_extrapolation else None
 
 
 def _each(state: ModelState) -> Iterator[Beyond]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted, regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.beyond_region import inside_region
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
@@ -84,7 +85,7 @@ def outcome_of(
 def _searched(
     state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
 ) -> Outcome:
-    found, data = first_search(state, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
+    found, data = _inside_first(state, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
     if found.is_evaluated_only:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
@@ -108,6 +109,20 @@ def _searched(
     if verdict == "unexplained" and not here and is_old:
         verdict, picture, found = "nothing_missing", None, replace(found, is_evaluated_only=True)
     return Outcome(found, again, verdict, picture, tuple(steps))
+
+
+def _inside_first(
+    state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Progress
+) -> tuple[Search, DiagnosisData]:
+    """As ``first_search``. Where most of the error is one of extrapolation, effects are looked for inside the region of
+    the identification first: outside, a wrong curve hides what is missing everywhere.
+    """
+    inside = inside_region(state) if mode != "refit" and not state.is_identified_here else None
+    if inside is not None:
+        found = first_search(inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share))
+        if found[0].accepted and not found[0].is_evaluated_only:
+            return found
+    return first_search(state, mode, skip, workers, progress)
 
 
 def _is_measured(one: Accepted, model: DamperModel, data: DiagnosisData) -> bool:

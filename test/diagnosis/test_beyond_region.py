@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from damper_estimator.diagnosis import diagnose
 from damper_estimator.diagnosis.apply_finding import state_of
-from damper_estimator.diagnosis.beyond_region import beyond_sentence
+from damper_estimator.diagnosis.beyond_region import beyond_sentence, inside_region
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import V, X
@@ -52,3 +53,44 @@ def test_an_error_that_is_everywhere_is_none_of_extrapolation(user_model, base):
 def test_a_record_that_was_edited_by_hand_is_no_error(user_model, wrong_at_the_ends, region):
     model = replace(user_model, fit={**user_model.fit, "region": region})
     assert beyond_sentence(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends])) == ""
+
+
+@pytest.fixture
+def slow_model(user_model, base):
+    """The model as if it had been identified at the slower half of the speeds."""
+    ends = np.quantile(base.kinematics.block[V], [0.2, 0.8]).tolist()
+    return identified(user_model, displacement=[-9.0, 9.0], velocity=ends), ends
+
+
+def yielding(base, ends, force):
+    """The recording with a force that yields where the model was never identified."""
+    v = base.kinematics.block[V]
+    beyond = np.maximum(v - ends[1], 0.0) + np.minimum(v - ends[0], 0.0)
+    return replace(base, force=force - 1500.0 * beyond)
+
+
+def test_what_is_missing_everywhere_is_found_under_an_error_of_extrapolation(slow_model, base):
+    model, ends = slow_model
+    x = base.kinematics.block[X]
+    both = yielding(base, ends, base.force + 9000.0 * (x - np.median(x)))
+    found = diagnose(model, [both], [both])
+    assert "outside the velocity" in found.sentence
+    assert found.findings[0].phenomenon == "spring_rate_error"
+    assert found.findings[0].rmse_before_n == pytest.approx(found.rmse_n), "errors are those of the whole recording"
+
+
+def test_what_only_extrapolation_shows_is_named_with_the_warning(slow_model, base):
+    model, ends = slow_model
+    found = diagnose(model, [yielding(base, ends, base.force)], [yielding(base, ends, base.force)])
+    assert "outside the velocity" in found.sentence and found.findings[0].phenomenon == "blow_off"
+
+
+def test_inside_is_what_the_model_was_identified_at(slow_model, base):
+    model, ends = slow_model
+    outside = yielding(base, ends, base.force)
+    state = state_of(model, [outside], [outside])
+    inside = inside_region(state)
+    v = base.kinematics.block[V]
+    assert np.array_equal(inside.fit[0].judged, base.judged & (v >= ends[0]) & (v <= ends[1]))
+    assert inside.rmse_unseen_n < 0.5 * state.rmse_unseen_n
+    assert inside_region(state_of(model, [base], [base])) is None

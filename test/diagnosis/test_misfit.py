@@ -153,7 +153,7 @@ def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_
             return found
         first = found.rounds[0]
         one = first.hypotheses[0]
-        first = replace(first, hidden=(one,))
+        first = replace(first, hidden=(one,), constants=frozenset({one.name}))
         return replace(found, rounds=(first,), accepted=(accepted_in(first, one),))
 
     monkeypatch.setattr(module, "search", only_a_zero)
