@@ -10,6 +10,7 @@ from faults import changed, halves
 from damper_estimator.diagnosis import apply_finding, diagnose, with_misfit
 from damper_estimator.diagnosis.accepted import accepted_in
 from damper_estimator.diagnosis.apply_finding import state_of
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.misfit import (
     KEY,
     has_grown,
@@ -152,8 +153,10 @@ def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_
         if not trusted:
             return found
         first = found.rounds[0]
-        one = first.hypotheses[0]
-        first = replace(first, hidden=(one,), constants=frozenset({one.name}))
+        zero, data = first.hidden[0], first.baseline.data.with_zero
+        error = float(np.mean(targets(data.unseen) - force_rows(first.baseline.model, data.unseen)))
+        one = replace(zero, fit=replace(zero.fit, values={"offset": error}), evaluation=first.hypotheses[0].evaluation)
+        first = replace(first, constants=frozenset({zero.name}))
         return replace(found, rounds=(first,), accepted=(accepted_in(first, one),))
 
     monkeypatch.setattr(module, "search", only_a_zero)
