@@ -57,6 +57,7 @@ EXAMPLES: dict[str, dict[str, object]] = {
         "knee_velocity_rebound": 0.15, "knee_force_rebound": 225.0, "slope_rebound": 500.0,
         "knee_velocity_compression": -0.15, "knee_force_compression": -225.0, "slope_compression": 500.0,
     },
+    "lost_gas": {"lost_force": 300.0, "volume": 6e-5},
     "maxwell_slip": {"travel": (2e-3, 5e-3), "force": (40.0, 60.0)},
     "motion_bracket": {"displacement": 0.01},
     "position_surface": {
