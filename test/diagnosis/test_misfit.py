@@ -142,31 +142,55 @@ def test_a_model_without_a_finite_force_has_an_infinite_error(rough, monkeypatch
     assert min((worse, state), key=lambda one: one.rmse_unseen_n) is state
 
 
-@pytest.mark.parametrize("is_here", [True, False])
-def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_fit(rough, monkeypatch, is_here):
-    """Beneath the old error only a zero is found: new elsewhere, but not where the model was identified."""
+@pytest.fixture
+def finding_a_zero(monkeypatch):
+    """Makes the search beneath the old error find a zero only: so many times the mean of the measured error."""
     module = import_module("damper_estimator.diagnosis.outcome")
     original = module.search
 
-    def only_a_zero(*arguments, trusted=False, **keywords):
-        found = original(*arguments, trusted=trusted, **keywords)
-        if not trusted:
-            return found
-        first = found.rounds[0]
-        zero, data = first.hidden[0], first.baseline.data.with_zero
-        error = float(np.mean(targets(data.unseen) - force_rows(first.baseline.model, data.unseen)))
-        one = replace(zero, fit=replace(zero.fit, values={"offset": error}), evaluation=first.hypotheses[0].evaluation)
-        first = replace(first, constants=frozenset({zero.name}))
-        return replace(found, rounds=(first,), accepted=(accepted_in(first, one),))
+    def make(size):
+        def only_a_zero(*arguments, trusted=False, **keywords):
+            found = original(*arguments, trusted=trusted, **keywords)
+            if not trusted:
+                return found
+            first = found.rounds[0]
+            zero, data = first.hidden[0], first.baseline.data.with_zero
+            error = size * float(np.mean(targets(data.unseen) - force_rows(first.baseline.model, data.unseen)))
+            fit = replace(zero.fit, values={"offset": error})
+            one = replace(zero, fit=fit, evaluation=first.hypotheses[0].evaluation)
+            first = replace(first, constants=frozenset({zero.name}))
+            return replace(found, rounds=(first,), accepted=(accepted_in(first, one),))
 
-    monkeypatch.setattr(module, "search", only_a_zero)
+        monkeypatch.setattr(module, "search", only_a_zero)
+        return module.first_search
+
+    return make
+
+
+def elsewhere(state):
+    """The state, with a model that was identified on another recording."""
+    return replace(state, model=replace(state.model, fit={**state.model.fit, "bags": ["elsewhere.mcap"]}))
+
+
+@pytest.mark.parametrize("is_here", [True, False])
+def test_a_zero_alone_does_not_hide_what_a_model_lacks_on_the_recordings_of_its_fit(rough, finding_a_zero, is_here):
+    """Beneath the old error only a zero is found: new elsewhere, but not where the model was identified."""
     model, first, other = rough
     state = state_of(model, [first], [changed(other, lambda kinematics: 900.0 * kinematics.velocity)])
     if not is_here:
-        state = replace(state, model=replace(model, fit={**model.fit, "bags": ["elsewhere.mcap"]}))
+        state = elsewhere(state)
     assert state.is_identified_here == is_here
-    found, _ = module.first_search(state, "both")
+    found, _ = finding_a_zero(1.0)(state, "both")
     assert found.mode == ("refit" if is_here else "both")
+
+
+@pytest.mark.parametrize(("size", "is_new"), [(1.0, True), (-1.0, False)])
+def test_a_mean_of_the_old_error_that_is_missing_here_is_no_new_zero(rough, finding_a_zero, size, is_new):
+    """It would raise the error as measured."""
+    model, first, other = rough
+    state = elsewhere(state_of(model, [first], [changed(other, lambda kinematics: 900.0 * kinematics.velocity)]))
+    found, _ = finding_a_zero(size)(state, "both")
+    assert ([one.element.effect.name for one in found.accepted] == ["force_offset"]) == is_new
 
 
 def test_a_prediction_is_the_same_where_the_recording_is_thinned():
