@@ -38,12 +38,6 @@ class Beyond:
     share_of_time: float
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """The region with a margin on either side."""
-        margin = _MARGIN * (self.high - self.low)
-        return self.low - margin, self.high + margin
-
-    @property
     def is_extrapolation(self) -> bool:
         """Whether most of the error is outside, and is clearly larger there than inside."""
         outside = self.share_of_error * (1.0 - self.share_of_time)
@@ -72,10 +66,9 @@ def inside_region(state: ModelState) -> ModelState | None:
     most = _most(state)
     if most is None or 1.0 - most.share_of_time < _LEAST_INSIDE:
         return None
-    low, high = most.low, most.high
 
     def judged_inside(group: Sequence[Measurement]) -> tuple[Measurement, ...]:
-        inside = (in_region(m.kinematics.block, most.channel, low, high) for m in group)
+        inside = (in_region(m.kinematics.block, most.channel, most.low, most.high) for m in group)
         return tuple(replace(m, judged=m.judged & within) for m, within in zip(group, inside, strict=True))
 
     groups = {name: judged_inside(getattr(state, name)) for name in ("fit", "unseen", "fit_part", "unseen_part")}

@@ -12,7 +12,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified, identified_first
 from damper_estimator.diagnosis.diagnose import begun, diagnose
-from damper_estimator.diagnosis.hypotheses import settled
+from damper_estimator.diagnosis.hypotheses import settled, without_last
 from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.misfit import with_misfit
 from damper_estimator.diagnosis.other_form import in_another_form
@@ -20,7 +20,6 @@ from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.model import DamperModel
-from damper_estimator.model.element import labels
 from damper_estimator.signals import Measurement
 
 _ROUNDS = 4
@@ -171,9 +170,8 @@ def _prune(improving: _Improving, report: Progress) -> None:
     for name in list(improving.current.added)[:-1]:
         report(f"is {name} still needed", 0.95)
         current = improving.current
-        present = [label for label, element in labels(current.model.effects) if element.effect.name == name]
         less = replace(current, added={other: at for other, at in current.added.items() if other != name})
-        without = less.with_model(identified(less, current.model.without(present[-1]), improving.mode == "kept"))
+        without = less.with_model(identified(less, without_last(current.model, name)[0], improving.mode == "kept"))
         if without.rmse_unseen_n < (1.0 + limits().needless) * current.rmse_unseen_n:
             improving.keep("prune", without, None, None, f"{name} is needless since a later effect was added")
             improving.steps[-1] = replace(improving.steps[-1], effect=name)

@@ -17,13 +17,12 @@ from damper_estimator.diagnosis.baseline import Baseline, baseline_of
 from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, force_at_rest
 from damper_estimator.diagnosis.evaluation import Errors, rmse
 from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for, settled, without_last
-from damper_estimator.diagnosis.parallel_fits import all_fitted
+from damper_estimator.diagnosis.parallel_fits import WORTH, all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import trial_fit
 from damper_estimator.model import DamperModel
 
-_WORTH = 0.03  # of the squared error: what explains less gets no derivatives
 _MOST_OF_IT = 0.5  # of the mean
 
 
@@ -54,7 +53,7 @@ def found_in_means(
             continue
         known = {*skip, zero.name} | settled(names)
         others = [one for one in hypotheses_for(model, data.ranges)[0] if one.name not in known]
-        fitted = [zero, *all_fitted(baseline, others, _WORTH, workers, lambda count: None)]
+        fitted = [zero, *all_fitted(baseline, others, WORTH, workers, lambda count: None)]
         among = _round(baseline, fitted, zero)
         best = _owner(among, among.hypothesis(zero.name))
         left = among.left(best)
@@ -83,12 +82,14 @@ def _with_their_means(
 ) -> Iterator[tuple[Round, Hypothesis]]:
     """Effects of the model that can make a mean, each fitted again with it in place of the entry without."""
     names = set(regions_of(added))
+    known = {one.name: one for one in hypotheses_for(model, data.ranges)[0] if one.name in names}
     for one in added:
-        again = {h.name: h for h in hypotheses_for(model, data.ranges)[0]}.get(one.hypothesis.name)
+        name = one.hypothesis.name
+        again = known.get(name)
         if again is None or one.partner or again.element.settings == one.element.settings:
             continue
-        less = without_last(model, one.hypothesis.name)[0]
-        baseline = baseline_of(less, data, positions(less, names - {one.hypothesis.name}), base=())
+        less = without_last(model, name)[0]
+        baseline = baseline_of(less, data, positions(less, names - {name}), base=())
         current = _round(baseline, [replace(again, fit=trial_fit(baseline, again))], zero)
         yield current, current.hypotheses[0]
 

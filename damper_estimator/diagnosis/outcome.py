@@ -129,11 +129,13 @@ def _is_measured(one: Accepted, model: DamperModel, data: DiagnosisData) -> bool
     """Whether a finding beyond the known error is no mean, or one that lowers the error as measured: a mean that the
     known error had on another motion may be missing here, without a zero that changed.
     """
+    if not one.is_mean:
+        return True
     rows = data.with_zero.unseen
     without, with_it = (
-        np.sum((force_rows(model, rows) - targets(rows)) ** 2) for model in (model, one.hypothesis.fitted_into(model))
+        np.sum((force_rows(each, rows) - targets(rows)) ** 2) for each in (model, one.hypothesis.fitted_into(model))
     )
-    return not one.is_mean or with_it < without
+    return bool(with_it < without)
 
 
 def share_of_force(state: ModelState, data: DiagnosisData) -> float:

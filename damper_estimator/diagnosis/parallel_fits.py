@@ -10,6 +10,8 @@ from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.trial_fit import TrialFit, trial_fit
 from damper_estimator.model import wait_for_loops
 
+WORTH = 0.03  # of the squared error: what explains less by itself gets no derivatives
+
 _work: tuple[Baseline, Sequence[Hypothesis], float] | None = None  # what forked workers see without its being sent
 
 

@@ -18,13 +18,12 @@ from damper_estimator.diagnosis.evaluation import rmse, without_effects
 from damper_estimator.diagnosis.hypotheses import Hypothesis, entry_of, hypotheses_for, settled
 from damper_estimator.diagnosis.means import found_in_means
 from damper_estimator.diagnosis.pairs import paired
-from damper_estimator.diagnosis.parallel_fits import all_fitted
+from damper_estimator.diagnosis.parallel_fits import WORTH, all_fitted
 from damper_estimator.diagnosis.ranking import Round, round_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.model import DamperModel
 
 MOST = 4  # findings
-_WORTH = 0.03  # of the squared error: what explains less by itself gets no derivatives
 _MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
 
 Progress = Callable[[str, float], None]
@@ -126,7 +125,7 @@ def evaluated_only(
     """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
-    first = round_of(baseline, all_fitted(baseline, tried, _WORTH, workers, _report(progress, 0, len(tried))), "both")
+    first = round_of(baseline, all_fitted(baseline, tried, WORTH, workers, _report(progress, 0, len(tried))), "both")
     zeros = tuple(found_in_means(first.hidden, beyond_known, model, (), skip, workers))
     zeros = tuple(one for one in zeros if one.gain[0] >= _MOST_OF_IT)
     return Search((first,), zeros, model, rmse(baseline, first.without), untestable, "both", not zeros)
@@ -151,7 +150,7 @@ def _rounds(
     accepted: list[Accepted] = []
     while len(accepted) < MOST:
         # Next to effects that were found, one that explains nothing while they stay as they are may matter.
-        worth = 0.0 if mode == "refit" or accepted else _WORTH
+        worth = 0.0 if mode == "refit" or accepted else WORTH
         fitted = all_fitted(current, tried, worth, workers, _report(progress, len(accepted), len(tried)))
         found = round_of(current, fitted, mode, jointly)
         rounds.append(found)

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from damper_estimator.diagnosis.accepted import Accepted, together
 from damper_estimator.diagnosis.apply_finding import ModelState, applied
+from damper_estimator.diagnosis.hypotheses import without_last
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.model.element import labels
 
 Step = tuple[Accepted, ModelState, float, float]
 """A finding, the model after it, and the unseen error without and with it, N."""
@@ -95,8 +95,7 @@ def _is_idle(one: Accepted, before: ModelState, after: ModelState) -> bool:
     """
     if one.element.effect.correct is not None:
         return False
-    present = [label for label, entry in labels(after.model.effects) if entry.effect.name == one.element.effect.name]
-    without = after.with_model(after.model.without(present[-1]))
+    without = after.with_model(without_last(after.model, one.element.effect.name)[0])
     return after.fall_from(without) < limits().second * after.fall_from(before)
 
 

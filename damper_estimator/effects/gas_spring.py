@@ -13,14 +13,28 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import X
 
+VOLUME = Parameter("volume", "m^3", 1.5e-4, 1e-6, 5e-3, "gas volume at displacement 0")
+SETTINGS = (
+    Setting("rod_area", "m^2", 1.5e-4, "cross-section of the rod", lower=1e-6),
+    Setting("exponent", "1", 1.4, "1.0 isothermal (slow) to 1.4 isentropic", lower=1.0, upper=1.7),
+    Setting("relative", "1", 0.0, "1: change from displacement 0, 0: with the static force", lower=0.0, upper=1.0),
+)
+TESTS = ("travel", "spring")
+
+
+@compiled
+def gas_force(parameters, settings, x):
+    """F_static [(V / (V + A x))^n - r], N."""
+    # At least a twentieth of the volume: an extreme displacement must not make the force infinite.
+    expansion = max(1.0 + settings[0] * x / parameters[1], 0.05)
+    return parameters[0] * (expansion ** -settings[1] - settings[2])
+
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F -= F_static [(V / (V + A x))^n - r]."""
     for i in range(force.size):
-        # At least a twentieth of the volume: an extreme displacement must not make the force infinite.
-        expansion = max(1.0 + settings[0] * kinematics[X, i] / parameters[1], 0.05)
-        force[i] -= parameters[0] * (expansion ** -settings[1] - settings[2])
+        force[i] -= gas_force(parameters, settings, kinematics[X, i])
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -36,19 +50,12 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="gas_spring",
-    tests=(
-        "travel",
-        "spring",
-    ),
+    tests=TESTS,
     parameters=(
         Parameter("static_force", "N", 200.0, 0.0, 5000.0, "gas force at displacement 0", linear=True),
-        Parameter("volume", "m^3", 1.5e-4, 1e-6, 5e-3, "gas volume at displacement 0"),
+        VOLUME,
     ),
-    settings=(
-        Setting("rod_area", "m^2", 1.5e-4, "cross-section of the rod", lower=1e-6),
-        Setting("exponent", "1", 1.4, "1.0 isothermal (slow) to 1.4 isentropic", lower=1.0, upper=1.7),
-        Setting("relative", "1", 0.0, "1: change from displacement 0, 0: with the static force", lower=0.0, upper=1.0),
-    ),
+    settings=SETTINGS,
     beside_oil=True,
     shows="the force falls as the damper extends, at any velocity, and more steeply in compression",
     separate="a slow stroke over the whole travel: gas is curved over displacement, a spring is straight",

@@ -7,9 +7,13 @@ for a model that was identified before gas escaped. r is 0; r = 1 leaves only th
 mean is not compared. No state. Source: Carrera Akutain et al., eqs. (6) to (10), as a difference of two charges.
 """
 
+from dataclasses import replace
+
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.effects.contract import Effect, Parameter, number
+from damper_estimator.effects.gas_spring import SETTINGS, TESTS, VOLUME, gas_force
+from damper_estimator.effects.gas_spring import trial as gas_trial
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
 
@@ -17,37 +21,27 @@ from damper_estimator.signals.layout import X
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_lost [(V / (V + A x))^n - r]."""
     for i in range(force.size):
-        # At least a twentieth of the volume, as in ``gas_spring``.
-        expansion = max(1.0 + settings[0] * kinematics[X, i] / parameters[1], 0.05)
-        force[i] += parameters[0] * (expansion ** -settings[1] - settings[2])
+        force[i] += gas_force(parameters, settings, kinematics[X, i])
 
 
 def trial(ranges: Ranges) -> Trial:
-    """As ``gas_spring``; also for a model without gas, which has left its force out or to the gauge's zero."""
-    area = 1.5e-4
-    reach = max(-ranges.compression, 0.5 * ranges.stroke, 1e-3)
-    limits = {"volume": (1.3 * area * reach, 60.0 * area * reach)}
-    values = {"rod_area": area, "volume": 5.0 * area * reach, "relative": float(not ranges.with_mean)}
-    return Trial(values, limits, spread(volume=(2.0 * area * reach, 50.0 * area * reach)))
+    """As ``gas_spring``, and from a long column; also for a model without gas, which has left its force out or to the
+    gauge's zero.
+    """
+    tried = gas_trial(ranges)
+    return replace(tried, starts=(*tried.starts, {"volume": 10.0 * number(tried.values, "volume")}))
 
 
 EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="gas_spring",
-    tests=(
-        "travel",
-        "spring",
-    ),
+    tests=TESTS,
     parameters=(
         Parameter("lost_force", "N", 50.0, 0.0, 5000.0, "lost gas force at displacement 0", linear=True),
-        Parameter("volume", "m^3", 1.5e-4, 1e-6, 5e-3, "gas volume at displacement 0"),
+        VOLUME,
     ),
-    settings=(
-        Setting("rod_area", "m^2", 1.5e-4, "cross-section of the rod", lower=1e-6),
-        Setting("exponent", "1", 1.4, "1.0 isothermal (slow) to 1.4 isentropic", lower=1.0, upper=1.7),
-        Setting("relative", "1", 0.0, "1: change from displacement 0, 0: with the static force", lower=0.0, upper=1.0),
-    ),
+    settings=SETTINGS,
     beside_oil=True,
     shows="less force pushes the rod out, above all in compression, at any velocity",
     separate="a slow stroke over the whole travel, and the gauge's reading with the damper unhooked",

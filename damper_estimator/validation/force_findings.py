@@ -187,11 +187,12 @@ def _clock(m: Measurement, explained: Surrogate) -> Iterator[DataFinding]:
     late = -np.bincount(block, explained.residual[0] * slope, _BLOCKS)[enough] / weight[enough]
     middle, weight = 0.5 * (edges[1:] + edges[:-1])[enough], weight[enough] / weight[enough].sum()
     span = float(time[-1] - time[0])
-    rate, _ = _slope(middle, late, weight)
-    for beside in (None, *(_motions(explained, block, slope, enough) if abs(rate) * span < _LATEST else ())):
-        again, error = _slope(middle, late, weight, beside)
-        if abs(again) * span <= LEAST_CLOCK or abs(again) <= 1.2 * _CERTAIN * error:
-            return
+    slopes = [_slope(middle, late, weight)]
+    rate = slopes[0][0]
+    if abs(rate) * span < _LATEST:
+        slopes += [_slope(middle, late, weight, one) for one in _motions(explained, block, slope, enough)]
+    if any(abs(each) * span <= LEAST_CLOCK or abs(each) <= 1.2 * _CERTAIN * error for each, error in slopes):
+        return
     yield DataFinding(
         "clock_drift",
         f"the force's clock runs {abs(1e6 * rate):.2g} ppm {'slow' if rate > 0.0 else 'fast'} against the "

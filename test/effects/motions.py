@@ -9,7 +9,7 @@ from damper_estimator.signals.layout import COMMAND, DT, ROWS, TEMPERATURE, A, T
 
 
 def sweep(amplitude=0.03, frequency=2.0, seconds=1.0, rate=1000, command=np.nan, temperature=np.nan):
-    """Of a sine."""
+    """Exact kinematics of a sine."""
     time = np.arange(round(seconds * rate) + 1) / rate
     omega = 2 * np.pi * frequency
     block = np.full((ROWS, time.size), np.nan)

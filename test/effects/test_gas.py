@@ -15,9 +15,7 @@ from damper_estimator.effects.trial import Ranges
 def test_a_gas_is_tried_with_its_static_force_where_the_mean_is_to_be_explained(with_mean, name, charge):
     ranges = Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0, with_mean=with_mean)
     tried = find_effect(name).trial(ranges)
-    at_middle = force(
-        sweep(), entry(name, **{**tried.values, "static_force" if name == "gas_spring" else "lost_force": 200.0})
-    )[0]
+    at_middle = force(sweep(), entry(name, **{**tried.values, charge: 200.0}))[0]
     assert abs(at_middle) == pytest.approx(200.0 * with_mean)
 
 
