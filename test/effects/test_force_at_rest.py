@@ -25,6 +25,7 @@ SIZES = {
     "position_gain": {"gain": 0.6, "scale": 0.02},
     "temperature_gain": {"fade": 0.01, "gas": 2.0},
     "viscosity_gain": {"rate": 0.02},
+    "thixotropy": {"strength": 0.8, "travel": 0.05},
     "dissipation_fade": {"fade": 0.02, "capacity": 10.0},
     "pressure_relief": {"opening_rebound": 200.0, "opening_compression": 150.0},
 }
