@@ -15,6 +15,7 @@ from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, force_rows,
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.recorded_force import recorded_force_model, rows_with_force
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.effects.contract import Effect
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import Element, labels, walk
@@ -51,6 +52,14 @@ class Baseline:
     def recorded_inside(self) -> tuple[DamperModel, DiagnosisData]:
         """The same with the motion behind the series springs, where sources act; as ``recorded`` without any."""
         return self._recorded(self.model.springs) if self.model.springs else self.recorded
+
+    @cached_property
+    def recorded_beside_oil(self) -> tuple[DamperModel, DiagnosisData]:
+        """The same where forces act that are no pressure differences: the oil's deflection does not move them."""
+        carrying = tuple(spring for spring in self.model.springs if not spring.effect.of_oil)
+        if len(carrying) == len(self.model.springs):
+            return self.recorded_inside
+        return self._recorded(carrying) if carrying else self.recorded
 
     def _recorded(self, inside: Sequence[Element]) -> tuple[DamperModel, DiagnosisData]:
         rows = {name: rows_with_force(self.model, getattr(self.data, name), inside) for name in ("fit", "unseen")}
@@ -101,13 +110,13 @@ class Baseline:
         is_small = error <= limits().usual * self.data.force_rms
         return is_small or max(self.hints.values(), default=0.0) >= limits().silent_tests
 
-    def for_kind(self, kind: str) -> tuple[DamperModel, DiagnosisData]:
-        """The model and data on which an effect of a kind is tried: what acts behind the model need not run it."""
+    def for_effect(self, effect: Effect) -> tuple[DamperModel, DiagnosisData]:
+        """The model and data on which an effect is tried: what acts behind the model need not run it."""
         # Input and channel effects rewrite the motion or the force of all sources, the new one included.
         untouched = self.has_compliance or all(e.effect.kind not in ("input", "channel") for e in self.model.effects)
-        if kind == "source" and untouched:
-            return self.recorded_inside
-        return self.recorded if kind in ("modifier", "channel") else (self.model, self.data)
+        if effect.kind == "source" and untouched:
+            return self.recorded_beside_oil if effect.beside_oil else self.recorded_inside
+        return self.recorded if effect.kind in ("modifier", "channel") else (self.model, self.data)
 
 
 def baseline_of(

@@ -29,7 +29,7 @@ def all_fitted(
     """
     global _work
     wait_for_loops(True)
-    _ = baseline.recorded, baseline.recorded_inside  # once, before the workers part
+    _ = baseline.recorded, baseline.recorded_inside, baseline.recorded_beside_oil  # once, before the workers part
     # Compliances take longest, so they begin.
     order = sorted(range(len(hypotheses)), key=lambda i: hypotheses[i].effect.kind != "series")
     done: dict[int, TrialFit] = {}

@@ -64,7 +64,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in
         each = [hypothesis.under({}), *(hypothesis.under(settings) for settings in hypothesis.conditions)]
         fits = [trial_fit(baseline, one, worth, in_any_case) for one in each]
         return min(fits, key=lambda fit: float(np.sum((baseline.residual_fit + fit.change_fit) ** 2)))
-    given, data = baseline.for_kind(hypothesis.effect.kind)
+    given, data = baseline.for_effect(hypothesis.effect)
     problem = hypothesis.problem(given, data.fit)
     vector = _fitted(problem, hypothesis, data)
     model = problem.model_at(vector)
@@ -98,7 +98,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in
 
 def linearised(baseline: Baseline, hypothesis: Hypothesis) -> TrialFit:
     """The hypothesis at its start values: what it changes, and its derivatives there, each as large as the residual."""
-    given, data = baseline.for_kind(hypothesis.effect.kind)
+    given, data = baseline.for_effect(hypothesis.effect)
     problem = hypothesis.problem(given, data.fit)
     model, free = problem.model_at(np.array([slot.value for slot in problem.slots])), list(problem.free)
     force_fit, force_unseen = force_rows(model, data.fit), force_rows(model, data.unseen)

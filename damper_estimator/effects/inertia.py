@@ -28,6 +28,7 @@ EFFECT = Effect(
     kind="source",
     phenomenon="inertia",
     tests=("mass",),
+    beside_oil=True,
     parameters=(Parameter("mass", "kg", 0.5, 0.0, 100.0, "moving mass", linear=True),),
     shows="more force while accelerating; at the reversals, where v = 0, the force follows the acceleration",
     separate="shake the unloaded gauge: only inertia remains",
