@@ -35,7 +35,7 @@ from damper_estimator.diagnosis.result import RankedEffect, Structure
 from damper_estimator.diagnosis.search import Search, as_if_by, evaluated_only, search
 from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.diagnosis.verdict import verdict_on
+from damper_estimator.diagnosis.verdict import taken_over, verdict_on
 from damper_estimator.model import DamperModel
 
 Progress = Callable[[str, float], None]
@@ -97,7 +97,9 @@ def _searched(
     steps, named = [], found.accepted
     if verdict == "missing":
         steps = steps_of(state, found.accepted, mode)
-        if not steps:
+        if again is not None and taken_over(found, [one.hypothesis.name for one, *_ in steps], again):
+            verdict = "parameters_changed"
+        elif not steps:
             named, found = (), replace(found, left_n=found.without_n)
             verdict, picture = judged(replace(found, accepted=named))
     if verdict == "parameters_changed":

@@ -49,6 +49,18 @@ def verdict_on(
     return "nothing_missing", None
 
 
+def taken_over(found: Search, delivered: Sequence[str], again: Reidentified) -> bool:
+    """Whether parameters of the model do what the finding that explains most did while they were kept. Identified with
+    them it is idle, and what else is added seems to explain what they do.
+
+    Args:
+        delivered: names of the effects that lower the error in the model.
+    """
+    first = max(found.accepted, key=lambda one: one.before_n**2 - one.after_n**2)
+    explained = 1.0 - first.after_n**2 / first.before_n**2
+    return first.hypothesis.name not in delivered and again.enough and again.gain >= explained
+
+
 def _enough(found: Search, again: Reidentified, floor: float) -> bool:
     """Whether re-identification takes away most of what there is to explain, or no less than all that was found."""
     first = found.rounds[0]

@@ -12,7 +12,7 @@ from damper_estimator.diagnosis.reidentify import Reidentified
 from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.structure import structure
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.diagnosis.verdict import verdict_on
+from damper_estimator.diagnosis.verdict import taken_over, verdict_on
 from damper_estimator.signals.layout import X
 
 
@@ -49,6 +49,17 @@ def test_a_finding_that_leaves_more_than_moved_parameters_is_not_missing(noisy):
     one = accepted_of(current)
     assert verdict_on(found(current, [one], 75.0), again_with(current, 70.0), FORCE, 5.0)[0] == "parameters_changed"
     assert verdict_on(found(current, [one], 65.0), again_with(current, 70.0), FORCE, 5.0)[0] == "missing"
+
+
+def test_parameters_take_a_finding_over_that_is_idle_beside_them(noisy):
+    current = rounded(noisy, tried(noisy, "coulomb", 0.8))
+    one = accepted_of(current)
+    search = found(current, [one, replace(one, before_n=20.0, after_n=15.0)], 15.0)
+    name = one.hypothesis.name
+    assert taken_over(search, (), again_with(current, 20.0))
+    assert not taken_over(search, (name,), again_with(current, 20.0)), "it lowers the error itself"
+    assert not taken_over(search, (), again_with(current, 25.0)), "they explain less than it does"
+    assert not taken_over(search, (), again_with(current, 20.0, enough=False)), "effects explain much beside them"
 
 
 def test_what_is_left_is_unexplained_only_far_above_the_noise(noisy):
