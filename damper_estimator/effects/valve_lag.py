@@ -2,17 +2,18 @@
 
     F <- F + g (w - y),      tau dy/dt + y = w,      w = sgn(F) (|F| - F_o ln(1 + |F| / F_o))
 
-g without unit, F_o in N, tau in s. Below the opening force F_o only the open passages act, without lag; above it the
-opening follows the pressure with a lag, and the pressure, as the square of flow over opening, is too high by up to
-twice the missing opening: g is 0 to 3. The lag is exact for w linear between samples. States: y and the last w; second
-order in the step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2; the disc that lifts with
-pressure, Lang 1977.
+g without unit, F_o in N, tau in s; tau is c times as long while the valve closes (|w| < |y|). Below the opening force
+F_o only the open passages act, without lag; above it the opening follows the pressure with a lag, and the pressure, as
+the square of flow over opening, is too high by up to twice the missing opening: g is 0 to 3. Setting: side, 1 for a
+valve that carries only rebound, -1 only compression (w = 0 in the other direction), 0 for both alike: piston and foot
+have valves of their own. The lag is exact for w linear between samples. States: y and the last w; second order in the
+step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2; the disc that lifts with pressure, Lang 1977.
 """
 
 from math import exp, log
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT
 
@@ -20,15 +21,19 @@ from damper_estimator.signals.layout import DT
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += g (w - y)."""
-    opening = parameters[1]
+    opening, closing, side = parameters[1], parameters[3], settings[0]
     for i in range(force.size):
         size, dt = abs(force[i]), kinematics[DT, i]
         wanted = size - opening * log(1.0 + size / opening)
         if force[i] < 0.0:
             wanted = -wanted
+        if side * force[i] < 0.0:
+            wanted = 0.0
         follows = wanted
         if dt > 0.0:
             lag = parameters[2] / dt
+            if abs(wanted) < abs(state[0]):
+                lag *= closing
             ramp = (wanted - state[1]) * lag
             follows = wanted - ramp + (state[0] - state[1] + ramp) * exp(-1.0 / lag)
         state[0] = follows
@@ -41,7 +46,8 @@ def trial(ranges: Ranges) -> Trial:
     force = ranges.force
     values = {"overshoot": 1.0, "opening": 0.3 * force, "time_constant": 0.002}
     limits = {"opening": (0.05 * force, 5.0 * force), "time_constant": (3e-4, 0.05)}
-    return Trial(values, limits, spread(opening=(0.3 * force, 1.0 * force), time_constant=(0.001, 0.006)))
+    starts = spread(opening=(0.3 * force, 1.0 * force), time_constant=(0.001, 0.006, 0.02))
+    return Trial(values, limits, starts, conditions=({"side": 1.0}, {"side": -1.0}))
 
 
 EFFECT = Effect(
@@ -53,6 +59,10 @@ EFFECT = Effect(
         Parameter("overshoot", "1", 1.0, 0.0, 3.0, "overshoot g per missing share of the opening"),
         Parameter("opening", "N", 200.0, 1.0, 20000.0, "force at which the valve opens"),
         Parameter("time_constant", "s", 0.002, 1e-5, 0.2, "time constant of the valve's opening"),
+        Parameter("closing", "1", 1.0, 0.02, 5.0, "time constant of its closing over that of its opening"),
+    ),
+    settings=(
+        Setting("side", "1", 0.0, "1: only in rebound, -1: only in compression, 0: both", lower=-1.0, upper=1.0),
     ),
     states=2,
     linear=False,

@@ -1,0 +1,95 @@
+"""Valves that are late, that stick, and that open above their old preload."""
+
+import numpy as np
+import pytest
+from motions import entry, force, sweep
+
+from damper_estimator.signals.layout import T, V, X
+
+PLAIN = entry("linear_viscous", rebound=2000.0, compression=2000.0)
+LATE = {"overshoot": 1.2, "opening": 150.0, "time_constant": 0.004}
+STUCK = {"extra": 0.5, "lifting": 300.0, "time_constant": 0.002}
+RAISED = {
+    "raised_rebound": 300.0, "opening_rebound": 0.15, "raised_compression": 120.0, "opening_compression": 0.25,
+    "width": 0.04,
+}  # fmt: skip
+
+
+def change(name, block, **values):
+    """(n,) N by which an effect changes the force of a plain damper."""
+    return force(block, PLAIN, entry(name, **values)) - force(block, PLAIN)
+
+
+@pytest.mark.parametrize(("name", "values"), [("valve_lag", LATE), ("sticking_valve", STUCK)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_valve_of_one_direction_leaves_the_other_one_alone(name, values, side):
+    block = sweep()
+    found = change(name, block, **values, side=side)
+    there = side * block[V] > 0.0
+    assert np.abs(found[there]).max() > 20.0
+    settled = ~there & (np.abs(block[V]) > 0.1)
+    assert np.abs(found[settled]).max() < 0.05 * np.abs(found[there]).max()
+
+
+@pytest.mark.parametrize(("name", "values"), [("valve_lag", LATE), ("sticking_valve", STUCK)])
+def test_valves_of_both_directions_act_alike(name, values):
+    block, mirrored = sweep(), sweep()
+    mirrored[[X, V]] *= -1.0
+    np.testing.assert_allclose(change(name, mirrored, **values), -change(name, block, **values), atol=1e-9)
+
+
+def test_a_valve_that_closes_at_once_only_has_too_much_force():
+    block = sweep(frequency=4.0, rate=4000)
+    alike, fast = (change("valve_lag", block, **LATE, closing=closing) for closing in (1.0, 0.02))
+    force_without = force(block, PLAIN)
+    rising = force_without * np.gradient(force_without) > 0.0
+    later = block[T] > 0.25
+    missing = {key: -np.minimum(found * np.sign(force_without), 0.0)[later & ~rising] for key, found in
+               (("alike", alike), ("fast", fast))}  # fmt: skip
+    assert missing["fast"].max() < 0.1 * missing["alike"].max()
+    np.testing.assert_allclose(fast[later & rising].max(), alike[later & rising].max(), rtol=0.1)
+
+
+def test_a_stuck_valve_gives_a_fixed_share_more_until_it_lifts_and_sticks_again_after_the_reversal():
+    block = sweep(frequency=1.0, seconds=2.0, rate=2000)
+    plain, found = force(block, PLAIN), change("sticking_valve", block, **STUCK)
+    low = sweep(amplitude=0.01, frequency=1.0, seconds=2.0)
+    assert change("sticking_valve", low, **STUCK) == pytest.approx(0.5 * force(low, PLAIN)), "never lifts"
+    for begin in (0.0, 1.0):  # rising rebound of both cycles begins at the lower reversal
+        rising = (block[T] > begin + 0.76) & (block[T] < begin + 1.0)
+        stuck = rising & (1.5 * np.abs(plain) < 0.95 * STUCK["lifting"]) & (np.abs(plain) > 20.0)
+        lifted = rising & (np.abs(plain) > 1.2 * STUCK["lifting"])
+        assert found[stuck] == pytest.approx(0.5 * plain[stuck], rel=0.02)
+        assert not lifted.any() or np.abs(found[lifted]).min() < 1.0
+    falling = (block[T] > 1.05) & (block[T] < 1.2) & (np.abs(plain) < STUCK["lifting"])
+    assert np.abs(found[falling]).max(initial=0.0) < 1.0, "stays open while the force falls"
+
+
+def test_a_valve_with_more_preload_adds_no_more_than_that_and_nothing_before_it_opened():
+    block = sweep(amplitude=0.06)
+    found = force(block, entry("late_relief", **RAISED))
+    v = block[V]
+    assert not found[(v < 0.15) & (v > -0.25)].any()
+    assert (found * v >= 0.0).all()
+    assert found[v > 0.5] == pytest.approx(300.0, rel=1e-3)
+    assert found[v < -0.6] == pytest.approx(-120.0, rel=1e-3)
+    assert (np.diff(found[np.argsort(v)]) >= -1e-9).all()
+
+
+def test_friction_of_a_guide_is_seal_friction_where_it_is_alike_over_the_stroke():
+    block = sweep()
+    alike = dict.fromkeys(("compressed", "middle", "extended"), 40.0)
+    expected = force(block, entry("seal_friction", rebound=40.0, compression=40.0))
+    assert force(block, entry("guide_friction", **alike)) == pytest.approx(expected)
+
+
+def test_friction_of_a_guide_follows_the_position_and_never_drives():
+    block = sweep()
+    found = force(
+        block, entry("guide_friction", compressed=90.0, middle=30.0, extended=50.0, compressed_end=-0.02,
+                     extended_end=0.03)
+    )  # fmt: skip
+    sliding = np.abs(block[V]) > 0.02
+    expected = np.interp(block[X], [-0.02, 0.005, 0.03], [90.0, 30.0, 50.0])
+    assert np.abs(found[sliding]) == pytest.approx(expected[sliding])
+    assert (found * block[V] >= 0.0).all()
