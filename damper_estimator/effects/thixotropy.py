@@ -10,9 +10,12 @@ review", J. Non-Newtonian Fluid Mech. 70.
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, V
+
+_SLOW = 0.1  # of the recorded speed
+_LEAST_CHANGE = 0.15  # of the structure, between slow and fast motion
 
 
 @compiled
@@ -31,7 +34,9 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Structure that grows within a tenth of a second makes a curve, over minutes it is warming."""
+    """Structure that grows within a tenth of a second makes a curve, over minutes it is warming; one that is always
+    broken, or never, makes a gain.
+    """
     slowest = min(0.2 * ranges.seconds, 10.0)
     mean = 0.3 * ranges.speed
     limits = {"recovery": (min(0.2, 0.5 * slowest), slowest), "travel": (0.05 * mean, 10.0 * mean)}
@@ -39,7 +44,14 @@ def trial(ranges: Ranges) -> Trial:
         {**start, "travel": mean * start["recovery"]} for start in spread(recovery=(0.1 * slowest, 0.4 * slowest))
     )
     values = {"strength": 0.3, "neutral": 0.5, "at_rest": ranges.at_rest, "travel": mean, "recovery": 0.2 * slowest}
-    return Trial(values, limits, starts)
+
+    def exclusion(fitted: Values) -> str:
+        travel, recovery = number(fitted, "travel"), number(fitted, "recovery")
+        slow, fast = (share * ranges.speed * recovery / travel for share in (_SLOW, 1.0))
+        change = fast / (1.0 + fast) - slow / (1.0 + slow)
+        return "its structure hardly changes: a gain" if change < _LEAST_CHANGE else ""
+
+    return Trial(values, limits, starts, exclusion)
 
 
 EFFECT = Effect(
