@@ -42,7 +42,7 @@ class Region:
 
     def exclusion(self, element: Element) -> str:
         """Why an entry of the effect is not what it represents with its values; "" if it is."""
-        return self.excludes(element.parameters) if self.excludes else ""
+        return self.excludes({**element.settings, **element.parameters}) if self.excludes else ""
 
     def __getstate__(self) -> dict[str, object]:
         """For another process: results go there, in which nothing is fitted any more, and local functions cannot."""

@@ -16,6 +16,7 @@ from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import V
 
 _EARLIEST = 0.1  # of the recorded speed
+_LATE = 0.25  # of it: what begins before, in both directions, is a change of the whole curve
 
 
 @compiled
@@ -34,7 +35,7 @@ def trial(ranges: Ranges) -> Trial:
     """The valve used to open within the recorded speeds, above the lowest ones."""
     speed = ranges.speed
     openings = dict.fromkeys(("opening_rebound", "opening_compression"), (_EARLIEST * speed, 0.8 * speed))
-    limits = openings | {"width": (0.03 * speed, 1.0 * speed)}
+    limits = openings | {"width": (0.03 * speed, 0.5 * speed)}
     values = dict.fromkeys(openings, 0.3 * speed) | {"width": 0.2 * speed}
     starts = spread(opening_rebound=(0.15 * speed, 0.4 * speed), opening_compression=(0.15 * speed, 0.4 * speed))
 
@@ -42,11 +43,9 @@ def trial(ranges: Ranges) -> Trial:
         raised = {way: number(fitted, f"raised_{way}") for way in ("rebound", "compression")}
         most = max(raised.values())
         early = all(
-            number(fitted, f"opening_{way}") < 1.05 * _EARLIEST * speed
-            for way, newtons in raised.items()
-            if newtons >= 0.1 * most
+            number(fitted, f"opening_{way}") < _LATE * speed for way, newtons in raised.items() if newtons >= 0.1 * most
         )
-        return "begins at once: no valve that opens late" if early else ""
+        return "begins at low speed: a change of the whole curve" if early else ""
 
     return Trial(values, limits, starts, exclusion)
 

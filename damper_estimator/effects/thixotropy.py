@@ -16,6 +16,7 @@ from damper_estimator.signals.layout import DT, V
 
 _SLOW = 0.1  # of the recorded speed
 _LEAST_CHANGE = 0.15  # of the structure, between slow and fast motion
+_FASTEST = 0.15  # s, within which the structure follows ordinary motion
 
 
 @compiled
@@ -34,8 +35,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Structure that grows within a tenth of a second makes a curve, over minutes it is warming; one that is always
-    broken, or never, makes a gain.
+    """Structure that follows every stroke makes a curve, over minutes it is warming; one that is always broken, or
+    never, makes a gain.
     """
     slowest = min(0.2 * ranges.seconds, 10.0)
     mean = 0.3 * ranges.speed
@@ -48,6 +49,8 @@ def trial(ranges: Ranges) -> Trial:
     def exclusion(fitted: Values) -> str:
         travel, recovery = number(fitted, "travel"), number(fitted, "recovery")
         slow, fast = (share * ranges.speed * recovery / travel for share in (_SLOW, 1.0))
+        if 1.0 / (1.0 / recovery + mean / travel) < _FASTEST:
+            return "its structure follows every stroke: a curve"
         change = fast / (1.0 + fast) - slow / (1.0 + slow)
         return "its structure hardly changes: a gain" if change < _LEAST_CHANGE else ""
 
@@ -71,4 +74,5 @@ EFFECT = Effect(
     shows="the force is larger after a pause or slow motion than after fast motion, and falls within seconds",
     separate="the same sine after a pause of half a minute and after fast motion",
     trial=trial,
+    general=True,
 )

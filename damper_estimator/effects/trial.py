@@ -84,8 +84,8 @@ class Trial:
         values: settings and start values by name; the effect's default for the others.
         limits: lowest and highest physical value of parameters by name, narrower than their bounds.
         starts: further start values of parameters by name; the fit continues from the best start.
-        exclusion: says why the effect with some values is no longer what it represents, "" if it is; for limits on
-            several parameters together.
+        exclusion: says why the effect with some parameters and settings is no longer what it represents, "" if it is;
+            for limits on several of them together.
         imitates: name of the form-free test of what such values imitate; where the effect explains clearly more than
             this test, it is what it represents.
         conditions: settings by name to try as well, where recordings do not say which apply; those that explain the

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from motions import entry, force, sweep
 
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.effects.trial import Ranges
 from damper_estimator.signals.layout import T, V, X
 
 PLAIN = entry("linear_viscous", rebound=2000.0, compression=2000.0)
@@ -93,3 +95,29 @@ def test_friction_of_a_guide_follows_the_position_and_never_drives():
     expected = np.interp(block[X], [-0.02, 0.005, 0.03], [90.0, 30.0, 50.0])
     assert np.abs(found[sliding]) == pytest.approx(expected[sliding])
     assert (found * block[V] >= 0.0).all()
+
+
+RANGES = Ranges(compression=-0.03, extension=0.03, speed=1.0, acceleration=40.0, force=500.0, seconds=60.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "itself", "other", "reason"),
+    [
+        ("late_relief", RAISED | {"opening_rebound": 0.4}, {"opening_rebound": 0.12, "opening_compression": 0.2},
+         "whole curve"),
+        ("valve_lag", LATE | {"closing": 1.0, "side": 0.0, "opening": 400.0}, {"opening": 150.0}, "a mass"),
+        ("thixotropy", {"travel": 0.3, "recovery": 2.0}, {"travel": 0.004, "recovery": 0.3}, "a curve"),
+        ("thixotropy", {"travel": 0.3, "recovery": 2.0}, {"travel": 30.0, "recovery": 2.0}, "a gain"),
+    ],
+)  # fmt: skip
+def test_values_of_another_effect_are_excluded(name, itself, other, reason):
+    tried = find_effect(name).trial(RANGES)
+    assert not tried.exclusion(itself)
+    assert reason in tried.exclusion(itself | other)
+
+
+def test_a_valve_of_one_side_or_that_closes_otherwise_than_it_opens_is_no_mass():
+    tried = find_effect("valve_lag").trial(RANGES)
+    mass = LATE | {"closing": 1.0, "side": 0.0}
+    for different in ({"side": 1.0}, {"side": -1.0}, {"closing": 0.2}, {"closing": 3.0}):
+        assert not tried.exclusion(mass | different)
