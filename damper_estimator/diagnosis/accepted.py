@@ -45,6 +45,16 @@ class Accepted:
         """Whether it was found in the mean, which the freed zero of the gauge hides otherwise."""
         return bool(self.round.constants)
 
+    @property
+    def fall(self) -> float:
+        """By how much it lowers the mean squared error on unseen data, N^2."""
+        return self.before_n**2 - self.after_n**2
+
+    @property
+    def explained(self) -> float:
+        """The same, as a share of that error."""
+        return self.fall / self.before_n**2
+
 
 def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     """The effect, with what else it could be in this round."""

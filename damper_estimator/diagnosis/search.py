@@ -98,15 +98,10 @@ def search(
     means = found_in_means(found.rounds[0].hidden, data, settled_model, added, skip, workers)
     accepted = [one for one in accepted if one.hypothesis.name not in {mean.hypothesis.name for mean in means}]
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
-    most = max((_explained(one) for one in accepted), default=0.0)
-    ahead, behind = ([one for one in means if (_explained(one) > most) == first] for first in (True, False))
+    most = max((one.fall for one in accepted), default=0.0)
+    ahead, behind = ([one for one in means if (one.fall > most) == first] for first in (True, False))
     ordered = (*ahead, *accepted, *behind)
     return Search(tuple(found.rounds), ordered, last.model, left, untestable, found.mode)
-
-
-def _explained(one: Accepted) -> float:
-    """N^2, of the mean squared error on unseen data."""
-    return one.before_n**2 - one.after_n**2
 
 
 def evaluated_only(

@@ -42,7 +42,7 @@ def _promised(group: Sequence[Accepted]) -> float:
     """
     if any(one.needs for one in group):
         return max(max(one.before_n for one in group) ** 2 - min(one.after_n for one in group) ** 2, 0.0)
-    return sum(max(one.before_n**2 - one.after_n**2, 0.0) for one in group)
+    return sum(max(one.fall, 0.0) for one in group)
 
 
 def _with_errors(before: ModelState, taken: Sequence[tuple[Accepted, ModelState]]) -> list[Step]:
@@ -81,7 +81,7 @@ def _applied_together(
         return taken
     alone = [taken[0], *((one, _applied(before, one, mode, promised)) for one in group[1:])]
     best = min(alone, key=lambda pair: pair[1].rmse_unseen_n)
-    first = max(alone, key=lambda pair: pair[0].before_n ** 2 - pair[0].after_n ** 2)
+    first = max(alone, key=lambda pair: pair[0].fall)
     harms, suffices = best[1].better_than(after), not after.better_than(first[1])
     if not (harms or suffices):
         return taken

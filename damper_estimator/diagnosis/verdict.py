@@ -56,9 +56,8 @@ def taken_over(found: Search, delivered: Sequence[str], again: Reidentified) -> 
     Args:
         delivered: names of the effects that lower the error in the model.
     """
-    first = max(found.accepted, key=lambda one: one.before_n**2 - one.after_n**2)
-    explained = 1.0 - first.after_n**2 / first.before_n**2
-    return first.hypothesis.name not in delivered and again.enough and again.gain >= explained
+    first = max(found.accepted, key=lambda one: one.fall)
+    return first.hypothesis.name not in delivered and again.enough and again.gain >= first.explained
 
 
 def _enough(found: Search, again: Reidentified, floor: float) -> bool:
@@ -88,6 +87,5 @@ def _new_effects_explain_more(accepted: Sequence[Accepted], left_n: float, again
     effect = first.element.effect
     if effect.kind == "channel" or effect.phenomenon in again.phenomena:
         return False
-    explained = 1.0 - first.after_n**2 / first.before_n**2
     simpler = 2 * first.hypothesis.size <= len(again.moved)
-    return simpler and explained >= _ENOUGH * again.gain
+    return simpler and first.explained >= _ENOUGH * again.gain

@@ -10,6 +10,7 @@ between guide and piston; Dixon 2008, friction of struts.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.seal_friction import SWITCH
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import V, X
 
@@ -44,7 +45,7 @@ EFFECT = Effect(
     settings=(
         Setting("compressed_end", "m", -0.03, "displacement of the compressed end of the stroke"),
         Setting("extended_end", "m", 0.03, "displacement of its extended end"),
-        Setting("switch", "m/s", 0.007, "speed above which friction is constant", lower=1e-6),
+        SWITCH,
     ),
     shows="an odd step of the force where the velocity changes sign, of another size in other parts of the stroke",
     separate="a slow triangle (5 mm/s) about two mean positions",

@@ -16,7 +16,7 @@ from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import V
 
 _EARLIEST = 0.1  # of the recorded speed
-_LATE = 0.25  # of it: what begins before, in both directions, is a change of the whole curve
+_LATE = 0.25  # of it: what begins before that is a change of the whole curve
 
 
 @compiled

@@ -10,6 +10,8 @@ from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.signals.layout import V
 
+SWITCH = Setting("switch", "m/s", 0.007, "speed above which friction is constant", lower=1e-6)
+
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
@@ -31,7 +33,7 @@ EFFECT = Effect(
         Parameter("rebound", "N", 50.0, 0.0, 10000.0, "friction force in rebound", linear=True),
         Parameter("compression", "N", 50.0, 0.0, 10000.0, "friction force in compression", linear=True),
     ),
-    settings=(Setting("switch", "m/s", 0.007, "speed above which friction is constant", lower=1e-6),),
+    settings=(SWITCH,),
     shows="an odd step of the force where the velocity changes sign",
     separate="a slow triangle (5 mm/s): friction remains, viscous force vanishes",
 )

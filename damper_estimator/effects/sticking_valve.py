@@ -12,8 +12,9 @@ valves, Lang 1977.
 from math import exp
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.effects.valve_lag import ONE_SIDE, SIDE
 from damper_estimator.signals.layout import DT
 
 _SEATED = 0.1  # of the force that lifts it
@@ -39,12 +40,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """It lifts at recorded forces, within milliseconds; a valve that never lifts is a gain."""
+    """It lifts at recorded forces, within milliseconds."""
     force = ranges.force
     limits = {"lifting": (0.1 * force, 3.0 * force), "time_constant": (5e-4, 0.05), "extra": (0.0, 2.0)}
     values = {"extra": 0.3, "lifting": 0.5 * force, "time_constant": 0.005}
     starts = spread(lifting=(0.4 * force, 1.2 * force), time_constant=(0.002, 0.012))
-    return Trial(values, limits, starts, conditions=({"side": 1.0}, {"side": -1.0}))
+    return Trial(values, limits, starts, conditions=ONE_SIDE)
 
 
 EFFECT = Effect(
@@ -57,9 +58,7 @@ EFFECT = Effect(
         Parameter("lifting", "N", 200.0, 1.0, 20000.0, "force at which it lifts"),
         Parameter("time_constant", "s", 0.005, 1e-5, 0.2, "time constant of its lifting and of its return"),
     ),
-    settings=(
-        Setting("side", "1", 0.0, "1: in rebound only, -1: in compression only, 0: both", lower=-1.0, upper=1.0),
-    ),
+    settings=(SIDE,),
     states=2,
     linear=False,
     order=1,

@@ -11,7 +11,7 @@ review", J. Non-Newtonian Fluid Mech. 70.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
-from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import DT, V
 
 _SLOW = 0.1  # of the recorded speed
@@ -41,9 +41,7 @@ def trial(ranges: Ranges) -> Trial:
     slowest = min(0.2 * ranges.seconds, 10.0)
     mean = 0.3 * ranges.speed
     limits = {"recovery": (min(0.2, 0.5 * slowest), slowest), "travel": (0.05 * mean, 10.0 * mean)}
-    starts = tuple(
-        {**start, "travel": mean * start["recovery"]} for start in spread(recovery=(0.1 * slowest, 0.4 * slowest))
-    )
+    starts = tuple({"recovery": time, "travel": mean * time} for time in (0.1 * slowest, 0.4 * slowest))
     values = {"strength": 0.3, "neutral": 0.5, "at_rest": ranges.at_rest, "travel": mean, "recovery": 0.2 * slowest}
 
     def exclusion(fitted: Values) -> str:

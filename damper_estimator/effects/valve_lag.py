@@ -17,6 +17,8 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT
 
+SIDE = Setting("side", "1", 0.0, "1: only in rebound, -1: only in compression, 0: both", lower=-1.0, upper=1.0)
+ONE_SIDE = ({"side": 1.0}, {"side": -1.0})
 _EARLIEST = 0.4  # of the recorded force, at which a valve opens
 
 
@@ -57,7 +59,7 @@ def trial(ranges: Ranges) -> Trial:
         always = alike and number(fitted, "opening") < _EARLIEST * force
         return "is always open, alike in both directions: a mass" if always else ""
 
-    return Trial(values, limits, starts, exclusion, imitates="mass", conditions=({"side": 1.0}, {"side": -1.0}))
+    return Trial(values, limits, starts, exclusion, imitates="mass", conditions=ONE_SIDE)
 
 
 EFFECT = Effect(
@@ -71,9 +73,7 @@ EFFECT = Effect(
         Parameter("time_constant", "s", 0.002, 1e-5, 0.2, "time constant of the valve's opening"),
         Parameter("closing", "1", 1.0, 0.02, 5.0, "time constant of its closing over that of its opening"),
     ),
-    settings=(
-        Setting("side", "1", 0.0, "1: only in rebound, -1: only in compression, 0: both", lower=-1.0, upper=1.0),
-    ),
+    settings=(SIDE,),
     states=2,
     linear=False,
     order=2,

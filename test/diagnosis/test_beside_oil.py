@@ -1,4 +1,4 @@
-"""Forces on the rod that no oil carries: a mass, and the gas, beside a void that opens under the damper's own force."""
+"""A mass on the rod, which no oil carries, beside a void that opens under the damper's own force."""
 
 from dataclasses import replace
 

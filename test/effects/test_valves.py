@@ -1,4 +1,4 @@
-"""Valves that are late, that stick, and that open above their old preload."""
+"""Valves that are late, stick or open above their old preload, and the friction of a guide."""
 
 import numpy as np
 import pytest
@@ -46,9 +46,8 @@ def test_a_valve_that_closes_at_once_only_has_too_much_force():
     force_without = force(block, PLAIN)
     rising = force_without * np.gradient(force_without) > 0.0
     later = block[T] > 0.25
-    missing = {key: -np.minimum(found * np.sign(force_without), 0.0)[later & ~rising] for key, found in
-               (("alike", alike), ("fast", fast))}  # fmt: skip
-    assert missing["fast"].max() < 0.1 * missing["alike"].max()
+    lacks = [np.max(-found * np.sign(force_without), where=later & ~rising, initial=0.0) for found in (fast, alike)]
+    assert lacks[0] < 0.1 * lacks[1]
     np.testing.assert_allclose(fast[later & rising].max(), alike[later & rising].max(), rtol=0.1)
 
 
@@ -62,7 +61,7 @@ def test_a_stuck_valve_gives_a_fixed_share_more_until_it_lifts_and_sticks_again_
         stuck = rising & (1.5 * np.abs(plain) < 0.95 * STUCK["lifting"]) & (np.abs(plain) > 20.0)
         lifted = rising & (np.abs(plain) > 1.2 * STUCK["lifting"])
         assert found[stuck] == pytest.approx(0.5 * plain[stuck], rel=0.02)
-        assert not lifted.any() or np.abs(found[lifted]).min() < 1.0
+        assert np.abs(found[lifted]).max() < 1.0
     falling = (block[T] > 1.05) & (block[T] < 1.2) & (np.abs(plain) < STUCK["lifting"])
     assert np.abs(found[falling]).max(initial=0.0) < 1.0, "stays open while the force falls"
 
