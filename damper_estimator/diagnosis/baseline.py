@@ -19,6 +19,7 @@ from damper_estimator.effects.contract import Effect
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import Element, labels, walk
+from damper_estimator.model.wrapping import carries
 from damper_estimator.numerics import ROUGH, damped_step, stepped
 
 _DAMPED_FROM = 0.3  # of its size: a parameter that moves further in a first-order refit is damped
@@ -51,15 +52,16 @@ class Baseline:
     @cached_property
     def recorded_inside(self) -> tuple[DamperModel, DiagnosisData]:
         """The same with the motion behind the series springs, where sources act; as ``recorded`` without any."""
-        return self._recorded(self.model.springs) if self.model.springs else self.recorded
+        return self._behind(self.model.springs)
 
     @cached_property
     def recorded_beside_oil(self) -> tuple[DamperModel, DiagnosisData]:
         """The same where forces act that are no pressure differences: the oil's deflection does not move them."""
-        carrying = tuple(spring for spring in self.model.springs if not spring.effect.of_oil)
-        if len(carrying) == len(self.model.springs):
-            return self.recorded_inside
-        return self._recorded(carrying) if carrying else self.recorded
+        carrying = tuple(spring for spring in self.model.springs if carries(spring, True))
+        return self.recorded_inside if len(carrying) == len(self.model.springs) else self._behind(carrying)
+
+    def _behind(self, springs: Sequence[Element]) -> tuple[DamperModel, DiagnosisData]:
+        return self._recorded(springs) if springs else self.recorded
 
     def _recorded(self, inside: Sequence[Element]) -> tuple[DamperModel, DiagnosisData]:
         rows = {name: rows_with_force(self.model, getattr(self.data, name), inside) for name in ("fit", "unseen")}

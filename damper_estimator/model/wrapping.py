@@ -21,6 +21,11 @@ def springs_of(entries: tuple[Element, ...]) -> tuple[Element, ...]:
     return () if spring is None else (spring, *springs_of(spring.path))
 
 
+def carries(spring: Element, beside_oil: bool) -> bool:
+    """Whether a series spring carries a source: the oil none that acts beside it."""
+    return not (spring.effect.of_oil and beside_oil)
+
+
 def in_series(element: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
     """Entries with a series effect in its place of a row: mount, oil, passages beside the valves.
 
@@ -46,7 +51,7 @@ def _rank(element: Element) -> int:
 def with_source(source: Element, entries: tuple[Element, ...]) -> tuple[Element, ...] | None:
     """Entries with a source or path behind the series springs that carry it; None where none does."""
     present = next((element for element in entries if element.effect.is_series_spring), None)
-    if present is None or (present.effect.of_oil and source.effect.beside_oil):
+    if present is None or not carries(present, source.effect.beside_oil):
         return None
     longer = replace(present, path=with_source(source, present.path) or (*present.path, source))
     return tuple(longer if element is present else element for element in entries)
@@ -63,7 +68,7 @@ def wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...
     free = max((i for i, e in enumerate(entries, 1) if e.effect.kind == "modifier" and not e.effect.delays), default=0)
     carried, beside = list(entries[:free]), []
     for element in entries[free:]:
-        (beside if spring.effect.of_oil and element.effect.beside_oil else carried).append(element)
+        (carried if carries(spring, element.effect.beside_oil) else beside).append(element)
     if not forces_of(tuple(carried), spring.effect):
         return (replace(spring, path=entries),)
     return (replace(spring, path=tuple(carried)), *beside)
