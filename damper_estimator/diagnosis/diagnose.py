@@ -95,7 +95,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
     last = steps[-1][1] if steps else state
     baseline = found.rounds[0].baseline
     kept_n = rmse(baseline, found.rounds[0].kept)
-    usual = usual_error(state.model, share_of_force(state, baseline.data)) if found.is_evaluated_only else None
+    usual = usual_error(state.model, share_of_force(state, baseline.data)) if found.set_aside else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     reference = reference_error(state.fit_part, state.unseen)
     return Diagnosis(

@@ -197,7 +197,7 @@ def ranking_of(found: Search, accepted: set[str]) -> tuple[RankedEffect, ...]:
     """
     first = found.rounds[0]
     best = first.best
-    otherwise = "has always been missing: the error is not new" if found.is_evaluated_only else "another explains more"
+    otherwise = found.set_aside or "another explains more"
     by_name = {one.element.effect.name: one for one in reversed(found.accepted)}
     order = sorted(first.hypotheses, key=lambda one: (one.name not in by_name, one is not best))
     rows = [

@@ -32,7 +32,7 @@ from damper_estimator.diagnosis.misfit import (
 )
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
-from damper_estimator.diagnosis.search import Search, as_if_by, evaluated_only, search
+from damper_estimator.diagnosis.search import NOT_NEW, TOO_SMALL, Search, as_if_by, evaluated_only, search
 from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import taken_over, verdict_on
@@ -86,7 +86,7 @@ def _searched(
     state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
 ) -> Outcome:
     found, data = _inside_first(state, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
-    if found.is_evaluated_only:
+    if found.set_aside:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
     again = reidentified(found.rounds[0], data) if mode != "kept" else None
@@ -109,7 +109,7 @@ def _searched(
     share = share_of_force(state, data) / float(np.sqrt(limits().growth))
     is_old = share < limits().usual and not has_grown(state.model, share)
     if verdict == "unexplained" and not here and is_old:
-        verdict, picture, found = "nothing_missing", None, replace(found, is_evaluated_only=True)
+        verdict, picture, found = "nothing_missing", None, replace(found, set_aside=NOT_NEW)
     return Outcome(found, again, verdict, picture, tuple(steps))
 
 
@@ -122,7 +122,7 @@ def _inside_first(
     inside = inside_region(state) if mode != "refit" and not state.is_identified_here else None
     if inside is not None:
         found = first_search(inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share))
-        if found[0].accepted and not found[0].is_evaluated_only:
+        if found[0].accepted and not found[0].set_aside:
             return found
     return first_search(state, mode, skip, workers, progress)
 
@@ -154,7 +154,7 @@ def first_search(
 ) -> tuple[Search, DiagnosisData]:
     """What was found before it is added to the model, and on which recordings: without the error that the model had
     when it was identified, if that accounts for part of the error and leaves more than it did then; otherwise as
-    measured. A usual error that the model has always had is evaluated only.
+    measured. A small error, and a usual one that the model has always had, is evaluated only.
     """
     data = data_of(state.model, state.fit_part, state.unseen_part)
     known = misfit_of(state.model.fit)
@@ -174,11 +174,13 @@ def first_search(
         then = known.left if known is not None else error_then(state.model)[1]
         beyond_known = replace(beyond_known, change=change, usual=usual_share(then, left / force))
     grown = has_grown(state.model, error)
-    # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
-    bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable
+    # An error that has grown is usual if it is small, or as long as the known error accounts for it; one that has not,
+    # if it is not large.
+    bound = limits().usual if not grown else limits().notable if leaves_more else limits().acceptable
     is_usual = asks_for_change and error < bound
     is_accounted_for = known is not None and left**2 < limits().accounted * whole**2
-    if is_accounted_for and left > limits().least_force * force and leaves_more:
+    is_small = asks_for_change and error < limits().notable
+    if is_accounted_for and left > limits().least_force * force and leaves_more and not is_small:
         found = search(
             state.model,
             beyond_known,
@@ -193,6 +195,7 @@ def first_search(
         if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
             return found, beyond_known
     if is_usual:
-        return evaluated_only(state.model, data, beyond_known, skip, workers, progress), data
+        because = TOO_SMALL if is_small and grown else NOT_NEW
+        return evaluated_only(state.model, data, beyond_known, skip, workers, progress, because), data
     here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data

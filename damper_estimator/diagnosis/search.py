@@ -24,6 +24,8 @@ from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.model import DamperModel
 
 MOST = 4  # findings
+NOT_NEW = "has always been missing: the error is not new"
+TOO_SMALL = "the whole error is too small to name an effect"
 _MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
 
 Progress = Callable[[str, float], None]
@@ -36,7 +38,7 @@ class Search:
     Attributes:
         left_n: unseen error with them, N.
         mode: how the rounds evaluate: both, kept or refit.
-        is_evaluated_only: whether nothing is added, because the error is not new.
+        set_aside: why effects are evaluated, but not added; "" where they are.
     """
 
     rounds: tuple[Round, ...]
@@ -45,7 +47,7 @@ class Search:
     left_n: float
     untestable: dict[str, str]
     mode: str
-    is_evaluated_only: bool = False
+    set_aside: str = ""
 
     @property
     def without_n(self) -> float:
@@ -111,19 +113,22 @@ def evaluated_only(
     skip: Collection[str],
     workers: int,
     progress: Progress,
+    because: str = NOT_NEW,
 ) -> Search:
     """All hypotheses evaluated once, with the model's parameters kept. None is accepted but a zero that is most of
     what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
 
     Args:
         beyond_known: the recordings without the error that the model has always had, as far as that is known.
+        because: why nothing else is accepted.
     """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     first = round_of(baseline, all_fitted(baseline, tried, WORTH, workers, _report(progress, 0, len(tried))), "both")
     zeros = tuple(found_in_means(first.hidden, beyond_known, model, (), skip, workers))
     zeros = tuple(one for one in zeros if one.gain[0] >= _MOST_OF_IT)
-    return Search((first,), zeros, model, rmse(baseline, first.without), untestable, "both", not zeros)
+    left = rmse(baseline, first.without)
+    return Search((first,), zeros, model, left, untestable, "both", "" if zeros else because)
 
 
 def _tried(model: DamperModel, data: DiagnosisData, skip: Collection[str]) -> tuple[list[Hypothesis], dict[str, str]]:

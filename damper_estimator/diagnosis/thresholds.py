@@ -163,7 +163,12 @@ class Thresholds:
         "a later finding must explain it",
         "less is a flaw of the first one's form",
     )
-    notable: float = _threshold(0.03, _FORCE, "smaller errors are left alone", "twice what an effect must be worth")
+    notable: float = _threshold(
+        0.03,
+        _FORCE,
+        "smaller errors, on other recordings than those of the identification, are left alone",
+        "twice what an effect must be worth; very good models err by as much on another kind of motion",
+    )
     above: float = _threshold(
         2.0,
         "times the noise floor",

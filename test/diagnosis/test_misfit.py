@@ -19,6 +19,7 @@ from damper_estimator.diagnosis.misfit import (
     usual_share,
     without_misfit,
 )
+from damper_estimator.diagnosis.search import TOO_SMALL
 from damper_estimator.identification import fit, rows_of
 from damper_estimator.model import load_model, parse_model
 from damper_estimator.model.model_files import model_yaml
@@ -113,6 +114,22 @@ def test_what_came_since_is_found_beneath_a_larger_old_error(rough):
     found = diagnose(model, [fitted], [unseen])
     assert found.verdict == "missing"
     assert found.findings[0].phenomenon == "inertia"
+
+
+@pytest.mark.parametrize(
+    ("share", "mode", "is_named"), [(0.024, "both", False), (0.024, "kept", True), (0.05, "both", True)]
+)
+def test_a_small_error_is_named_only_on_demand(user_model, base, share, mode, is_named):
+    """However much it has grown: models that err by 1 % on one motion err by more on another one."""
+    model, (first, other) = with_misfit(user_model, [base]), halves(base)
+    mass = share * float(np.std(base.force)) / float(np.std(base.kinematics.acceleration))
+    heavier = [changed(part, lambda k: mass * k.acceleration) for part in (first, other)]
+    found = diagnose(model, heavier[:1], heavier[1:], mode=mode)
+    assert (found.verdict == "missing") == is_named
+    assert [finding.phenomenon for finding in found.findings] == ["inertia"] * is_named
+    of_a_mass = next(row for row in found.ranking if row.effect == "inertia")
+    assert of_a_mass.kept.gain > 0.5 and (of_a_mass.reason == TOO_SMALL) == (not is_named)
+    assert is_named or "though still below 3 % of the force" in found.sentence
 
 
 def test_the_more_an_error_has_grown_the_more_probable_is_a_change(rough):
