@@ -12,11 +12,14 @@ from damper_estimator.identification import LocalRows, Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.identification.rows import Rows
 from damper_estimator.identification.start_points import candidates as start_sizes
+from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
 
 _ITERATIONS = 10
 _GAIN = 1e-3
 _FINISHING = 4  # iterations on all of the data, from where excerpts led
+_LITTLE = 0.02  # of the squared error: what explains less on excerpts stays as it is there
+_BEGINNING = 4  # iterations from each start, before only the best one goes on
 _TRIED = 2  # starts that are continued from
 _SKETCH = 6000  # samples on which starts are compared
 _RANGE = 0.05  # of what is physical: the size of a parameter that starts at zero
@@ -66,7 +69,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in
         return min(fits, key=lambda fit: float(np.sum((baseline.residual_fit + fit.change_fit) ** 2)))
     given, data = baseline.for_effect(hypothesis.effect)
     problem = hypothesis.problem(given, data.fit)
-    vector = _fitted(problem, hypothesis, data)
+    vector = _fitted(problem, hypothesis, given, data)
     model = problem.model_at(vector)
     force_fit, force_unseen = force_rows(model, data.fit), force_rows(model, data.unseen)
     change_fit = np.nan_to_num(force_fit - baseline.residual_fit - targets(data.fit))
@@ -138,13 +141,16 @@ def _is_silent(rows: np.ndarray, data: DiagnosisData, share: float = _SILENT) ->
     return bool(np.abs(rows).max(initial=0.0) <= share * np.abs(targets(data.fit)).max())
 
 
-def _fitted(problem: Problem, hypothesis: Hypothesis, data: DiagnosisData) -> np.ndarray:
-    """(slots,) values after the search from the best starts."""
+def _fitted(problem: Problem, hypothesis: Hypothesis, given: DamperModel, data: DiagnosisData) -> np.ndarray:
+    """(slots,) values after the search from the best starts: on excerpts, and on all rows if they explain something."""
     start, iterations = problem.start, _ITERATIONS
     if hypothesis.starts and problem.searched.size:
-        found = sketched(problem.on(LocalRows(sketch(data.fit))), hypothesis)
+        few = sketch(data.fit)
+        found = sketched(problem.on(LocalRows(few)), hypothesis)
         if found is None:
             return problem.vector(start, np.array([problem.slots[i].value for i in problem.solved]))
+        if found.cost > 0.5 * (1.0 - _LITTLE) * float(np.sum((force_rows(given, few) - targets(few)) ** 2)):
+            return problem.vector(found.searched, found.solved)
         start, iterations = found.searched, _FINISHING
     if not problem.searched.size:
         point = problem.point(start)
@@ -161,8 +167,9 @@ def sketched(problem: Problem, hypothesis: Hypothesis) -> Point | None:
     costs = np.array([problem.point(start).cost for start in starts])
     best = np.argsort(costs, kind="stable")[:_TRIED]
     size = sizes_of(problem)
-    ends = [refine(problem, starts[i], size, _ITERATIONS, _GAIN)[0] for i in best if np.isfinite(costs[i])]
-    return min(ends, key=lambda end: end.cost, default=None)
+    begun = [refine(problem, starts[i], size, _BEGINNING, _GAIN) for i in best if np.isfinite(costs[i])]
+    end, is_minimum = min(begun, key=lambda one: one[0].cost, default=(None, True))
+    return end if is_minimum else refine(problem, end.searched, size, _ITERATIONS - _BEGINNING, _GAIN)[0]
 
 
 def sizes_of(problem: Problem) -> np.ndarray:
