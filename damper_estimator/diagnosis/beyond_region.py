@@ -61,6 +61,14 @@ def beyond_sentence(state: ModelState) -> str:
     return most.sentence if most is not None else ""
 
 
+def is_beyond_velocity(state: ModelState) -> bool:
+    """Whether most of the error lies at velocities that the model was not identified at. Every model is a function of
+    velocity: a blow-off valve there, or a curve of either direction, says no more than that it goes on otherwise.
+    """
+    most = _most(state)
+    return most is not None and most.channel == "velocity"
+
+
 def inside_region(state: ModelState) -> ModelState | None:
     """The recordings judged only where the model was identified, if most of the error is one of extrapolation."""
     most = _most(state)

@@ -22,6 +22,7 @@ from damper_estimator.diagnosis.informative import stretches_used
 from damper_estimator.diagnosis.misfit import usual_error
 from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_force
 from damper_estimator.diagnosis.result import Diagnosis
+from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
 from damper_estimator.identification import check_motion, usable
 from damper_estimator.model import DamperModel
@@ -95,7 +96,9 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
     last = steps[-1][1] if steps else state
     baseline = found.rounds[0].baseline
     kept_n = rmse(baseline, found.rounds[0].kept)
-    usual = usual_error(state.model, share_of_force(state, baseline.data)) if found.set_aside else None
+    is_beyond = found.set_aside == NOT_IDENTIFIED_THERE
+    is_usual = bool(found.set_aside) and not is_beyond
+    usual = usual_error(state.model, share_of_force(state, baseline.data)) if is_usual else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
     reference = reference_error(state.fit_part, state.unseen)
     return Diagnosis(
@@ -106,7 +109,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
         + (
             unexplained_sentence(atlas, picture, errors[0], kept_n, floor, reference)
             if verdict == "unexplained"
-            else sentence_of(verdict, findings, again, errors, kept_n, floor, usual)
+            else sentence_of(verdict, findings, again, errors, kept_n, floor, usual, is_beyond=is_beyond)
         ),
         mode=found.mode,
         rmse_n=before.measures.rmse_n,

@@ -12,7 +12,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted, regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
-from damper_estimator.diagnosis.beyond_region import inside_region
+from damper_estimator.diagnosis.beyond_region import inside_region, is_beyond_velocity
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
@@ -32,7 +32,15 @@ from damper_estimator.diagnosis.misfit import (
 )
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
-from damper_estimator.diagnosis.search import NOT_NEW, TOO_SMALL, Search, as_if_by, evaluated_only, search
+from damper_estimator.diagnosis.search import (
+    NOT_IDENTIFIED_THERE,
+    NOT_NEW,
+    TOO_SMALL,
+    Search,
+    as_if_by,
+    evaluated_only,
+    search,
+)
 from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import taken_over, verdict_on
@@ -117,14 +125,17 @@ def _inside_first(
     state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Progress
 ) -> tuple[Search, DiagnosisData]:
     """As ``first_search``. Where most of the error is one of extrapolation, effects are looked for inside the region of
-    the identification first: outside, a wrong curve hides what is missing everywhere.
+    the identification first: outside, a wrong curve hides what is missing everywhere. At velocities that are new to the
+    model nothing is looked for.
     """
+    because = ""
     inside = inside_region(state) if mode != "refit" and not state.is_identified_here else None
     if inside is not None:
         found = first_search(inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share))
         if found[0].accepted and not found[0].set_aside:
             return found
-    return first_search(state, mode, skip, workers, progress)
+        because = NOT_IDENTIFIED_THERE if mode == "both" and is_beyond_velocity(state) else ""
+    return first_search(state, mode, skip, workers, progress, because=because)
 
 
 def _is_measured(one: Accepted, model: DamperModel, data: DiagnosisData) -> bool:
@@ -151,10 +162,15 @@ def first_search(
     skip: Collection[str] = (),
     workers: int = 1,
     progress: Callable[[str, float], None] = lambda text, share: None,
+    *,
+    because: str = "",
 ) -> tuple[Search, DiagnosisData]:
     """What was found before it is added to the model, and on which recordings: without the error that the model had
     when it was identified, if that accounts for part of the error and leaves more than it did then; otherwise as
     measured. A small error, and a usual one that the model has always had, is evaluated only.
+
+    Args:
+        because: why nothing is added in any case; "" where effects are looked for.
     """
     data = data_of(state.model, state.fit_part, state.unseen_part)
     known = misfit_of(state.model.fit)
@@ -174,13 +190,12 @@ def first_search(
         then = known.left if known is not None else error_then(state.model)[1]
         beyond_known = replace(beyond_known, change=change, usual=usual_share(then, left / force))
     grown = has_grown(state.model, error)
-    # An error that has grown is usual if it is small, or as long as the known error accounts for it; one that has not,
-    # if it is not large.
-    bound = limits().usual if not grown else limits().notable if leaves_more else limits().acceptable
-    is_usual = asks_for_change and error < bound
+    if not because and asks_for_change and error < limits().notable:
+        because = TOO_SMALL if grown else NOT_NEW
+    # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
+    bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable
     is_accounted_for = known is not None and left**2 < limits().accounted * whole**2
-    is_small = asks_for_change and error < limits().notable
-    if is_accounted_for and left > limits().least_force * force and leaves_more and not is_small:
+    if not because and is_accounted_for and left > limits().least_force * force and leaves_more:
         found = search(
             state.model,
             beyond_known,
@@ -194,8 +209,9 @@ def first_search(
         # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
         if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
             return found, beyond_known
-    if is_usual:
-        because = TOO_SMALL if is_small and grown else NOT_NEW
+    if not because and asks_for_change and error < bound:
+        because = NOT_NEW
+    if because:
         return evaluated_only(state.model, data, beyond_known, skip, workers, progress, because), data
     here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data

@@ -26,6 +26,7 @@ from damper_estimator.model import DamperModel
 MOST = 4  # findings
 NOT_NEW = "has always been missing: the error is not new"
 TOO_SMALL = "the whole error is too small to name an effect"
+NOT_IDENTIFIED_THERE = "most of the error lies at velocities that the model was not identified at"
 _MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
 
 Progress = Callable[[str, float], None]

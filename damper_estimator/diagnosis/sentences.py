@@ -31,6 +31,8 @@ def sentence_of(
     left_n: float,
     floor_n: float,
     then: UsualError | None = None,
+    *,
+    is_beyond: bool = False,
 ) -> str:
     """The verdict in one sentence; see ``unexplained_sentence`` for one of them.
 
@@ -38,6 +40,8 @@ def sentence_of(
         errors_n: unseen error as given, and with all findings, N.
         left_n: what is left without the gauge's zero and drift in each recording.
         then: error when the model was identified, if the error is not new.
+        is_beyond: whether most of it lies at velocities that the model was not identified at, which another sentence
+            says before.
     """
     rmse_n = errors_n[0]
     if verdict == "missing":
@@ -58,6 +62,8 @@ def sentence_of(
             f"the force, {then.words}. For what the model has always lacked, diagnose the recordings of its "
             "identification."
         )
+    if is_beyond:
+        return "At the velocities that it was identified at, nothing is missing that these data could show."
     rest = f" ({left_n:.3g} N without each recording's zero and drift)" if left_n < _MOST_OF_IT * rmse_n else ""
     noise = f"; the noise floor is {floor_n:.3g} N" if np.isfinite(floor_n) else ""
     return f"Nothing is missing that these data could show: {rmse_n:.3g} N remain{rest}{noise}."

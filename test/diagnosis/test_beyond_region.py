@@ -8,6 +8,7 @@ import pytest
 from damper_estimator.diagnosis import diagnose
 from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.beyond_region import beyond_sentence, inside_region
+from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.layout import V, X
@@ -83,6 +84,19 @@ def test_what_only_extrapolation_shows_is_named_with_the_warning(slow_model, bas
     model, ends = slow_model
     found = diagnose(model, [yielding(base, ends, base.force)], [yielding(base, ends, base.force)])
     assert "outside the velocity" in found.sentence and found.findings[0].phenomenon == "blow_off"
+
+
+def test_what_begins_only_far_beyond_the_velocities_of_the_identification_is_ranked_but_not_named(slow_model, base):
+    """A curve that goes on otherwise than it was identified looks like a blow-off valve."""
+    model, ends = slow_model
+    outside = [yielding(base, [3.0 * end for end in ends], base.force)]
+    found = diagnose(model, outside, outside)
+    assert "outside the velocity" in found.sentence and "At the velocities that it was identified at" in found.sentence
+    assert found.verdict == "nothing_missing" and not found.findings
+    best = max(found.ranking, key=lambda row: row.kept.gain if row.kept else 0.0)
+    assert best.phenomenon == "blow_off" and best.reason == NOT_IDENTIFIED_THERE
+    asked = diagnose(model, outside, outside, mode="kept")
+    assert "outside the velocity" in asked.sentence and asked.findings[0].phenomenon == "blow_off"
 
 
 def test_inside_is_what_the_model_was_identified_at(slow_model, base):
