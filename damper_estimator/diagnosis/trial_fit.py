@@ -165,9 +165,12 @@ def sketched(problem: Problem, hypothesis: Hypothesis) -> Point | None:
         return problem.point(problem.start)
     starts = hypothesis.start_points(problem)
     costs = np.array([problem.point(start).cost for start in starts])
-    best = np.argsort(costs, kind="stable")[:_TRIED]
-    size = sizes_of(problem)
-    begun = [refine(problem, starts[i], size, _BEGINNING, _GAIN) for i in best if np.isfinite(costs[i])]
+    size, begun, moved = sizes_of(problem), [], 0
+    for i in np.argsort(costs, kind="stable")[: np.count_nonzero(np.isfinite(costs))]:
+        begun.append(refine(problem, starts[i], size, _BEGINNING, _GAIN))
+        moved += begun[-1][0].cost < (1.0 - _GAIN) * costs[i]  # what does nothing at a start has no way on from there
+        if moved == _TRIED:
+            break
     end, is_minimum = min(begun, key=lambda one: one[0].cost, default=(None, True))
     return end if is_minimum else refine(problem, end.searched, size, _ITERATIONS - _BEGINNING, _GAIN)[0]
 

@@ -27,7 +27,7 @@ from damper_estimator.model.deflection import (
     secant_slope,
 )
 from damper_estimator.model.kernels import BLOCK_LOOP, SAMPLE_LOOP, by_address, call_kernel, part
-from damper_estimator.signals.layout import DT, A, V, X
+from damper_estimator.signals.layout import DT, STROKE, V, X
 
 RUN, ENTER, LEAVE, SERIES, SOLVE, SCALE, CHANNEL = range(7)
 # Columns of the table of operations: operation code, kernel, matching SERIES or SOLVE row, registers of the operation
@@ -236,7 +236,7 @@ def _advance_series(
         deflected[k, 0] = given[k, 0]
     deflected[X, 0] = solver[TRIAL]
     deflected[V, 0] = rate_of(given[DT, 0], saved, first, solver[TRIAL])
-    deflected[A, 0] = 0.0
+    deflected[STROKE, 0] = given[X, 0]
     compliance[0] = 0.0
     call_kernel(
         functions, table[begin, KERNEL],

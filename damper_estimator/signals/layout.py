@@ -9,6 +9,7 @@ DT = 1  # s since the sample before; 0 at a start
 X = 2  # m, displacement
 V = 3  # m/s, velocity
 A = 4  # m/s^2, acceleration
+STROKE = A  # m, for an effect in series, whose X and V are its deflection: displacement of what it is in
 COMMAND = 5  # A (or V, or 1) of a semi-active damper
 TEMPERATURE = 6  # deg C
 PRESSURE = 7  # Pa
