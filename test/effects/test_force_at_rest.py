@@ -21,6 +21,7 @@ SIZES = {
     },
     "check_passage": {"damping_rebound": 1e7, "damping_compression": 5e3},
     "oil_spring": {"stiffness_rebound": 8e5, "stiffness_compression": 3e5},
+    "aerated_oil": {"stiffness": 3e6, "travel_rebound": 3e-4, "travel_compression": 1e-4, "pressure": 300.0},
     "command_gain": {"rest": 0.3, "bend": 1.0},
     "position_gain": {"gain": 0.6, "scale": 0.02},
     "temperature_gain": {"fade": 0.01, "gas": 2.0},
