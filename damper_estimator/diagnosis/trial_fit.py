@@ -23,6 +23,8 @@ _BEGINNING = 4  # iterations from each start, before only the best one goes on
 _TRIED = 2  # starts that are continued from
 _SKETCH = 6000  # samples on which starts are compared
 _RANGE = 0.05  # of what is physical: the size of a parameter that starts at zero
+_NEAR = 0.01  # of a limit: as good as at it
+_ROUNDING = 1e-6  # of the range
 _SILENT = 1e-9  # of the force's rows
 _SILENT_SLOPE = 1e-7  # the same for differences, whose rounding is larger
 
@@ -200,5 +202,6 @@ def at_bound(problem: Problem, vector: np.ndarray, slots: Sequence[int]) -> tupl
 
 
 def is_at_end(value: float, low: float, high: float) -> bool:
-    """Whether a value stopped at a limit."""
-    return bool(min(value - low, high - value) <= 1e-6 * (high - low))
+    """Whether a value stopped at a limit, or so near that only the search ended before it."""
+    least = _ROUNDING * (high - low)
+    return bool(value - low <= max(_NEAR * abs(low), least) or high - value <= max(_NEAR * abs(high), least))
