@@ -12,7 +12,8 @@ gas, Merritt 1967.
 from math import sqrt
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.oil_spring import AT_REST
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
@@ -34,7 +35,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Gas takes at most a twentieth of the stroke; its pressure at rest is of the order of the force or more."""
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     travel = 0.05 * ranges.stroke
     names = ("travel_rebound", "travel_compression")
     limits = {"stiffness": (4.0 * least, 1e9), "pressure": (0.1 * ranges.force, 10.0 * ranges.force)}
@@ -64,7 +65,7 @@ EFFECT = Effect(
         Parameter("travel_compression", "m", 2e-4, 0.0, 1e-2, "travel that the gas takes in compression"),
         Parameter("pressure", "N", 1000.0, 1.0, 1e5, "pressure at rest over the piston's area"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True),),
+    settings=(AT_REST,),
     order=2,
     of_oil=True,
     shows="the F-v loop opens most around zero force, and hardly at large forces",

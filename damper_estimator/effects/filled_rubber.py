@@ -36,7 +36,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """A mount deflects by at most a twentieth of the stroke; its friction is a share of what it carries."""
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     limits = {"stiffness": (least, 1000000000.0), "dry": (0.0, ranges.force), "travel": (1e-5, 1e-3)}
     values = {"stiffness": 4.0 * least, "dry": 0.05 * ranges.force, "travel": 5e-5}
     return Trial(values, limits, spread(stiffness=(10.0 * least, 40.0 * least)))

@@ -10,7 +10,8 @@ force returns, so that after a fast stroke a part of the travel is lost. Solved 
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.oil_spring import AT_REST
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
@@ -28,7 +29,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """A pocket in one chamber limits the force of one direction within what was recorded; otherwise it is oil."""
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     far, near = 30.0 * ranges.force, 1.5 * ranges.force
     names = ("limit_rebound", "limit_compression")
     limits = {"stiffness": (least, 1000000000.0)} | dict.fromkeys(names, (0.3 * ranges.force, far))
@@ -57,7 +58,7 @@ EFFECT = Effect(
         Parameter("limit_rebound", "N", 5000.0, 1.0, 1e6, "force that rebound approaches"),
         Parameter("limit_compression", "N", 5000.0, 1.0, 1e6, "force that compression approaches"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True),),
+    settings=(AT_REST,),
     order=2,
     of_oil=True,
     shows="one direction loses force in fast strokes, and a part of the travel after them has no force",

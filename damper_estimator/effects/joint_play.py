@@ -27,7 +27,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Play is a small part of the stroke."""
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     play = min(0.05 * ranges.stroke, 5e-3)
     limits = {"stiffness": (least, 1e9), "play": (0.0, play)}
     return Trial({"stiffness": 10.0 * least, "play": 0.2 * play}, limits, spread(play=(0.05 * play, 0.5 * play)))

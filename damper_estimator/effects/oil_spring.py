@@ -12,6 +12,8 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
+AT_REST = Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True)
+
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
@@ -23,7 +25,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Oil deflects by at most a twentieth of the stroke."""
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     names = ("stiffness_rebound", "stiffness_compression")
     starts = [dict.fromkeys(names, factor * least) for factor in (10.0, 40.0)]
     values = dict.fromkeys(names, 4.0 * least) | {"at_rest": ranges.oil_at_rest}
@@ -39,7 +41,7 @@ EFFECT = Effect(
         Parameter("stiffness_rebound", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in rebound"),
         Parameter("stiffness_compression", "N/m", 2e6, 5e4, 1e9, "stiffness of the oil in compression"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True),),
+    settings=(AT_REST,),
     order=2,
     of_oil=True,
     shows="the F-v loop opens with frequency, most at low speed where the damper is stiffest",

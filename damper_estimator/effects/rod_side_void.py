@@ -13,7 +13,8 @@ the piston faster than the piston moves: the force falls late. Solved implicitly
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.oil_spring import AT_REST
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import STROKE, X
 
@@ -35,7 +36,7 @@ def trial(ranges: Ranges) -> Trial:
     """Only a force that is exceeded is visible. The gas is soft: over a void as long as the stroke its force changes by
     a few times that of the damper. With a stiffer gas the effect would be oil that is softer in compression.
     """
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     soft = ranges.force / ranges.stroke
     opening = (0.5 * ranges.force, 6.0 * ranges.force)
     limits = {"stiffness": (least, 1e9), "opening": opening, "gas": (1e-3 * soft, 6.0 * soft), "rod": (0.0, 0.4)}
@@ -68,7 +69,7 @@ EFFECT = Effect(
         Parameter("gas", "N/m", 1e4, 1.0, 1e9, "stiffness of the gas on the whole area of the piston"),
         Parameter("rod", "1", 0.0, 0.0, 0.9, "area of the rod over that of the piston"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force of the path at rest, where the pressures are equal", adds=True),),
+    settings=(AT_REST,),
     order=2,
     of_oil=True,
     shows="compression loses force above a level, and has more than before when the piston slows down",

@@ -25,7 +25,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """A mount deflects by at most a twentieth of the stroke; rubber loses up to a third near 10 Hz."""
-    least = max(20.0 * ranges.force / ranges.stroke, 5e4)
+    least = ranges.least_stiffness
     starts = tuple({"stiffness": factor * least, "loss": 2e-3 * factor * least} for factor in (10.0, 40.0))
     limits = {"stiffness": (least, 1e9), "loss": (0.0, 2e4)}
 

@@ -59,6 +59,11 @@ class Ranges:
         return self.extension - self.compression
 
     @property
+    def least_stiffness(self) -> float:
+        """Of a spring in series, N/m: it deflects by at most a twentieth of the recorded stroke."""
+        return max(20.0 * self.force / self.stroke, 5e4)
+
+    @property
     def middle(self) -> float:
         """Middle of the recorded stroke, m."""
         return 0.5 * (self.extension + self.compression)
