@@ -45,6 +45,13 @@ class Beyond:
         return self.share_of_error > limits().extrapolated and outside > _LARGER**2 * inside
 
     @property
+    def is_of_velocity(self) -> bool:
+        """Whether the velocities are new. Every model is a function of velocity: a blow-off valve there, or a curve of
+        either direction, says no more than that it goes on otherwise.
+        """
+        return self.channel == "velocity"
+
+    @property
     def sentence(self) -> str:
         """With what to do."""
         unit, factor = _UNITS[self.channel]
@@ -55,40 +62,25 @@ class Beyond:
         )
 
 
-def beyond_sentence(state: ModelState) -> str:
-    """That the error is one of extrapolation, where it is; "" elsewhere."""
-    most = _most(state)
-    return most.sentence if most is not None else ""
+def extrapolation(state: ModelState) -> Beyond | None:
+    """The channel beyond whose region most of the error lies, if it is one of extrapolation."""
+    most = max(_each(state), key=lambda one: one.share_of_error, default=None)
+    return most if most is not None and most.is_extrapolation else None
 
 
-def is_beyond_velocity(state: ModelState) -> bool:
-    """Whether most of the error lies at velocities that the model was not identified at. Every model is a function of
-    velocity: a blow-off valve there, or a curve of either direction, says no more than that it goes on otherwise.
-    """
-    most = _most(state)
-    return most is not None and most.channel == "velocity"
-
-
-def inside_region(state: ModelState) -> ModelState | None:
-    """The recordings judged only where the model was identified, if most of the error is one of extrapolation."""
-    most = _most(state)
-    if most is None or 1.0 - most.share_of_time < _LEAST_INSIDE:
+def inside_region(state: ModelState, beyond: Beyond) -> ModelState | None:
+    """The recordings judged only where the model was identified, if they are there often enough."""
+    if 1.0 - beyond.share_of_time < _LEAST_INSIDE:
         return None
 
     def judged_inside(group: Sequence[Measurement]) -> tuple[Measurement, ...]:
-        inside = (in_region(m.kinematics.block, most.channel, most.low, most.high) for m in group)
+        inside = (in_region(m.kinematics.block, beyond.channel, beyond.low, beyond.high) for m in group)
         return tuple(replace(m, judged=m.judged & within) for m, within in zip(group, inside, strict=True))
 
     groups = {name: judged_inside(getattr(state, name)) for name in ("fit", "unseen", "fit_part", "unseen_part")}
     if not all(m.judged.any() for group in groups.values() for m in group):
         return None
     return replace(state, **groups).with_model(state.model)
-
-
-def _most(state: ModelState) -> Beyond | None:
-    """The channel beyond whose region most of the error lies, if it is one of extrapolation."""
-    most = max(_each(state), key=lambda one: one.share_of_error, default=None)
-    return most if most is not None and most.is_extrapolation else None
 
 
 def _each(state: ModelState) -> Iterator[Beyond]:

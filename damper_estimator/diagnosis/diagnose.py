@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified_first, state_of
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
-from damper_estimator.diagnosis.beyond_region import beyond_sentence
+from damper_estimator.diagnosis.beyond_region import Beyond, extrapolation
 from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.diagnosis.evaluation import rmse
 from damper_estimator.diagnosis.explanation import (
@@ -64,9 +64,10 @@ def diagnose(
     given = begun(model, fit, unseen)
     state = identified_first(given, mode)
     before = compare(state.model, *state.unseen)
-    outcome = outcome_of(state, before.noise_floor_n, mode, skip, workers, report)
+    beyond = extrapolation(state)
+    outcome = outcome_of(state, beyond, before.noise_floor_n, mode, skip, workers, report)
     report("done", 1.0)
-    return _diagnosis(state, outcome, before, given)
+    return _diagnosis(state, outcome, beyond, before, given)
 
 
 def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
@@ -83,7 +84,9 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     return state_of(model, fit, unseen)
 
 
-def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: ModelState) -> Diagnosis:
+def _diagnosis(
+    state: ModelState, outcome: Outcome, beyond: Beyond | None, before: Comparison, given: ModelState
+) -> Diagnosis:
     found, again, verdict, steps = outcome.found, outcome.again, outcome.verdict, outcome.steps
     picture, floor = outcome.picture, before.noise_floor_n
     order = [one.element.effect.name for one in found.accepted]
@@ -105,7 +108,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, given: M
         model=before.model,
         verdict=verdict,
         sentence=identified_sentence(given, state)
-        + beyond_sentence(state)
+        + (beyond.sentence if beyond is not None else "")
         + (
             unexplained_sentence(atlas, picture, errors[0], kept_n, floor, reference)
             if verdict == "unexplained"

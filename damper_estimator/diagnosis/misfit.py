@@ -113,10 +113,11 @@ class UsualError:
         """What the error is, compared with that of the identification."""
         if not np.isfinite(self.share):
             return "is what the model has always got wrong"
-        if is_larger(self.share_now, self.share) and self.share_now < limits().notable:
-            compared = f"larger, though still below {100.0 * limits().notable:.2g} % of the force, than"
-        elif is_larger(self.share_now, self.share):  # and the known error accounts for it, or it would be analysed
-            compared = "larger, by what the model has always got wrong, than"
+        if is_larger(self.share_now, self.share):
+            # It is small, or the known error accounts for it: otherwise it would be analysed.
+            small = f"though still below {100.0 * limits().notable:.2g} % of the force"
+            reason = small if self.share_now < limits().notable else "by what the model has always got wrong"
+            compared = f"larger, {reason}, than"
         elif self.share_now > _ALIKE * self.share:
             compared = "larger, but not by more than errors usually differ, than"
         else:

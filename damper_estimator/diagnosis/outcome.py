@@ -12,7 +12,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.accepted import Accepted, regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
-from damper_estimator.diagnosis.beyond_region import inside_region, is_beyond_velocity
+from damper_estimator.diagnosis.beyond_region import Beyond, inside_region
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
@@ -69,21 +69,27 @@ class Outcome:
 
 
 def outcome_of(
-    state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
+    state: ModelState,
+    beyond: Beyond | None,
+    floor_n: float,
+    mode: str,
+    skip: Collection[str],
+    workers: int,
+    progress: Progress,
 ) -> Outcome:
     """The outcome of a search; of a second one without what the first one found, if only that delivers something.
 
     Args:
+        beyond: where most of the error lies, if it is one of extrapolation.
         floor_n: noise floor, N.
         skip: effects that are not tried.
     """
-    first = _searched(state, floor_n, mode, skip, workers, lambda text, share: progress(text, 0.05 + 0.85 * share))
+    searched = partial(_searched, state, beyond, floor_n, mode)
+    first = searched(skip, workers, lambda text, share: progress(text, 0.05 + 0.85 * share))
     if first.steps or not first.found.accepted or first.verdict != "unexplained":
         return first
     promising = set(regions_of(together(first.found.accepted)[0]))
-    again = _searched(
-        state, floor_n, mode, {*skip, *promising}, workers, lambda text, share: progress(text, 0.9 + 0.1 * share)
-    )
+    again = searched({*skip, *promising}, workers, lambda text, share: progress(text, 0.9 + 0.1 * share))
     if not again.steps:
         return first
     aside = tuple(row for row in ranking_of(first.found, set()) if row.effect in promising)
@@ -91,9 +97,15 @@ def outcome_of(
 
 
 def _searched(
-    state: ModelState, floor_n: float, mode: str, skip: Collection[str], workers: int, progress: Progress
+    state: ModelState,
+    beyond: Beyond | None,
+    floor_n: float,
+    mode: str,
+    skip: Collection[str],
+    workers: int,
+    progress: Progress,
 ) -> Outcome:
-    found, data = _inside_first(state, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
+    found, data = _inside_first(state, beyond, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
     if found.set_aside:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
@@ -122,19 +134,20 @@ def _searched(
 
 
 def _inside_first(
-    state: ModelState, mode: str, skip: Collection[str], workers: int, progress: Progress
+    state: ModelState, beyond: Beyond | None, mode: str, skip: Collection[str], workers: int, progress: Progress
 ) -> tuple[Search, DiagnosisData]:
     """As ``first_search``. Where most of the error is one of extrapolation, effects are looked for inside the region of
-    the identification first: outside, a wrong curve hides what is missing everywhere. At velocities that are new to the
-    model nothing is looked for.
+    the identification first: outside, a wrong curve hides what is missing everywhere. If the velocities are new, they
+    are looked for nowhere else.
     """
-    because = ""
-    inside = inside_region(state) if mode != "refit" and not state.is_identified_here else None
-    if inside is not None:
-        found = first_search(inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share))
-        if found[0].accepted and not found[0].set_aside:
-            return found
-        because = NOT_IDENTIFIED_THERE if mode == "both" and is_beyond_velocity(state) else ""
+    looks_inside = beyond is not None and mode != "refit" and not state.is_identified_here
+    inside = inside_region(state, beyond) if looks_inside else None
+    if inside is None:
+        return first_search(state, mode, skip, workers, progress)
+    found = first_search(inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share))
+    if found[0].accepted and not found[0].set_aside:
+        return found
+    because = NOT_IDENTIFIED_THERE if mode == "both" and beyond.is_of_velocity else ""
     return first_search(state, mode, skip, workers, progress, because=because)
 
 

@@ -114,7 +114,7 @@ def evaluated_only(
     skip: Collection[str],
     workers: int,
     progress: Progress,
-    because: str = NOT_NEW,
+    because: str,
 ) -> Search:
     """All hypotheses evaluated once, with the model's parameters kept. None is accepted but a zero that is most of
     what is new: the gauge's belongs to the recordings, whatever the model has always lacked.

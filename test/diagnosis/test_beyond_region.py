@@ -7,7 +7,7 @@ import pytest
 
 from damper_estimator.diagnosis import diagnose
 from damper_estimator.diagnosis.apply_finding import state_of
-from damper_estimator.diagnosis.beyond_region import beyond_sentence, inside_region
+from damper_estimator.diagnosis.beyond_region import extrapolation, inside_region
 from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
@@ -33,13 +33,13 @@ def test_an_error_where_the_model_was_never_identified_is_called_one_of_extrapol
     middle, half = 0.5 * (x.max() + x.min()), 0.5 * np.ptp(x)
     region = [middle - 0.45 * half, middle + 0.45 * half]
     model = identified(user_model, displacement=region, velocity=[-9.0, 9.0])
-    sentence = beyond_sentence(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends]))
+    sentence = extrapolation(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends])).sentence
     assert f"{1e3 * region[0]:.3g} to {1e3 * region[1]:.3g} mm" in sentence and "displacement" in sentence
     assert int(sentence.split(" %")[0]) > 95
 
 
 def test_the_same_error_inside_the_region_is_none(user_model, wrong_at_the_ends):
-    assert beyond_sentence(state_of(user_model, [wrong_at_the_ends], [wrong_at_the_ends])) == ""
+    assert extrapolation(state_of(user_model, [wrong_at_the_ends], [wrong_at_the_ends])) is None
 
 
 def test_an_error_that_is_everywhere_is_none_of_extrapolation(user_model, base):
@@ -47,13 +47,13 @@ def test_an_error_that_is_everywhere_is_none_of_extrapolation(user_model, base):
     everywhere = replace(base, force=force)
     narrow = identified(user_model, displacement=[-1e-3, 1e-3], velocity=np.quantile(
         base.kinematics.block[V], [0.3, 0.7]).tolist())  # fmt: skip
-    assert beyond_sentence(state_of(narrow, [everywhere], [everywhere])) == ""
+    assert extrapolation(state_of(narrow, [everywhere], [everywhere])) is None
 
 
 @pytest.mark.parametrize("region", [None, "wide", {}, {"displacement": 3.0}, {"displacement": ["a", "b"]}])
 def test_a_record_that_was_edited_by_hand_is_no_error(user_model, wrong_at_the_ends, region):
     model = replace(user_model, fit={**user_model.fit, "region": region})
-    assert beyond_sentence(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends])) == ""
+    assert extrapolation(state_of(model, [wrong_at_the_ends], [wrong_at_the_ends])) is None
 
 
 @pytest.fixture
@@ -103,8 +103,8 @@ def test_inside_is_what_the_model_was_identified_at(slow_model, base):
     model, ends = slow_model
     outside = yielding(base, ends, base.force)
     state = state_of(model, [outside], [outside])
-    inside = inside_region(state)
+    inside = inside_region(state, extrapolation(state))
     v = base.kinematics.block[V]
     assert np.array_equal(inside.fit[0].judged, base.judged & (v >= ends[0]) & (v <= ends[1]))
     assert inside.rmse_unseen_n < 0.5 * state.rmse_unseen_n
-    assert inside_region(state_of(model, [base], [base])) is None
+    assert extrapolation(state_of(model, [base], [base])) is None
