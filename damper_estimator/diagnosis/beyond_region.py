@@ -47,7 +47,7 @@ class Beyond:
     @property
     def is_of_velocity(self) -> bool:
         """Whether the velocities are new. Every model is a function of velocity: a blow-off valve there, or a curve of
-        either direction, says no more than that it goes on otherwise.
+        either direction, says no more than that the curve continues differently.
         """
         return self.channel == "velocity"
 

@@ -41,7 +41,7 @@ KINDS: dict[str, str] = {
     "source": "adds force",
     "modifier": "rewrites the force of the effects before it",
     "input": "rewrites the motion or the slow channels for the effects after it in its path",
-    "series": "wraps a path behind a compliance; its force over deflection (X), its rate (V) and displacement (STROKE)",
+    "series": "wraps a path behind a compliance; the kernel is its force over deflection (X) and deflection rate (V)",
     "channel": "acts on the recording, offline only; corrected in the signal map",
     "path": "a separate force that is added to its parent",
     "scaled": "first in the path of a series effect: modifiers that scale the series effect itself",
