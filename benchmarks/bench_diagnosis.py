@@ -5,6 +5,7 @@
     python benchmarks/bench_diagnosis.py --seed 7 --again      # judge them again with the saved recordings and models
     python benchmarks/bench_diagnosis.py --seed 7 8            # several runs in one set of tables
     python benchmarks/bench_diagnosis.py --only friction --cases 10 --no-improve
+    python benchmarks/bench_diagnosis.py --given DIR           # cases from elsewhere (population/given_cases.py)
 
 Dampers, effects, drives, sensors and users' models are drawn at random (benchmarks/population). Every case runs in a
 separate process and is one line in OUT/SEED/results.jsonl; without ``--seed`` an interrupted run continues, and a new
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from page_tables import write_tables
+from population import given_cases
 from population.case_processes import Order, done, results
 from population.cases import PHENOMENA, Card, deck
 from population.real_cases import there
@@ -30,19 +32,22 @@ LIMIT = 600.0  # s of processor time per case
 
 
 def chosen(seed: int, arguments: argparse.Namespace) -> list[Card]:
-    """The first selected cards of the deck."""
+    """The first selected cards, of those from elsewhere or of the deck."""
     wanted = set(arguments.only)
 
     def fits(card: Card) -> bool:
         by_kind = card.kind in arguments.kind
         return by_kind and (not wanted or bool(wanted & set(card.hidden)))
 
-    return list(islice((card for card in deck(seed, there()) if fits(card)), arguments.cases))
+    every = given_cases.cards(arguments.given) if arguments.given else deck(seed, there())
+    return list(islice((card for card in every if fits(card)), arguments.cases))
 
 
 def seeds_of(arguments: argparse.Namespace) -> list[int]:
-    """The given seeds, that of an interrupted run, or a new one."""
+    """The given seeds, that of an interrupted run, or a new one; 0 for cases from elsewhere."""
     unfinished = arguments.out / "unfinished.txt"
+    if arguments.given:
+        return [0]
     if arguments.seed:
         return arguments.seed
     if unfinished.exists():
@@ -52,19 +57,22 @@ def seeds_of(arguments: argparse.Namespace) -> list[int]:
 
 def run(seed: int, arguments: argparse.Namespace) -> list[dict[str, Any]]:
     """The records of all selected cases of a seed; those that are missing are judged."""
-    folder = arguments.out / str(seed)
+    folder = arguments.out / (f"given_{arguments.given.name}" if arguments.given else str(seed))
     folder.mkdir(parents=True, exist_ok=True)
-    (arguments.out / "unfinished.txt").write_text(str(seed))
+    if not arguments.given:
+        (arguments.out / "unfinished.txt").write_text(str(seed))
     place = folder / "results.jsonl"
     cards = chosen(seed, arguments)
-    print(f"seed {seed}: {len(cards)} cases in {folder}", flush=True)
+    print(f"{len(cards)} cases in {folder}", flush=True)
     known = {} if arguments.again else done(place)
     records = {card.name: known[card.name] for card in cards if card.name in known}
-    order = Order(seed, folder / "cases", not arguments.no_improve, arguments.limit)
+    order = Order(seed, folder / "cases", not arguments.no_improve, arguments.limit, arguments.given)
     for record in results([card for card in cards if card.name not in records], order, arguments.workers, place):
         records[record["name"]] = record
         print(f"{len(records)}/{len(cards)} {line(record)}", flush=True)
-    (arguments.out / "unfinished.txt").unlink(missing_ok=True)
+    if not arguments.given:
+        (arguments.out / "unfinished.txt").unlink(missing_ok=True)
+    (folder / "tables.md").write_text(report([records[card.name] for card in cards], [seed]) + "\n")
     return [records[card.name] for card in cards]
 
 
@@ -74,6 +82,7 @@ def main() -> None:
     full = os.environ.get("FULL", "") not in ("", "0")
     parser.add_argument("--cases", type=int, default=FULL_CASES if full else CASES, metavar="N", help="of each seed")
     parser.add_argument("--seed", type=int, nargs="+", metavar="N")
+    parser.add_argument("--given", type=Path, metavar="DIR", help="judge the cases of a folder instead of drawn ones")
     parser.add_argument("--only", nargs="+", choices=PHENOMENA, default=[], metavar="PHENOMENON")
     parser.add_argument("--kind", nargs="+", choices=("hidden", "nothing", "pair", "real"),
                         default=("hidden", "nothing", "pair", "real"))  # fmt: skip
@@ -88,7 +97,6 @@ def main() -> None:
         print("no real recordings (DAMPER_SHARED_DATA): their cases are skipped", flush=True)
     seeds = seeds_of(arguments)
     text = report([record for seed in seeds for record in run(seed, arguments)], seeds)
-    (arguments.out / str(seeds[-1]) / "tables.md").write_text(text + "\n")
     print(text)
     if arguments.output:
         write_tables(arguments.output, text)

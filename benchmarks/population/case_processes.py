@@ -26,12 +26,15 @@ class TooLong(Exception):
 
 @dataclass(frozen=True)
 class Order:
-    """Options for judging cases: ``folder`` for recordings and models, ``limit`` in s of processor time per case."""
+    """Options for judging cases: ``folder`` for recordings and models, ``limit`` in s of processor time per case,
+    ``given`` a folder of cases from elsewhere, None for drawn ones.
+    """
 
     seed: int
     folder: Path
     improving: bool
     limit: float
+    given: Path | None = None
 
 
 def results(cards: Sequence[Card], order: Order, workers: int, place: Path) -> Iterator[dict[str, Any]]:
@@ -109,7 +112,7 @@ def _one(card: Card, order: Order, end: Any) -> None:
         _limit(order.limit)
         from population.case_records import record
 
-        found = record(card, order.seed, order.folder, order.improving)
+        found = record(card, order.seed, order.folder, order.improving, order.given)
     except Exception as fault:  # a failed case counts and must not end the run
         found = facts(card) | {"failed": f"{type(fault).__name__}: {fault}", "traceback": traceback.format_exc()}
     end.send(found)

@@ -10,17 +10,22 @@ import numpy as np
 
 import damper_estimator as de
 from damper_estimator.model import DamperModel
-from population import ablated_models, cases, real_cases, saved_cases, user_models
+from population import ablated_models, cases, given_cases, real_cases, saved_cases, user_models
 from population.cases import Card, Case
 from population.measurement_chain import Samples
 from population.user_models import DAMPER
 
 
-def record(card: Card, seed: int, folder: Path, improving: bool) -> dict[str, Any]:
-    """One line of the results."""
+def record(card: Card, seed: int, folder: Path, improving: bool, given: Path | None) -> dict[str, Any]:
+    """One line of the results.
+
+    Args:
+        folder: of recordings and models that were drawn or read before.
+        given: folder of cases from elsewhere; None for drawn ones.
+    """
     kept = saved_cases.saved(folder, card.name)
     if kept is None:
-        kept = prepared(card, seed)
+        kept = prepared(card, seed) if given is None else given_cases.prepared(given, card)
         saved_cases.save(folder, card.name, kept)
     return kept.facts | judged(kept, improving) | {"all_cpu": process_time()}
 
