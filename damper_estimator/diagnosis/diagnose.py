@@ -6,10 +6,11 @@ parameters from a missing effect.
 """
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified_first, state_of
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
-from damper_estimator.diagnosis.beyond_region import Beyond, extrapolation
+from damper_estimator.diagnosis.beyond_region import extrapolation
 from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.diagnosis.evaluation import rmse
 from damper_estimator.diagnosis.explanation import (
@@ -20,6 +21,7 @@ from damper_estimator.diagnosis.explanation import (
 )
 from damper_estimator.diagnosis.informative import stretches_used
 from damper_estimator.diagnosis.misfit import usual_error
+from damper_estimator.diagnosis.moving_zero import steadied
 from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_force
 from damper_estimator.diagnosis.result import Diagnosis
 from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
@@ -62,12 +64,15 @@ def diagnose(
     report = progress or (lambda text, share: None)
     report("reading the model's error", 0.0)
     given = begun(model, fit, unseen)
-    state = identified_first(given, mode)
+    identified = identified_first(given, mode)
+    state, moved = steadied(identified)
     before = compare(state.model, *state.unseen)
     beyond = extrapolation(state)
     outcome = outcome_of(state, beyond, before.noise_floor_n, mode, skip, workers, report)
     report("done", 1.0)
-    return _diagnosis(state, outcome, beyond, before, given)
+    said = identified_sentence(given, identified) + (moved[0].sentence if moved else "")
+    found = _diagnosis(state, outcome, before, said + (beyond.sentence if beyond is not None else ""))
+    return replace(found, identified=identified if identified is not given else None)
 
 
 def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
@@ -84,9 +89,7 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     return state_of(model, fit, unseen)
 
 
-def _diagnosis(
-    state: ModelState, outcome: Outcome, beyond: Beyond | None, before: Comparison, given: ModelState
-) -> Diagnosis:
+def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, said: str) -> Diagnosis:
     found, again, verdict, steps = outcome.found, outcome.again, outcome.verdict, outcome.steps
     picture, floor = outcome.picture, before.noise_floor_n
     order = [one.element.effect.name for one in found.accepted]
@@ -107,8 +110,7 @@ def _diagnosis(
     return Diagnosis(
         model=before.model,
         verdict=verdict,
-        sentence=identified_sentence(given, state)
-        + (beyond.sentence if beyond is not None else "")
+        sentence=said
         + (
             unexplained_sentence(atlas, picture, errors[0], kept_n, floor, reference)
             if verdict == "unexplained"
@@ -133,7 +135,6 @@ def _diagnosis(
         steps=tuple((finding, at) for _, finding, _, at in taken),
         atlas=atlas,
         phenomena=phenomena_of(found.rounds[0]),
-        identified=state if state is not given else None,
         reference_n=reference,
         stretches=stretches_used("fit", state.fit, state.fit_part)
         + stretches_used("unseen", state.unseen, state.unseen_part),

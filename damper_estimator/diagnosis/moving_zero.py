@@ -1,0 +1,99 @@
+"""A zero of the gauge that moves during a recording: it creeps, jumps or wanders.
+
+No effect of the damper and no correction of the signal map follows it, but beside an error that it makes, what is
+missing is seen badly, and what grows with time or temperature is seen where it is not. So effects are looked for
+without it: the movement, about its mean, is subtracted from the recordings that they are fitted to and judged on. Read
+off whole cycles of the model's error, it must be the same whatever the motion (``validation.drift``).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.model import DamperModel
+from damper_estimator.numbers import number
+from damper_estimator.signals import Measurement
+from damper_estimator.validation.drift import drift
+from damper_estimator.validation.error_parts import LEAST_SHARE
+from damper_estimator.validation.surrogate import surrogate
+
+_LEAST_KELVIN = 1.0
+_FOLLOWS = 0.95  # correlation of the movement with the temperature, from which on gas may make it
+
+
+@dataclass(frozen=True)
+class MovingZero:
+    """The movement in one recording.
+
+    Attributes:
+        recording: its name.
+        begin, end: s since the first sample, between which it is largest.
+        change: N.
+        share: of the squared error about its mean.
+        line: (n,) N, the movement about its mean.
+    """
+
+    recording: str
+    begin: float
+    end: float
+    change: float
+    share: float
+    line: np.ndarray
+
+    @property
+    def sentence(self) -> str:
+        """With what to do."""
+        return (
+            f"The gauge's zero moves by {number(self.change)} N between {self.begin:.3g} and {self.end:.3g} s of "
+            f"{self.recording} ({100.0 * self.share:.0f} % of the squared error about its mean), which is left out "
+            "here: tare in between, or cut the recording there. "
+        )
+
+
+def steadied(state: ModelState) -> tuple[ModelState, tuple[MovingZero, ...]]:
+    """The state with zeros that do not move in the parts that effects are fitted to and judged on; and how they moved,
+    the largest share first.
+    """
+    moved: list[MovingZero] = []
+
+    def steady(group: Sequence[Measurement]) -> tuple[Measurement, ...]:
+        found = [moving_zero(state.model, m) for m in group]
+        moved.extend(one for one in found if one is not None)
+        return tuple(
+            m if one is None else replace(m, force=m.force - one.line) for m, one in zip(group, found, strict=True)
+        )
+
+    fit, unseen = steady(state.fit_part), steady(state.unseen_part)
+    if not moved:
+        return state, ()
+    return replace(state, fit_part=fit, unseen_part=unseen), tuple(sorted(moved, key=lambda one: -one.share))
+
+
+def moving_zero(model: DamperModel, m: Measurement) -> MovingZero | None:
+    """How a recording's zero moves against a model; None where it does not, or hardly matters, or follows the
+    temperature, as warm gas does.
+    """
+    k, judged = m.kinematics, m.judged
+    error = m.in_band(m.force) - m.in_band(np.nan_to_num(model.force(k.block)))
+    if not np.isfinite(error[judged]).all():
+        return None
+    explained = surrogate([m], [error])
+    if explained is None or explained.zeros[0] is None:
+        return None
+    zero, time = explained.zeros[0], k.time - k.time[0]
+    line = np.interp(time, zero.knots, zero.value)
+    line -= line[judged].mean()
+    share = float(np.mean(line[judged] ** 2) / max(np.var(error[judged]), 1e-300))
+    if share < LEAST_SHARE or _follows(k.temperature[judged], line[judged]):
+        return None
+    found = drift(m, explained)
+    return None if found is None else MovingZero(m.recording, found.begin, found.end, found.change, share, line)
+
+
+def _follows(temperature: np.ndarray, line: np.ndarray) -> bool:
+    known = np.isfinite(temperature)
+    if not known.any() or np.ptp(temperature[known]) < _LEAST_KELVIN:
+        return False
+    return abs(float(np.corrcoef(temperature[known], line[known])[0, 1])) > _FOLLOWS
