@@ -20,6 +20,7 @@ from damper_estimator.signals.layout import ROWS, A, T, V, X
 
 _LEAST_REACH, _MOST_REACH = 1e-6, 0.1  # m, of a spring's deflection
 _GRID = 2001  # points of its curve
+_GIVES_WAY = 0.1  # of its stiffness is left
 
 
 @compiled
@@ -63,7 +64,11 @@ def rows_with_force(model: DamperModel, rows: Sequence[Rows], inside: Sequence[E
 
 
 def _behind(spring: Element, block: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """The block (8, n) with the motion behind a series spring that carries a force (n,) in N."""
+    """The block (8, n) with the motion behind a series spring that carries a force (n,) in N.
+
+    Where it gives way, as a pocket of gas does that carries no more, its deflection says nothing of the force: it is
+    that of the largest force at which it is still stiff.
+    """
     alone = DamperModel("spring", "", (replace(spring, effect=replace(spring.effect, kind="source"), path=()),))
     reach = _LEAST_REACH
     while True:
@@ -71,13 +76,22 @@ def _behind(spring: Element, block: np.ndarray, force: np.ndarray) -> np.ndarray
         over = np.zeros((ROWS, _GRID))
         over[X] = grid
         carried = alone.force(over)
-        if reach >= _MOST_REACH or (carried[0] <= force.min() and carried[-1] >= force.max()):
+        slope, middle = np.gradient(carried, grid), _GRID // 2
+        low, high = middle - _stiff(slope[middle::-1]), middle + _stiff(slope[middle:])
+        covers = (low > 0 or carried[0] <= force.min()) and (high < _GRID - 1 or carried[-1] >= force.max())
+        if reach >= _MOST_REACH or covers:
             break
         reach *= 2.0
-    deflection = np.interp(force, carried, grid)
+    deflection = np.interp(force, carried[low : high + 1], grid[low : high + 1])
     rate = np.gradient(deflection, block[T])
     moved = block.copy()
     moved[X] -= deflection
     moved[V] -= rate
     moved[A] -= np.gradient(rate, block[T])
     return moved
+
+
+def _stiff(slope: np.ndarray) -> int:
+    """The last of some stiffnesses (n,) from rest outwards before one that is far below the largest so far."""
+    soft = slope < _GIVES_WAY * np.maximum.accumulate(slope)
+    return max(int(np.argmax(soft)) - 1, 1) if soft.any() else slope.size - 1

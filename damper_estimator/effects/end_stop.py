@@ -39,6 +39,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="end_stop",
+    beside_oil=True,
     tests=("stops",),
     parameters=(
         Parameter("bump_stiffness", "N/m^p", 0.0, 0.0, 1e9, "stiffness of the bump stop", linear=True),

@@ -45,6 +45,7 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="end_stop",
+    beside_oil=True,
     tests=("stops", "position"),
     parameters=(
         Parameter("bump_damping", "N*s/m", 0.0, 0.0, 1e6, "damping of the bump stop at the depth", linear=True),
