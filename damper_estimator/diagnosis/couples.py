@@ -107,7 +107,7 @@ def most_promising(current: Round, couples: Sequence[Couple], most: float) -> li
 
 def _checked(current: Round, couples: Sequence[Couple]) -> list[Couple]:
     """In order of what they really leave on excerpts, where the steps end or on the way there."""
-    rows, model = sketch(current.baseline.data.fit), current.baseline.model
+    rows, model = sketch(current.baseline.data.fit, current.baseline.residual_fit), current.baseline.model
     target = targets(rows)
 
     def left(couple: Couple) -> float:

@@ -56,7 +56,7 @@ def jointly_refitted(baseline: Baseline, hypotheses: Sequence[Hypothesis]) -> li
     best: dict[str, Hypothesis] = {}
     for hypothesis in hypotheses:
         best.setdefault(hypothesis.phenomenon, hypothesis)
-    rows = LocalRows(sketch(baseline.data.with_zero.fit))
+    rows = LocalRows(sketch(baseline.data.with_zero.fit, baseline.residual_fit))
     begun = [descent for one in best.values() if (descent := _begun(baseline, one, rows)) is not None]
     least = min((descent.end.cost for descent in begun), default=np.inf)
     promising = [descent for descent in begun if descent.end.cost <= _WORTH * least and np.isfinite(descent.end.cost)]

@@ -10,7 +10,7 @@ from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, force_rows,
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.identification import LocalRows, Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
-from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.rows import Rows, excerpts, split
 from damper_estimator.identification.start_points import candidates as start_sizes
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
@@ -71,7 +71,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in
         return min(fits, key=lambda fit: float(np.sum((baseline.residual_fit + fit.change_fit) ** 2)))
     given, data = baseline.for_effect(hypothesis.effect)
     problem = hypothesis.problem(given, data.fit)
-    vector = _fitted(problem, hypothesis, given, data)
+    vector = _fitted(problem, hypothesis, baseline.residual_fit, given, data)
     model = problem.model_at(vector)
     force_fit, force_unseen = force_rows(model, data.fit), force_rows(model, data.unseen)
     change_fit = np.nan_to_num(force_fit - baseline.residual_fit - targets(data.fit))
@@ -143,11 +143,13 @@ def _is_silent(rows: np.ndarray, data: DiagnosisData, share: float = _SILENT) ->
     return bool(np.abs(rows).max(initial=0.0) <= share * np.abs(targets(data.fit)).max())
 
 
-def _fitted(problem: Problem, hypothesis: Hypothesis, given: DamperModel, data: DiagnosisData) -> np.ndarray:
+def _fitted(
+    problem: Problem, hypothesis: Hypothesis, residual: np.ndarray, given: DamperModel, data: DiagnosisData
+) -> np.ndarray:
     """(slots,) values after the search from the best starts: on excerpts, and on all rows if they explain something."""
     start, iterations = problem.start, _ITERATIONS
     if hypothesis.starts and problem.searched.size:
-        few = sketch(data.fit)
+        few = sketch(data.fit, residual)
         found = sketched(problem.on(LocalRows(few)), hypothesis)
         if found is None:
             return problem.vector(start, np.array([problem.slots[i].value for i in problem.solved]))
@@ -184,12 +186,23 @@ def sizes_of(problem: Problem) -> np.ndarray:
     return np.where(problem.start == 0.0, np.maximum(size, _RANGE * span), size)
 
 
-def sketch(rows: Sequence[Rows]) -> list[Rows]:
-    """Excerpts of the recordings, on which starts are compared."""
+def sketch(rows: Sequence[Rows], residual: np.ndarray | None = None) -> list[Rows]:
+    """Excerpts of the recordings, on which starts are compared.
+
+    Args:
+        residual: (r,) what is to be explained; where it is large, starts are compared rather than elsewhere: a stop
+            that is hit twice is not in most excerpts.
+    """
     total = sum(len(part.measurement.kinematics) for part in rows)
     if total <= _SKETCH:
         return list(rows)
-    return [part for part in LocalRows(rows).excerpts(_SKETCH, total).rows if part.picks.size > 2]
+    few = []
+    errors = [None] * len(rows) if residual is None else split(rows, residual)
+    for part, error in zip(rows, errors, strict=True):
+        size = len(part.measurement.kinematics)
+        square = None if error is None else np.bincount(part.picks, error**2, minlength=size)
+        few += [part.part(cut) for cut in excerpts(part.measurement, _SKETCH * size // total, interest=square)]
+    return [part for part in few if part.picks.size > 2]
 
 
 def at_bound(problem: Problem, vector: np.ndarray, slots: Sequence[int]) -> tuple[str, ...]:

@@ -168,10 +168,13 @@ def _depends(model: DamperModel, block: np.ndarray, row: int) -> bool:
     return not np.array_equal(model.force(low), model.force(high), equal_nan=True)
 
 
-def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> list[slice]:
+def excerpts(
+    measurement: Measurement, samples: int, length: float = 3.0, interest: np.ndarray | None = None
+) -> list[slice]:
     """Parts of ``length`` seconds, of about ``samples`` in total; the whole where it is shorter.
 
-    One in each of as many equal shares of the recording: the one with the most motion and change of the slow channels.
+    One in each of as many equal shares of the recording: the one with the most motion and change of the slow channels,
+    and the most ``interest`` (n,), each in comparison with its mean over the recording.
     """
     size = len(measurement.kinematics)
     each = max(int(length * measurement.kinematics.rate), 2)
@@ -179,12 +182,16 @@ def excerpts(measurement: Measurement, samples: int, length: float = 3.0) -> lis
         return [slice(0, size)]
     count = max(samples // each, 1)
     lively = _liveliness(measurement)
+    gathered = np.concatenate([[0.0], np.cumsum(np.zeros(size) if interest is None else interest)])
     parts = []
     for k in range(count):
         first, last = k * size // count, max((k + 1) * size // count - each, k * size // count)
         starts = np.unique(np.linspace(first, last, 2 * (last - first) // each + 1).astype(int))
-        amounts = [float(lively[:, start : start + each].std(axis=1).sum()) for start in starts]
-        start = min(int(starts[int(np.argmax(amounts))]), size - each)
+        motion = np.array([float(lively[:, start : start + each].std(axis=1).mean()) for start in starts])
+        ends = np.minimum(starts + each, size)
+        amount = (gathered[ends] - gathered[starts]) / (ends - starts)
+        mean = gathered[-1] / size
+        start = min(int(starts[int(np.argmax(motion + (amount / mean if mean > 0.0 else 0.0)))]), size - each)
         parts.append(slice(start, start + each))
     return parts
 

@@ -71,3 +71,13 @@ def test_a_lag_at_its_bound_returns_to_the_models_value(measured):
     ended = problem.start.copy()
     ended[lag] = problem.lower[problem.searched[lag]]
     np.testing.assert_array_equal(released(problem, ended, problem.start), problem.start)
+
+
+def test_an_excerpt_shows_what_is_of_interest_however_rare(measured):
+    recorded = measured(load_model("semi_active_yield"), command=np.full(4000, 0.5))
+    for at in (100, 1700, 3900):
+        interest = np.zeros(4000)
+        interest[at : at + 20] = 1.0
+        (part,) = excerpts(recorded, 800, interest=interest)
+        assert part.start <= at < part.stop
+    assert excerpts(recorded, 800, interest=np.ones(4000)) == excerpts(recorded, 800)
