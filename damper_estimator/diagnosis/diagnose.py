@@ -8,6 +8,8 @@ parameters from a missing effect.
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from damper_estimator.diagnosis.apply_finding import ModelState, identified_first, state_of
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
 from damper_estimator.diagnosis.beyond_region import extrapolation
@@ -21,13 +23,13 @@ from damper_estimator.diagnosis.explanation import (
 )
 from damper_estimator.diagnosis.informative import stretches_used
 from damper_estimator.diagnosis.misfit import usual_error
-from damper_estimator.diagnosis.moving_zero import steadied
+from damper_estimator.diagnosis.moving_zero import by_itself, steadied
 from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_force
-from damper_estimator.diagnosis.result import Diagnosis
+from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
 from damper_estimator.identification import check_motion, usable
-from damper_estimator.model import DamperModel
+from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
 from damper_estimator.validation import Comparison, compare, data_findings, reference_error
 
@@ -71,7 +73,13 @@ def diagnose(
     outcome = outcome_of(state, beyond, before.noise_floor_n, mode, skip, workers, report)
     report("done", 1.0)
     said = identified_sentence(given, identified) + (moved[0].sentence if moved else "")
-    found = _diagnosis(state, outcome, before, said + (beyond.sentence if beyond is not None else ""))
+    found = _diagnosis(
+        state,
+        outcome,
+        before,
+        said + (beyond.sentence if beyond is not None else ""),
+        by_itself(identified, state, moved, outcome.found.rounds[0].hidden),
+    )
     return replace(found, identified=identified if identified is not given else None)
 
 
@@ -89,7 +97,9 @@ def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measu
     return state_of(model, fit, unseen)
 
 
-def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, said: str) -> Diagnosis:
+def _diagnosis(
+    state: ModelState, outcome: Outcome, before: Comparison, said: str, movement: tuple[Finding, Element] | None
+) -> Diagnosis:
     found, again, verdict, steps = outcome.found, outcome.again, outcome.verdict, outcome.steps
     picture, floor = outcome.picture, before.noise_floor_n
     order = [one.element.effect.name for one in found.accepted]
@@ -98,7 +108,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, said: st
         for one, at, old, new in steps
     ]
     ordered = sorted(taken, key=lambda group: group[0])
-    findings = tuple(finding for _, finding, _, _ in ordered)
+    named = [(finding, element) for _, finding, element, _ in ordered]
     last = steps[-1][1] if steps else state
     baseline = found.rounds[0].baseline
     kept_n = rmse(baseline, found.rounds[0].kept)
@@ -106,6 +116,12 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, said: st
     is_usual = bool(found.set_aside) and not is_beyond
     usual = usual_error(state.model, share_of_force(state, baseline.data)) if is_usual else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
+    if movement is not None and all(finding.effect != movement[0].effect for finding, _ in named):
+        is_largest = all(finding.fall < movement[0].fall for finding, _ in named)
+        named = [movement, *named] if is_largest else [*named, movement]
+        errors = errors[0], float(np.sqrt(max(errors[1] ** 2 - movement[0].fall, floor**2)))
+        verdict = verdict if verdict == "parameters_changed" else "missing"
+    findings = tuple(finding for finding, _ in named)
     reference = reference_error(state.fit_part, state.unseen)
     return Diagnosis(
         model=before.model,
@@ -121,7 +137,7 @@ def _diagnosis(state: ModelState, outcome: Outcome, before: Comparison, said: st
         force_rms_n=before.measures.force_rms_n,
         noise_floor_n=floor,
         findings=findings,
-        elements=tuple(element for _, _, element, _ in ordered),
+        elements=tuple(element for _, element in named),
         ranking=ranking_of(found, {finding.effect for finding in findings}) + outcome.undelivered,
         untestable=found.untestable,
         moved=again.moved if again is not None and verdict == "parameters_changed" else (),

@@ -198,7 +198,7 @@ def _instead(step: Step) -> str:
 
 def _why_it_ends(found: Diagnosis) -> str:
     """Why nothing more was added after the last diagnosis."""
-    if found.verdict == "unexplained":
+    if found.verdict == "unexplained" or (found.verdict == "missing" and not found.steps):
         return found.sentence
     if found.verdict == "missing":
         return f"It ends although {found.findings[0].effect} may be missing: no more effects are added at a time."

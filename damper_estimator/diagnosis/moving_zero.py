@@ -3,7 +3,8 @@
 No effect of the damper and no correction of the signal map follows it, but beside an error that it makes, what is
 missing is seen badly, and what grows with time or temperature is seen where it is not. So effects are looked for
 without it: the movement, about its mean, is subtracted from the recordings that they are fitted to and judged on. Read
-off whole cycles of the model's error, it must be the same whatever the motion (``validation.drift``).
+off whole cycles of the model's error, it must be the same whatever the motion (``validation.drift``). Where it is a
+good part of the error, it is a finding itself.
 """
 
 from collections.abc import Sequence
@@ -12,14 +13,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
-from damper_estimator.model import DamperModel
+from damper_estimator.diagnosis.evaluation import HIGH, LOW
+from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.result import Finding
+from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.model import DamperModel, Element
 from damper_estimator.numbers import number
+from damper_estimator.numerics import block_draws
 from damper_estimator.signals import Measurement
 from damper_estimator.validation.drift import drift
 from damper_estimator.validation.error_parts import LEAST_SHARE
 from damper_estimator.validation.surrogate import surrogate
 
 _LEAST_KELVIN = 1.0
+_MOST_SAID = 3  # recordings, in the evidence
 _FOLLOWS = 0.95  # correlation of the movement with the temperature, from which on gas may make it
 
 
@@ -43,13 +50,17 @@ class MovingZero:
     line: np.ndarray
 
     @property
-    def sentence(self) -> str:
-        """With what to do."""
+    def words(self) -> str:
+        """When, and by how much."""
         return (
             f"The gauge's zero moves by {number(self.change)} N between {self.begin:.3g} and {self.end:.3g} s of "
-            f"{self.recording} ({100.0 * self.share:.0f} % of the squared error about its mean), which is left out "
-            "here: tare in between, or cut the recording there. "
+            f"{self.recording} ({100.0 * self.share:.0f} % of the squared error about its mean)."
         )
+
+    @property
+    def sentence(self) -> str:
+        """With what to do."""
+        return f"{self.words[:-1]}, which is left out here: tare in between, or cut the recording there. "
 
 
 def steadied(state: ModelState) -> tuple[ModelState, tuple[MovingZero, ...]]:
@@ -69,6 +80,58 @@ def steadied(state: ModelState) -> tuple[ModelState, tuple[MovingZero, ...]]:
     if not moved:
         return state, ()
     return replace(state, fit_part=fit, unseen_part=unseen), tuple(sorted(moved, key=lambda one: -one.share))
+
+
+def by_itself(
+    state: ModelState, steady: ModelState, moved: Sequence[MovingZero], hidden: Sequence[Hypothesis]
+) -> tuple[Finding, Element] | None:
+    """The movement as a finding, and its entry; None where it is a small part of the error, or of the force.
+
+    Args:
+        state, steady: with the zeros as they were recorded, and without their movement.
+        hidden: what the freed zero hides, among it the effect that a zero is.
+    """
+    zero = next((one.element for one in hidden if one.effect.kind == "channel"), None)
+    if not moved or zero is None:
+        return None
+    with_it, without = (_errors(state.model, each.unseen_part) for each in (state, steady))
+    gain = 1.0 - float(np.sum(without**2) / max(np.sum(with_it**2), 1e-300))
+    force = float(np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in state.unseen_part])))
+    fall = state.rmse_unseen_n**2 * max(gain, 0.0)
+    if gain < limits().gain or np.sqrt(fall) < limits().notable * force:
+        return None
+    blocks = np.array_split(np.stack([with_it, without]) ** 2, max(int(_seconds(state.unseen_part)), 2), axis=1)
+    before, after = np.array([block.sum(axis=1) for block in blocks]).T
+    drawn = block_draws(before.size)
+    low, high = np.percentile(1.0 - (drawn @ after) / np.maximum(drawn @ before, 1e-300), [LOW, HIGH])
+    finding = Finding(
+        effect=zero.effect.name,
+        phenomenon=zero.effect.phenomenon,
+        tied_with=(),
+        rmse_before_n=state.rmse_unseen_n,
+        rmse_after_n=float(np.sqrt(state.rmse_unseen_n**2 - fall)),
+        share_of_explainable_error=gain,
+        confidence=limits().form_right,
+        gain=gain,
+        low=float(low),
+        high=float(high),
+        evidence=" ".join(one.words for one in moved[:_MOST_SAID]),
+        test_to_separate=zero.effect.separate,
+        remark="It moves during a recording: no correction of the signal map follows it.",
+        parameters=(),
+        is_channel=True,
+    )
+    return finding, zero
+
+
+def _errors(model: DamperModel, group: Sequence[Measurement]) -> np.ndarray:
+    """(r,) N, the model's error in band at all judged samples."""
+    forces = [(m, np.nan_to_num(model.force(m.kinematics.block))) for m in group]
+    return np.concatenate([(m.in_band(force) - m.in_band(m.force))[m.judged] for m, force in forces])
+
+
+def _seconds(group: Sequence[Measurement]) -> float:
+    return sum(float(np.sum(m.kinematics.dt[m.judged])) for m in group)
 
 
 def moving_zero(model: DamperModel, m: Measurement) -> MovingZero | None:

@@ -97,6 +97,11 @@ class Finding:
     is_channel: bool
     partner: str = ""
 
+    @property
+    def fall(self) -> float:
+        """By how much it lowers the mean squared error on unseen data, N^2."""
+        return self.rmse_before_n**2 - self.rmse_after_n**2
+
     def record(self) -> dict[str, object]:
         """For JSON."""
         return asdict(self)

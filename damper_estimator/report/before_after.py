@@ -169,11 +169,11 @@ class Explained:
 
 
 def explained(shown: BeforeAfter, finding: Finding) -> Explained | None:
-    """What a found effect accounts for; None where the improved model does not have it."""
+    """What a found effect accounts for; None where the improved model does not have it, or nothing was corrected."""
     worst = shown.worst
     if finding.is_channel:
         part = worst.raw - worst.measured
-        return Explained(part - worst.error_after, part)
+        return Explained(part - worst.error_after, part) if part.any() else None
     improved, measurement = shown.after.model, shown.after.traces[shown.worst_index].measurement
     label = _label(improved.slots, finding)
     if label is None:

@@ -140,6 +140,7 @@ def _finding(finding) -> Piece:
         ("unseen error", text["errors"]),
     ]
     where = "correct the signal map" if finding.is_channel else "add and refit"
+    add = html.Button(where, id={"type": "add", "effect": finding.effect, "from": "finding"}, className="primary")
     tied = []
     if text["tied"]:
         group = "+".join((finding.phenomenon, *finding.tied_with))
@@ -151,9 +152,7 @@ def _finding(finding) -> Piece:
             html.Div(
                 [
                     html.H2([text["name"], html.Small(f" by {finding.effect}")]),
-                    html.Button(
-                        where, id={"type": "add", "effect": finding.effect, "from": "finding"}, className="primary"
-                    ),
+                    *([add] if finding.parameters else []),  # nothing corrects a zero that moves
                 ],
                 className="title",
             ),

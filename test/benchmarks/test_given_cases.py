@@ -27,7 +27,16 @@ def write(folder, name, hidden, **more):
 def test_a_case_from_elsewhere_is_judged_like_a_drawn_one(tmp_path):
     given = tmp_path / "given"
     given.mkdir()
-    write(given, "000", ["gas_spring"], level="strong", strength=0.4, form="gas above the oil", damper="strut", drive="sines")
+    write(
+        given,
+        "000",
+        ["gas_spring"],
+        level="strong",
+        strength=0.4,
+        form="gas above the oil",
+        damper="strut",
+        drive="sines",
+    )
     write(given, "001", [])
     first, second = given_cases.cards(given)
     assert (first.kind, first.hidden, first.level) == ("hidden", ("gas_spring",), "strong")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from faults import changed, halves
 
-from damper_estimator.diagnosis import diagnose
+from damper_estimator.diagnosis import diagnose, improve
 from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.moving_zero import moving_zero, steadied
 from damper_estimator.signals.layout import TEMPERATURE
@@ -85,3 +85,23 @@ def test_the_recordings_themselves_stay_as_they_are(user_model, base):
     assert {one.recording for one in found} == {base.recording}
     assert steady.unseen[0] is state.unseen[0] and steady.rmse_unseen_n == state.rmse_unseen_n
     assert np.ptp(steady.unseen_part[0].force - state.unseen_part[0].force) > 100.0
+
+
+def test_a_zero_that_wanders_about_its_mean_is_a_finding_that_nothing_corrects(user_model, base):
+    fit, unseen = moved(base, "jumps", 600.0), moved(base, "wanders", 600.0)
+    result = improve(user_model, [fit], [unseen])
+    first = result.first
+    (finding,) = first.findings
+    assert (first.verdict, finding.phenomenon, finding.parameters) == ("missing", "force_offset", ())
+    assert finding.rmse_after_n < 0.7 * finding.rmse_before_n
+    assert finding.low > 0.5 * finding.gain
+    assert "no correction of the signal map follows it" in finding.remark
+    assert [step.action for step in result.steps] == ["start"]
+    assert result.sentence.startswith("Nothing was added: The gauge's zero moves")
+
+
+def test_a_small_movement_is_said_but_is_no_finding(user_model, base):
+    """Below 3 % of the force: good gauges drift by as much."""
+    newtons = 0.04 * float(np.std(base.force))
+    found = diagnose(user_model, [moved(base, "creeps", newtons)], [moved(base, "wanders", newtons)])
+    assert "force_offset" not in {one.phenomenon for one in found.findings}
