@@ -139,6 +139,12 @@ class Hypothesis:
         """The model with the effect as its fit left it; ``joint`` where there is one, which is of the same model."""
         return self.joint or replace(self, element=self.fitted_element).added_to(model)[0]
 
+    def continued(self, earlier: Hypothesis | None) -> Hypothesis:
+        """To be fitted from where it ended ``earlier`` only, on the same motion with another residual."""
+        if earlier is None or not earlier.fit.tried:
+            return self
+        return replace(self, element=earlier.fitted_element, starts=(), conditions=())
+
     def resumed(self, earlier: Hypothesis) -> Hypothesis:
         """To be fitted again: where it ended ``earlier``, if it had a part there, is a further start."""
         fit = earlier.fit

@@ -27,32 +27,39 @@ _MOST_OF_IT = 0.5  # of the mean
 
 
 def found_in_means(
-    hidden: Sequence[Hypothesis],
+    first: Round,
     data: DiagnosisData,
     model: DamperModel,
     added: Sequence[Accepted],
     skip: Collection[str],
     workers: int,
+    least: float = 0.0,
 ) -> list[Accepted]:
     """What the data support in the mean; an effect of ``added`` among them replaces what was found without its mean.
 
     Args:
-        hidden: what the freed zero hides.
+        first: with what the freed zero hides.
         model: with ``added``, what was found before.
         skip: effects that are not tried.
+        least: share of the squared error that a zero must explain.
     """
     data, found, names = data.with_zero, [], regions_of(added)
-    for hypothesis in hidden:
+    earlier = {one.name: one for one in first.hypotheses if one.effect.kind == "series"}  # no mean changes these
+    for hypothesis in first.hidden:
         baseline = baseline_of(model, data, positions(model, names), base=())
         fit = trial_fit(baseline, hypothesis)
         if fit.hidden:
             continue
         zero = replace(hypothesis, fit=fit)
         alone = _round(baseline, [zero], zero)
-        if alone.reason_against(alone.best, data.force_rms):
+        if alone.gain(alone.best)[0] < least or alone.reason_against(alone.best, data.force_rms):
             continue
         known = {*skip, zero.name} | settled(names)
-        others = [one for one in hypotheses_for(model, data.ranges)[0] if one.name not in known]
+        others = [
+            one.continued(earlier.get(one.name))
+            for one in hypotheses_for(model, data.ranges)[0]
+            if one.name not in known
+        ]
         fitted = [zero, *all_fitted(baseline, others, WORTH, workers, lambda count: None)]
         among = _round(baseline, fitted, zero)
         best = _owner(among, among.hypothesis(zero.name))

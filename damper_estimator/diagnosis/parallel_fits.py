@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 
+import numpy as np
+
 from damper_estimator.diagnosis.baseline import Baseline
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.trial_fit import TrialFit, trial_fit
@@ -12,11 +14,21 @@ from damper_estimator.model import wait_for_loops
 
 WORTH = 0.03  # of the squared error: what explains less by itself gets no derivatives
 
-_work: tuple[Baseline, Sequence[Hypothesis], float] | None = None  # what forked workers see without its being sent
+BEHIND = 4.0
+"""Times the squared error that the best of all others leaves: a compliance that leaves more on excerpts is not tied
+with it, and is not fitted to the end.
+"""
+
+_work: tuple[Baseline, Sequence[Hypothesis], float, float] | None = None  # what forked workers see: it is not sent
 
 
 def all_fitted(
-    baseline: Baseline, hypotheses: Sequence[Hypothesis], worth: float, workers: int, progress: Callable[[int], None]
+    baseline: Baseline,
+    hypotheses: Sequence[Hypothesis],
+    worth: float,
+    workers: int,
+    progress: Callable[[int], None],
+    most: float = 1.0,
 ) -> list[Hypothesis]:
     """The hypotheses with their trial fits; the result does not depend on ``workers``.
 
@@ -24,26 +36,44 @@ def all_fitted(
     is asked for, all is done here.
 
     Args:
-        worth: see ``trial_fit``.
+        worth, most: see ``trial_fit``; without ``worth``, every one is fitted to the end.
         progress: gets the number of those that are done; what it raises ends the work.
     """
-    global _work
     wait_for_loops(True)
     _ = baseline.recorded, baseline.recorded_inside, baseline.recorded_beside_oil  # once, before the workers part
-    # Compliances take longest, so they begin.
-    order = sorted(range(len(hypotheses)), key=lambda i: hypotheses[i].effect.kind != "series")
+    series = [i for i, one in enumerate(hypotheses) if one.effect.kind == "series"]
+    others = [i for i, one in enumerate(hypotheses) if one.effect.kind != "series"]
     done: dict[int, TrialFit] = {}
+    # Compliances take longest: how well the others do limits what is worth their time.
+    for order in (others, series):
+        _fitted(baseline, hypotheses, order, (worth, most), workers, done, progress)
+        if worth > 0.0:
+            before = float(np.sum(baseline.residual_fit**2))
+            left = (float(np.sum((baseline.residual_fit + done[i].change_fit) ** 2)) for i in order)
+            most = min(most, BEHIND * min(left, default=before) / max(before, 1e-300))
+    return [replace(hypothesis, fit=done[i]) for i, hypothesis in enumerate(hypotheses)]
+
+
+def _fitted(
+    baseline: Baseline,
+    hypotheses: Sequence[Hypothesis],
+    order: Sequence[int],
+    shares: tuple[float, float],
+    workers: int,
+    done: dict[int, TrialFit],
+    progress: Callable[[int], None],
+) -> None:
+    global _work
     if workers <= 1 or "fork" not in multiprocessing.get_all_start_methods():
         for i in order:
-            done[i] = trial_fit(baseline, hypotheses[i], worth)
+            done[i] = trial_fit(baseline, hypotheses[i], shares[0], most=shares[1])
             progress(len(done))
-    else:
-        _work = (baseline, hypotheses, worth)
-        try:
-            _in_processes(order, workers, done, progress)
-        finally:
-            _work = None
-    return [replace(hypothesis, fit=done[i]) for i, hypothesis in enumerate(hypotheses)]
+        return
+    _work = (baseline, hypotheses, *shares)
+    try:
+        _in_processes(order, workers, done, progress)
+    finally:
+        _work = None
 
 
 def _in_processes(
@@ -61,5 +91,5 @@ def _in_processes(
 
 
 def _one(i: int) -> TrialFit:
-    baseline, hypotheses, worth = _work
-    return trial_fit(baseline, hypotheses[i], worth)
+    baseline, hypotheses, worth, most = _work
+    return trial_fit(baseline, hypotheses[i], worth, most=most)

@@ -14,7 +14,7 @@ from damper_estimator.diagnosis.accepted import (
 )
 from damper_estimator.diagnosis.baseline import Baseline, baseline_of
 from damper_estimator.diagnosis.diagnosis_data import DiagnosisData
-from damper_estimator.diagnosis.evaluation import rmse, without_effects
+from damper_estimator.diagnosis.evaluation import Errors, rmse, without_effects
 from damper_estimator.diagnosis.hypotheses import Hypothesis, entry_of, hypotheses_for, settled
 from damper_estimator.diagnosis.means import found_in_means
 from damper_estimator.diagnosis.pairs import paired
@@ -98,7 +98,7 @@ def search(
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     # A refit with the zero freed leaves a mean of the model undetermined.
     settled_model, added = (model, ()) if found.mode == "refit" else (last.model, accepted)
-    means = found_in_means(found.rounds[0].hidden, data, settled_model, added, skip, workers)
+    means = found_in_means(found.rounds[0], data, settled_model, added, skip, workers)
     accepted = [one for one in accepted if one.hypothesis.name not in {mean.hypothesis.name for mean in means}]
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((one.fall for one in accepted), default=0.0)
@@ -116,8 +116,8 @@ def evaluated_only(
     progress: Progress,
     because: str,
 ) -> Search:
-    """All hypotheses evaluated once, with the model's parameters kept. None is accepted but a zero that is most of
-    what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
+    """All hypotheses evaluated once, fitted to excerpts, with the model's parameters kept. None is accepted but a zero
+    that is most of what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
 
     Args:
         beyond_known: the recordings without the error that the model has always had, as far as that is known.
@@ -125,9 +125,9 @@ def evaluated_only(
     """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
-    first = round_of(baseline, all_fitted(baseline, tried, WORTH, workers, _report(progress, 0, len(tried))), "both")
-    zeros = tuple(found_in_means(first.hidden, beyond_known, model, (), skip, workers))
-    zeros = tuple(one for one in zeros if one.gain[0] >= _MOST_OF_IT)
+    fitted = all_fitted(baseline, tried, WORTH, workers, _report(progress, 0, len(tried)), most=0.0)
+    first = round_of(baseline, fitted, "both")
+    zeros = tuple(found_in_means(first, beyond_known, model, (), skip, workers, _MOST_OF_IT))
     left = rmse(baseline, first.without)
     return Search((first,), zeros, model, left, untestable, "both", "" if zeros else because)
 
@@ -166,7 +166,10 @@ def _rounds(
         else:
             break
         current = _next(current, model, regions_of(accepted), found.refits)
-        accepted[-1] = replace(accepted[-1], after_n=rmse(current, without_effects(current)[int(found.refits)]))
+        left = without_effects(current)[int(found.refits)]
+        accepted[-1] = replace(accepted[-1], after_n=rmse(current, left))
+        if not _may_count(left, rounds[0]):
+            break
         names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(regions_of(accepted))
         tried = [one.resumed(one) for one in fitted if one.name in names]
     return _Pass(mode, rounds, accepted, current)
@@ -190,6 +193,13 @@ def _report(progress: Progress, round_number: int, count: int) -> Callable[[int]
     what = "trying effects" if not round_number else f"{round_number} found, looking for more"
     begun = 1.0 - 0.5**round_number
     return lambda done: progress(what, begun + 0.5 ** (round_number + 1) * done / count)
+
+
+def _may_count(left: Errors, first: Round) -> bool:
+    """Whether what is left is enough for a later finding to be more than a flaw in the form of the first one."""
+    before = first.without
+    sums = (before.square, left.square), (float(np.sum(before.fit**2)), float(np.sum(left.fit**2)))
+    return any(now >= limits().second * (then - now) for then, now in sums)
 
 
 def _counts(current: Round, best: Hypothesis, first: Round) -> bool:

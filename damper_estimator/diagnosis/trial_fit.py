@@ -15,10 +15,11 @@ from damper_estimator.identification.start_points import candidates as start_siz
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
 
-_ITERATIONS = 10
+_ITERATIONS = 10  # on excerpts
 _GAIN = 1e-3
 _FINISHING = 4  # iterations on all of the data, from where excerpts led
 _LITTLE = 0.02  # of the squared error: what explains less on excerpts stays as it is there
+_HOPELESS = 2.0  # times what may be left: the first start that leads to more is the last
 _BEGINNING = 4  # iterations from each start, before only the best one goes on
 _TRIED = 2  # starts that are continued from
 _SKETCH = 6000  # samples on which starts are compared
@@ -56,22 +57,25 @@ class TrialFit:
     tried: bool = True
 
 
-def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in_any_case: bool = False) -> TrialFit:
+def trial_fit(
+    baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in_any_case: bool = False, most: float = 1.0
+) -> TrialFit:
     """Fits the parameters of a hypothesis, and computes what they change on both parts of the data.
 
     Args:
         worth: share of the squared error on the fit rows; what explains less gets no derivatives, and counts as it is.
         in_any_case: also a hypothesis that the form-free tests rule out.
+        most: share of the squared error; what leaves more on excerpts stays as it is there, without derivatives.
     """
     if not (in_any_case or baseline.suggests(hypothesis)):
         return _untried(baseline, hypothesis)
     if hypothesis.conditions:
         each = [hypothesis.under({}), *(hypothesis.under(settings) for settings in hypothesis.conditions)]
-        fits = [trial_fit(baseline, one, worth, in_any_case) for one in each]
+        fits = [trial_fit(baseline, one, worth, in_any_case, most) for one in each]
         return min(fits, key=lambda fit: float(np.sum((baseline.residual_fit + fit.change_fit) ** 2)))
     given, data = baseline.for_effect(hypothesis.effect)
     problem = hypothesis.problem(given, data.fit)
-    vector = _fitted(problem, hypothesis, baseline.residual_fit, given, data)
+    vector = _fitted(problem, hypothesis, baseline.residual_fit, given, data, most)
     model = problem.model_at(vector)
     force_fit, force_unseen = force_rows(model, data.fit), force_rows(model, data.unseen)
     change_fit = np.nan_to_num(force_fit - baseline.residual_fit - targets(data.fit))
@@ -83,7 +87,7 @@ def trial_fit(baseline: Baseline, hypothesis: Hypothesis, worth: float = 0.0, in
     )
     explained = 1.0 - after / max(before, 1e-300)
     silent = _is_silent(change_fit, data)
-    if explained >= worth or silent:
+    if explained >= max(worth, 1.0 - most) or silent:
         derivatives_fit = derivatives(model, data.fit, free, force_fit)
         derivatives_unseen = derivatives(model, data.unseen, free, force_unseen)
     else:
@@ -144,27 +148,33 @@ def _is_silent(rows: np.ndarray, data: DiagnosisData, share: float = _SILENT) ->
 
 
 def _fitted(
-    problem: Problem, hypothesis: Hypothesis, residual: np.ndarray, given: DamperModel, data: DiagnosisData
+    problem: Problem,
+    hypothesis: Hypothesis,
+    residual: np.ndarray,
+    given: DamperModel,
+    data: DiagnosisData,
+    most: float,
 ) -> np.ndarray:
     """(slots,) values after the search from the best starts: on excerpts, and on all rows if they explain something."""
-    start, iterations = problem.start, _ITERATIONS
-    if hypothesis.starts and problem.searched.size:
-        few = sketch(data.fit, residual)
-        found = sketched(problem.on(LocalRows(few)), hypothesis)
-        if found is None:
-            return problem.vector(start, np.array([problem.slots[i].value for i in problem.solved]))
-        if found.cost > 0.5 * (1.0 - _LITTLE) * float(np.sum((force_rows(given, few) - targets(few)) ** 2)):
-            return problem.vector(found.searched, found.solved)
-        start, iterations = found.searched, _FINISHING
     if not problem.searched.size:
-        point = problem.point(start)
-    else:
-        point, _ = refine(problem, start, sizes_of(problem), iterations, _GAIN)
+        point = problem.point(problem.start)
+        return problem.vector(point.searched, point.solved)
+    few = sketch(data.fit, residual)
+    whole = 0.5 * float(np.sum((force_rows(given, few) - targets(few)) ** 2))
+    point = sketched(problem.on(LocalRows(few)), hypothesis, _HOPELESS * most * whole if most < 1.0 else np.inf)
+    if point is None:
+        return problem.vector(problem.start, np.array([problem.slots[i].value for i in problem.solved]))
+    if point.cost <= min(1.0 - _LITTLE, most) * whole:
+        point, _ = refine(problem, point.searched, sizes_of(problem), _FINISHING, _GAIN)
     return problem.vector(point.searched, point.solved)
 
 
-def sketched(problem: Problem, hypothesis: Hypothesis) -> Point | None:
-    """Where the best of the hypothesis's starts lead, on a problem with few rows; None where none can be computed."""
+def sketched(problem: Problem, hypothesis: Hypothesis, hopeless: float = np.inf) -> Point | None:
+    """Where the best of the hypothesis's starts lead, on a problem with few rows; None where none can be computed.
+
+    Args:
+        hopeless: cost; if the best start leads to more, no other is tried.
+    """
     if not problem.searched.size:
         return problem.point(problem.start)
     starts = hypothesis.start_points(problem)
@@ -173,7 +183,7 @@ def sketched(problem: Problem, hypothesis: Hypothesis) -> Point | None:
     for i in np.argsort(costs, kind="stable")[: np.count_nonzero(np.isfinite(costs))]:
         begun.append(refine(problem, starts[i], size, _BEGINNING, _GAIN))
         moved += begun[-1][0].cost < (1.0 - _GAIN) * costs[i]  # what does nothing at a start has no way on from there
-        if moved == _TRIED:
+        if moved == _TRIED or (moved and begun[-1][0].cost > hopeless):
             break
     end, is_minimum = min(begun, key=lambda one: one[0].cost, default=(None, True))
     return end if is_minimum else refine(problem, end.searched, size, _ITERATIONS - _BEGINNING, _GAIN)[0]
