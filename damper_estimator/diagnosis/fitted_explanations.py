@@ -10,7 +10,7 @@ from damper_estimator.diagnosis.baseline import Baseline, baseline_of, near_deri
 from damper_estimator.diagnosis.diagnosis_data import data_of, force_rows, targets
 from damper_estimator.diagnosis.hypotheses import Hypothesis, hypotheses_for
 from damper_estimator.diagnosis.informative import informative
-from damper_estimator.diagnosis.misfit import without_misfit
+from damper_estimator.diagnosis.known_error import without_misfit
 from damper_estimator.diagnosis.trial_fit import TrialFit, trial_fit
 from damper_estimator.effects.discovery import all_effects
 from damper_estimator.effects.trial import Ranges

@@ -22,11 +22,10 @@ from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.fit_record import recorded
-from damper_estimator.identification.rows import SAMPLES_PER_BAND, Rows, excerpts
+from damper_estimator.identification.rows import Rows, excerpts
 from damper_estimator.model import DamperModel
 from damper_estimator.numerics import normal_equations
 from damper_estimator.signals import Measurement
-from damper_estimator.signals.butterworth import low_pass_zero_phase
 
 _KEPT = ("curve", "memory", "travel", "shift", "series", "lags", "history")
 _FORMER = {"friction step": "memory"}  # names of tests in files of earlier versions
@@ -36,8 +35,8 @@ _SAMPLES = 100_000  # of long recordings, in excerpts
 _EXCERPT = 20.0  # s
 _CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
 _ALIKE = 1.2  # times: errors that are called as large as each other
-_PASSES = 3.0  # times the band: high enough to leave the band as it is, low enough that nothing folds into it
 KEY = "misfit"
+ZERO = "zero"  # N, mean error at the identification, with the signal map's offset of the gauge taken off
 
 
 @dataclass(frozen=True)
@@ -177,9 +176,20 @@ def probability_of_change(model: DamperModel, error: float) -> float:
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
     """The model with what it gets wrong on the recordings of its identification in its record."""
-    record = {name: value for name, value in model.fit.items() if name != KEY}
+    record = {name: value for name, value in model.fit.items() if name not in (KEY, ZERO)}
     found = found_misfit(model, measurements)
-    return replace(model, fit=record | ({KEY: found.record()} if found else {}))
+    judged = [m for m in measurements if m.force is not None and m.judged.any()]
+    zeros = [mean_error(model, m, found) - m.signals.force.offset for m in judged]
+    zero = float(np.average(zeros, weights=[m.judged.sum() for m in judged])) if zeros else float("nan")
+    known = {ZERO: _rounded(zero)} if np.isfinite(zero) else {}
+    return replace(model, fit=record | known | ({KEY: found.record()} if found else {}))
+
+
+def mean_error(model: DamperModel, measurement: Measurement, known: Misfit | None = None) -> float:
+    """Measured less modelled force, less what the model is known to get wrong, N on average."""
+    modelled = model.force(measurement.kinematics.block)
+    predicted = known.force(model, measurement) if known is not None else 0.0
+    return float(np.mean((measurement.force - np.nan_to_num(modelled) - predicted)[measurement.judged]))
 
 
 def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Misfit | None:
@@ -212,23 +222,6 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
     each = np.split(solution, np.cumsum(sizes)[:-1])
     coefficients = {test.name: tuple(explained.tolist()) for test, explained in zip(_tests(), each, strict=True)}
     return Misfit(ranges, coefficients, share)
-
-
-def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
-    """The measurement less what the model is known to get wrong, if that is finite: what is left to explain is new.
-
-    Far above the comparison's band, in which it was found, the prediction is mostly noise, of rates of the force and of
-    accelerations. It would fold into the band where the recording is thinned.
-    """
-    known = misfit_of(model.fit)
-    if known is None or measurement.force is None:
-        return measurement
-    k, band, predicted = measurement.kinematics, measurement.band, known.force(model, measurement)
-    if 0.0 < SAMPLES_PER_BAND * band < k.rate:
-        predicted = low_pass_zero_phase(_PASSES * band, k.dt, predicted)
-    left = measurement.force - predicted
-    is_known = np.isfinite(left) | ~np.isfinite(measurement.force)
-    return replace(measurement, force=left) if is_known.all() else measurement
 
 
 def _tests():

@@ -22,13 +22,13 @@ from damper_estimator.diagnosis.diagnosis_data import (
     unweighted,
 )
 from damper_estimator.diagnosis.explanation import ranking_of
+from damper_estimator.diagnosis.known_error import without_misfit, without_old_zero
 from damper_estimator.diagnosis.misfit import (
     error_then,
     has_grown,
     misfit_of,
     probability_of_change,
     usual_share,
-    without_misfit,
 )
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
@@ -45,6 +45,7 @@ from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import taken_over, verdict_on
 from damper_estimator.model import DamperModel
+from damper_estimator.signals import Measurement
 
 Progress = Callable[[str, float], None]
 
@@ -151,15 +152,16 @@ def _inside_first(
     return first_search(state, mode, skip, workers, progress, because=because)
 
 
-def _is_measured(one: Accepted, model: DamperModel, data: DiagnosisData) -> bool:
+def _is_measured(one: Accepted, state: ModelState) -> bool:
     """Whether a finding beyond the known error is no mean, or one that lowers the error as measured: a mean that the
     known error had on another motion may be missing here, without a zero that changed.
     """
     if not one.is_mean:
         return True
-    rows = data.with_zero.unseen
+    rows = data_of(state.model, state.fit_part, state.unseen_part).with_zero.unseen
     without, with_it = (
-        np.sum((force_rows(each, rows) - targets(rows)) ** 2) for each in (model, one.hypothesis.fitted_into(model))
+        np.sum((force_rows(each, rows) - targets(rows)) ** 2)
+        for each in (state.model, one.hypothesis.fitted_into(state.model))
     )
     return bool(with_it < without)
 
@@ -167,6 +169,13 @@ def _is_measured(one: Accepted, model: DamperModel, data: DiagnosisData) -> bool
 def share_of_force(state: ModelState, data: DiagnosisData) -> float:
     """The error with the gauge's zero, as a share of the force of its own part: the larger of both parts."""
     return max(state.rmse_fit_n / dynamic_force(data.fit), state.rmse_unseen_n / dynamic_force(data.unseen))
+
+
+def _without(known: Callable[[DamperModel, Measurement], Measurement], state: ModelState) -> DiagnosisData:
+    """The data of the recordings without something that is known of the model."""
+    return data_of(
+        state.model, *([known(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
+    )
 
 
 def first_search(
@@ -185,10 +194,9 @@ def first_search(
     Args:
         because: why nothing is added in any case; "" where effects are looked for.
     """
-    data = data_of(state.model, state.fit_part, state.unseen_part)
-    known = misfit_of(state.model.fit)
-    parts = ([without_misfit(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
-    beyond_known = data if known is None else data_of(state.model, *parts)
+    known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
+    data = _without(without_old_zero if asks_for_change else lambda model, measured: measured, state)
+    beyond_known = data if known is None else _without(without_misfit, state)
     force = dynamic_force(data.unseen)
     whole, left = (
         unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
@@ -196,7 +204,6 @@ def first_search(
     )
     leaves_more = known is None or known.leaves_more(left / force)
     error = max(whole / force, share_of_force(state, data))
-    asks_for_change = mode == "both" and not state.is_identified_here
     if asks_for_change:
         change = probability_of_change(state.model, error)
         data = replace(data, change=change, usual=usual_share(error_then(state.model)[1], whole / force))
@@ -218,7 +225,7 @@ def first_search(
             lambda text, share: progress(text, 0.5 * share),
             trusted=True,
         )
-        found = replace(found, accepted=tuple(one for one in found.accepted if _is_measured(one, state.model, data)))
+        found = replace(found, accepted=tuple(one for one in found.accepted if _is_measured(one, state)))
         # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
         if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
             return found, beyond_known

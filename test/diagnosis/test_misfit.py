@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 from faults import changed, halves
 
-from damper_estimator.diagnosis import apply_finding, diagnose, with_misfit
+from damper_estimator.diagnosis import apply_finding, diagnose, improve, with_misfit
 from damper_estimator.diagnosis.accepted import accepted_in
 from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
+from damper_estimator.diagnosis.known_error import without_misfit
 from damper_estimator.diagnosis.misfit import (
     KEY,
+    ZERO,
     has_grown,
     misfit_of,
     probability_of_change,
     usual_share,
-    without_misfit,
 )
 from damper_estimator.diagnosis.search import TOO_SMALL
 from damper_estimator.identification import fit, rows_of
@@ -225,3 +226,20 @@ def test_a_prediction_is_the_same_where_the_recording_is_thinned():
     in_band = recording.in_band(misfit_of(model.fit).force(model, recording))
     assert whole == pytest.approx(float(np.std(in_band[rows.picks])), rel=0.01)
     assert thinned == pytest.approx(whole, rel=0.03)
+
+
+def test_a_zero_that_was_corrected_in_the_signal_map_is_not_new_without_the_correction(user_model, base):
+    """`improve` finds a zero of 300 N; the next recordings are read through the map without its correction."""
+
+    def recorded_with(newtons):
+        return [replace(part, recording="next.mcap") for part in halves(changed(base, lambda k: newtons))]
+
+    first, second = halves(changed(base, lambda k: 300.0))
+    result = improve(user_model, [first], [second])
+    assert [step.action for step in result.steps] == ["start", "correct"]
+    mean = float(np.mean(misfit_of(result.model.fit).force(result.model, first)[first.judged]))
+    assert result.model.fit[ZERO] + mean == pytest.approx(300.0, abs=5.0)
+    for newtons, is_new in {300.0: False, 150.0: False, 0.0: False, 700.0: True, -300.0: True}.items():
+        fit, unseen = recorded_with(newtons)
+        found = diagnose(result.model, [fit], [unseen])
+        assert ("force_offset" in {one.phenomenon for one in found.findings}) == is_new, newtons
