@@ -214,11 +214,13 @@ def hypotheses_for(model: DamperModel, ranges: Ranges) -> tuple[list[Hypothesis]
     """Every effect that can be tried on such recordings, and by name why others cannot."""
     found, untestable = [], {}
     series = [element for element in walk(model.effects) if element.effect.kind == "series"]
+    springs = [element for element in series if element.effect.is_series_spring]
     for effect in all_effects().values():
         if not effect.phenomenon or effect.trial is None:
             continue
-        is_in_the_row = effect.is_series_spring and series == list(model.springs)
-        if effect.kind == "series" and series and not is_in_the_row:
+        # Mount and oil stand in front of all else; where a spring is in a single path, none is tried.
+        has_place = effect.is_series_spring and springs == list(model.springs)
+        if effect.kind == "series" and series and not has_place:
             untestable[effect.name] = "there is something in series already; beside it only mount and oil are tried"
             continue
         try:
