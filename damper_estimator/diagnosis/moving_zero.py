@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
-from damper_estimator.diagnosis.evaluation import HIGH, LOW
+from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, errors, gains
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.result import Finding
 from damper_estimator.diagnosis.thresholds import limits
@@ -95,15 +95,12 @@ def by_itself(
     if not moved or zero is None:
         return None
     with_it, without = (_errors(state.model, each.unseen_part) for each in (state, steady))
-    gain = 1.0 - float(np.sum(without**2) / max(np.sum(with_it**2), 1e-300))
+    gain = 1.0 - without.square / max(with_it.square, 1e-300)
     force = float(np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in state.unseen_part])))
     fall = state.rmse_unseen_n**2 * max(gain, 0.0)
     if gain < limits().gain or np.sqrt(fall) < limits().notable * force:
         return None
-    blocks = np.array_split(np.stack([with_it, without]) ** 2, max(int(_seconds(state.unseen_part)), 2), axis=1)
-    before, after = np.array([block.sum(axis=1) for block in blocks]).T
-    drawn = block_draws(before.size)
-    low, high = np.percentile(1.0 - (drawn @ after) / np.maximum(drawn @ before, 1e-300), [LOW, HIGH])
+    low, high = np.percentile(gains(block_draws(with_it.blocks.size), without, with_it), [LOW, HIGH])
     finding = Finding(
         effect=zero.effect.name,
         phenomenon=zero.effect.phenomenon,
@@ -124,14 +121,16 @@ def by_itself(
     return finding, zero
 
 
-def _errors(model: DamperModel, group: Sequence[Measurement]) -> np.ndarray:
-    """(r,) N, the model's error in band at all judged samples."""
-    forces = [(m, np.nan_to_num(model.force(m.kinematics.block))) for m in group]
-    return np.concatenate([(m.in_band(force) - m.in_band(m.force))[m.judged] for m, force in forces])
+def _errors(model: DamperModel, group: Sequence[Measurement]) -> Errors:
+    """The model's error in band at all judged samples of unseen recordings, in blocks of about a second."""
+    error = np.concatenate([_error(model, m)[m.judged] for m in group])
+    seconds = sum(float(np.sum(m.kinematics.dt[m.judged])) for m in group)
+    return errors(np.sort(np.arange(error.size) % max(int(seconds), 2)), np.zeros(0), error)
 
 
-def _seconds(group: Sequence[Measurement]) -> float:
-    return sum(float(np.sum(m.kinematics.dt[m.judged])) for m in group)
+def _error(model: DamperModel, m: Measurement) -> np.ndarray:
+    """(n,) N, measured less modelled force in band."""
+    return m.in_band(m.force) - m.in_band(np.nan_to_num(model.force(m.kinematics.block)))
 
 
 def moving_zero(model: DamperModel, m: Measurement) -> MovingZero | None:
@@ -139,15 +138,13 @@ def moving_zero(model: DamperModel, m: Measurement) -> MovingZero | None:
     temperature, as warm gas does.
     """
     k, judged = m.kinematics, m.judged
-    error = m.in_band(m.force) - m.in_band(np.nan_to_num(model.force(k.block)))
+    error = _error(model, m)
     if not np.isfinite(error[judged]).all():
         return None
     explained = surrogate([m], [error])
     if explained is None or explained.zeros[0] is None:
         return None
-    zero, time = explained.zeros[0], k.time - k.time[0]
-    line = np.interp(time, zero.knots, zero.value)
-    line -= line[judged].mean()
+    line = explained.zeros[0].line(k.time, judged)
     share = float(np.mean(line[judged] ** 2) / max(np.var(error[judged]), 1e-300))
     if share < LEAST_SHARE or _follows(k.temperature[judged], line[judged]):
         return None

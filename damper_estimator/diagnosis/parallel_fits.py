@@ -44,13 +44,12 @@ def all_fitted(
     series = [i for i, one in enumerate(hypotheses) if one.effect.kind == "series"]
     others = [i for i, one in enumerate(hypotheses) if one.effect.kind != "series"]
     done: dict[int, TrialFit] = {}
-    # Compliances take longest: how well the others do limits what is worth their time.
-    for order in (others, series):
-        _fitted(baseline, hypotheses, order, (worth, most), workers, done, progress)
-        if worth > 0.0:
-            before = float(np.sum(baseline.residual_fit**2))
-            left = (float(np.sum((baseline.residual_fit + done[i].change_fit) ** 2)) for i in order)
-            most = min(most, BEHIND * min(left, default=before) / max(before, 1e-300))
+    _fitted(baseline, hypotheses, others, (worth, most), workers, done, progress)
+    if worth > 0.0:  # compliances take longest: how well the others do limits what is worth their time
+        before = float(np.sum(baseline.residual_fit**2))
+        left = (float(np.sum((baseline.residual_fit + done[i].change_fit) ** 2)) for i in others)
+        most = min(most, BEHIND * min(left, default=before) / max(before, 1e-300))
+    _fitted(baseline, hypotheses, series, (worth, most), workers, done, progress)
     return [replace(hypothesis, fit=done[i]) for i, hypothesis in enumerate(hypotheses)]
 
 

@@ -168,7 +168,7 @@ def _rounds(
         current = _next(current, model, regions_of(accepted), found.refits)
         left = without_effects(current)[int(found.refits)]
         accepted[-1] = replace(accepted[-1], after_n=rmse(current, left))
-        if not _may_count(left, rounds[0]):
+        if not _explains_enough(rounds[0].without, left):
             break
         names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(regions_of(accepted))
         tried = [one.resumed(one) for one in fitted if one.name in names]
@@ -195,23 +195,23 @@ def _report(progress: Progress, round_number: int, count: int) -> Callable[[int]
     return lambda done: progress(what, begun + 0.5 ** (round_number + 1) * done / count)
 
 
-def _may_count(left: Errors, first: Round) -> bool:
-    """Whether what is left is enough for a later finding to be more than a flaw in the form of the first one."""
-    before = first.without
-    sums = (before.square, left.square), (float(np.sum(before.fit**2)), float(np.sum(left.fit**2)))
-    return any(now >= limits().second * (then - now) for then, now in sums)
-
-
 def _counts(current: Round, best: Hypothesis, first: Round) -> bool:
     """Whether a later finding is more than a flaw in the form of the first one, on either part of the data: a second
     effect may show little on the recordings that happen to be unseen.
     """
     if current is first:
         return True
-    before, between, after = first.without, current.without, current.left(best)
-    unseen = between.square - after.square >= limits().second * (before.square - between.square)
-    sums = [float(np.sum(errors.fit**2)) for errors in (before, between, after)]
-    return unseen or sums[1] - sums[2] >= limits().second * (sums[0] - sums[1])
+    return _explains_enough(first.without, current.without, current.left(best))
+
+
+def _explains_enough(before: Errors, between: Errors, after: Errors | None = None) -> bool:
+    """Whether a later finding, which leaves ``after``, explains enough of what the earlier ones leave; without
+    ``after``, whether any could, that left nothing.
+    """
+    squares = [
+        (one.square, float(np.sum(one.fit**2))) if one is not None else (0.0, 0.0) for one in (before, between, after)
+    ]
+    return any(now - then >= limits().second * (first - now) for first, now, then in zip(*squares, strict=True))
 
 
 def _next(before: Baseline, model: DamperModel, added: Collection[str], refits: bool) -> Baseline:

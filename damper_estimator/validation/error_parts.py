@@ -67,8 +67,7 @@ def error_parts(traces: Sequence[Trace]) -> ErrorParts:
     for i, (t, zero) in enumerate(zip(traces, explained.zeros if explained else (), strict=False)):
         if zero is None:
             continue
-        line = np.interp(t.time - t.time[0], zero.knots, zero.value)
-        line -= line[t.judged].mean()
+        line = zero.line(t.time, t.judged)
         if np.mean(line[t.judged] ** 2) > LEAST_SHARE * total and (found := drift(t.measurement, explained, i)):
             drifts[i] = line
             words.append(_drift_in_words(t, len(traces), found))

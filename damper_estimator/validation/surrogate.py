@@ -39,6 +39,11 @@ class Zero:
     value: np.ndarray
     covariance: np.ndarray
 
+    def line(self, time: np.ndarray, judged: np.ndarray) -> np.ndarray:
+        """(n,) N, the movement at times (n,) in s, about its mean over the ``judged`` samples (n,) bool."""
+        line = np.interp(time - time[0], self.knots, self.value)
+        return line - line[judged].mean()
+
     def change(self) -> tuple[int, int, float, float]:
         """The knots of the largest change, in order of time, the change in N and its standard error."""
         first, last = sorted((int(self.value.argmin()), int(self.value.argmax())))
