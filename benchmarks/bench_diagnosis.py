@@ -44,10 +44,8 @@ def chosen(seed: int, arguments: argparse.Namespace) -> list[Card]:
 
 
 def seeds_of(arguments: argparse.Namespace) -> list[int]:
-    """The given seeds, that of an interrupted run, or a new one; 0 for cases from elsewhere."""
+    """The given seeds, that of an interrupted run, or a new one."""
     unfinished = arguments.out / "unfinished.txt"
-    if arguments.given:
-        return [0]
     if arguments.seed:
         return arguments.seed
     if unfinished.exists():
@@ -57,22 +55,19 @@ def seeds_of(arguments: argparse.Namespace) -> list[int]:
 
 def run(seed: int, arguments: argparse.Namespace) -> list[dict[str, Any]]:
     """The records of all selected cases of a seed; those that are missing are judged."""
-    folder = arguments.out / (f"given_{arguments.given.name}" if arguments.given else str(seed))
+    folder = arguments.out / str(seed)
     folder.mkdir(parents=True, exist_ok=True)
-    if not arguments.given:
-        (arguments.out / "unfinished.txt").write_text(str(seed))
+    (arguments.out / "unfinished.txt").write_text(str(seed))
     place = folder / "results.jsonl"
     cards = chosen(seed, arguments)
-    print(f"{len(cards)} cases in {folder}", flush=True)
+    print(f"seed {seed}: {len(cards)} cases in {folder}", flush=True)
     known = {} if arguments.again else done(place)
     records = {card.name: known[card.name] for card in cards if card.name in known}
     order = Order(seed, folder / "cases", not arguments.no_improve, arguments.limit, arguments.given)
     for record in results([card for card in cards if card.name not in records], order, arguments.workers, place):
         records[record["name"]] = record
         print(f"{len(records)}/{len(cards)} {line(record)}", flush=True)
-    if not arguments.given:
-        (arguments.out / "unfinished.txt").unlink(missing_ok=True)
-    (folder / "tables.md").write_text(report([records[card.name] for card in cards], [seed]) + "\n")
+    (arguments.out / "unfinished.txt").unlink(missing_ok=True)
     return [records[card.name] for card in cards]
 
 
@@ -95,8 +90,11 @@ def main() -> None:
     arguments = parser.parse_args()
     if not there():
         print("no real recordings (DAMPER_SHARED_DATA): their cases are skipped", flush=True)
+    if arguments.given:  # a run of its own, whatever was drawn before
+        arguments.out, arguments.seed = arguments.out / f"given_{arguments.given.name}", [0]
     seeds = seeds_of(arguments)
     text = report([record for seed in seeds for record in run(seed, arguments)], seeds)
+    (arguments.out / str(seeds[-1]) / "tables.md").write_text(text + "\n")
     print(text)
     if arguments.output:
         write_tables(arguments.output, text)

@@ -19,6 +19,7 @@ from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
 from damper_estimator.identification import fit as identify
 from damper_estimator.identification import pooled_error
+from damper_estimator.identification.rows import force_rms
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
 
@@ -58,8 +59,7 @@ class ModelState:
         same = next((group for group in groups if group), None)
         if same is None:
             return False
-        force = np.concatenate([m.in_band(m.force)[m.judged] for m in same])
-        return not has_grown(self.model, pooled_error(self.model, same)[0] / float(np.std(force)), if_unknown=False)
+        return not has_grown(self.model, pooled_error(self.model, same)[0] / force_rms(same), if_unknown=False)
 
     def with_model(self, model: DamperModel, note: str = "") -> "ModelState":
         """Another model on the same recordings; one without a finite force has an infinite error."""

@@ -17,6 +17,7 @@ from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, errors, gai
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.result import Finding
 from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.identification.rows import force_rms
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.numbers import number
 from damper_estimator.numerics import block_draws
@@ -96,7 +97,7 @@ def by_itself(
         return None
     with_it, without = (_errors(state.model, each.unseen_part) for each in (state, steady))
     gain = 1.0 - without.square / max(with_it.square, 1e-300)
-    force = float(np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in state.unseen_part])))
+    force = force_rms(state.unseen_part)
     fall = state.rmse_unseen_n**2 * max(gain, 0.0)
     if gain < limits().gain or np.sqrt(fall) < limits().notable * force:
         return None

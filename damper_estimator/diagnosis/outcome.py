@@ -158,7 +158,7 @@ def _is_measured(one: Accepted, state: ModelState) -> bool:
     """
     if not one.is_mean:
         return True
-    rows = data_of(state.model, state.fit_part, state.unseen_part).with_zero.unseen
+    rows = _data(state).with_zero.unseen
     without, with_it = (
         np.sum((force_rows(each, rows) - targets(rows)) ** 2)
         for each in (state.model, one.hypothesis.fitted_into(state.model))
@@ -171,10 +171,12 @@ def share_of_force(state: ModelState, data: DiagnosisData) -> float:
     return max(state.rmse_fit_n / dynamic_force(data.fit), state.rmse_unseen_n / dynamic_force(data.unseen))
 
 
-def _without(known: Callable[[DamperModel, Measurement], Measurement], state: ModelState) -> DiagnosisData:
-    """The data of the recordings without something that is known of the model."""
+def _data(
+    state: ModelState, reduced: Callable[[DamperModel, Measurement], Measurement] = lambda model, measured: measured
+) -> DiagnosisData:
+    """The recordings as measured, or reduced by something that is known of the model."""
     return data_of(
-        state.model, *([known(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
+        state.model, *([reduced(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
     )
 
 
@@ -195,8 +197,8 @@ def first_search(
         because: why nothing is added in any case; "" where effects are looked for.
     """
     known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
-    data = _without(without_old_zero if asks_for_change else lambda model, measured: measured, state)
-    beyond_known = data if known is None else _without(without_misfit, state)
+    data = _data(state, without_old_zero) if asks_for_change else _data(state)
+    beyond_known = data if known is None else _data(state, without_misfit)
     force = dynamic_force(data.unseen)
     whole, left = (
         unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from damper_estimator.identification.error_bound import force_stddev, worst_errors
+from damper_estimator.identification.rows import force_rms
 from damper_estimator.identification.samples import Channels, channels_of
 from damper_estimator.model import DamperModel
 from damper_estimator.runtime import REGION_ROWS
@@ -30,8 +31,7 @@ def fit_record(
     names = list(dict.fromkeys(measurement.recording for measurement in measurements))
     first, region = measurements[0], region_of(channels_of(measurements))
     deviations = residual_stddev, force_stddev(worst_errors(model, measurements))
-    force_rms = float(np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in measurements])))
-    return record_of(names, (first.cutoff, first.band), region, deviations, force_rms, standard_errors)
+    return record_of(names, (first.cutoff, first.band), region, deviations, force_rms(measurements), standard_errors)
 
 
 def record_of(

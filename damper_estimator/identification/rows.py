@@ -231,6 +231,11 @@ def pooled(parts: np.ndarray) -> tuple[float, float, float]:
     return float(count.sum()), together, float(deviations.sum() + count @ (mean - together) ** 2)
 
 
+def force_rms(measurements: Sequence[Measurement]) -> float:
+    """RMS in N of the measured force in band about its mean, over all judged samples together."""
+    return float(np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in measurements])))
+
+
 def pooled_error(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[float, float, int]:
     """``rmse_n`` (N), ``esr`` and number of judged samples over all measurements together, at full rate."""
     errors, forces = [], []
