@@ -23,6 +23,7 @@ ALIKE = (
 """Pairs too similar to be separate findings in one recording."""
 
 ATTEMPTS = 60
+_HELD = 0.3  # of the dampers whose temperature or current acts: neither changes within a recording
 MOST_SHOWN = 3.0
 """Of the wanted strength, on the unseen recording."""
 
@@ -116,14 +117,21 @@ def _tried(card: Card, rng: np.random.Generator, longest: float, attempt: int) -
     if family == MAGNETO and not acts:
         plant = plant._replace(current_form=int(rng.integers(1, 4)))
     setting = _setting(card, rng, plant, longest, moves or acts)
+    slow = {"temperature_fade": _warmer, "current": _at_another_current}.get("+".join(card.hidden))
+    held = slow is not None and bool(rng.random() < _HELD)
+    if held:
+        setting = slow(rng, setting)
     first, *_ = setting
     out = run(plant, first[1])
     spread = float(out[:, 0].std())
     coil_over = rng.random() < (0.7 if "spring_rate_error" in card.hidden else 0.2)
     chain = _with_slow_channels(card, rng, measurement_chain.drawn(rng, spread, coil_over), first[1], moves or acts)
+    chain = replace(chain, thermometer=True) if held else chain
     effects = _hidden(card, rng, plant, chain, first[1], scene_of(first[1], out))
     if effects is None:
         return None
+    if held:
+        effects = tuple(replace(effect, form=f"{effect.form}, constant") for effect in effects)
     off = effects[0].off if effects else (plant, chain)
     on = effects[-1].on if effects else (plant, chain)
     return _recorded(card, rng, setting, effects, off, on, attempt)
@@ -147,6 +155,31 @@ def _setting(
                             highest if current else idle))
         for kind in kinds
     ]  # fmt: skip
+
+
+def _warmer(rng: np.random.Generator, setting: list[tuple[str, Drive]]) -> list[tuple[str, Drive]]:
+    """Recordings that hold one temperature, other than that of the base recording, but for a kelvin or two."""
+    hotter = rng.uniform(12.0, 40.0) * rng.choice([-1.0, 1.0], p=[0.3, 0.7])
+    return _with_levels(setting, "temperature", 30.0, 30.0 + hotter, 0.05)
+
+
+def _at_another_current(rng: np.random.Generator, setting: list[tuple[str, Drive]]) -> list[tuple[str, Drive]]:
+    """Recordings that hold one current, and a base recording that holds another one."""
+    low, high = rng.uniform(0.0, 0.5), rng.uniform(0.8, 2.0)
+    ends = (low, high) if rng.random() < 0.7 else (high, low)
+    return _with_levels(setting, "current", *ends, 0.0)
+
+
+def _with_levels(
+    setting: list[tuple[str, Drive]], channel: str, base: float, other: float, share: float
+) -> list[tuple[str, Drive]]:
+    """Drives whose channel keeps a share of its movement about a level: the second one's is that of the base."""
+    levels = (other, base, other)
+    held = []
+    for (kind, drive), level in zip(setting, levels, strict=True):
+        values = getattr(drive, channel)
+        held.append((kind, replace(drive, **{channel: level + share * (values - values.mean())})))
+    return held
 
 
 def _with_slow_channels(card: Card, rng: np.random.Generator, chain: Chain, drive: Drive, current: bool) -> Chain:

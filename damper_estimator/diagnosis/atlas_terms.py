@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper_estimator.diagnosis.diagnosis_data import slope_of
+from damper_estimator.effects.slow_channels import commands, temperatures
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
@@ -39,7 +40,8 @@ class View:
 
     Attributes:
         x, v, a, dt: motion, with ``x`` about the middle of the driven stroke.
-        temperature: between -1 and 1 over what the fitted recordings hold; None where it does not vary.
+        temperature: between -1 and 1 over what the fitted recordings hold, from where the model was identified on if it
+            moved from there; None where it does not vary.
         command: over its largest value there; None if it is constant.
         force: of the model, without its mean.
         slope: dF/dv of the model.
@@ -93,8 +95,8 @@ def view_of(model: DamperModel, measurement: Measurement, ranges: Ranges) -> Vie
         v=block[V],
         a=block[A],
         dt=dt,
-        temperature=_varying(block[TEMPERATURE], ranges.temperature, _LEAST_KELVIN),
-        command=_command(block[COMMAND], ranges.command),
+        temperature=_varying(block[TEMPERATURE], temperatures(ranges), _LEAST_KELVIN),
+        command=_command(block[COMMAND], commands(ranges)),
         force=force - force.mean(),
         slope=slope_of(model, block),
         force_rate=rate,

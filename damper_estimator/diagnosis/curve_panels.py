@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from damper_estimator.diagnosis.atlas_terms import PLAYS, Columns, View, opening
+from damper_estimator.effects.slow_channels import command_moved, temperature_moved
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.numerics import COARSE_SHARES, FINE_SHARES, hats, play, speed_knots
 
@@ -69,11 +70,12 @@ def panels_of(fit: Sequence[View], unseen: Sequence[View], ranges: Ranges) -> li
         _over_travel("position", ranges, lambda view: view.force).about(fit, lambda view: view.force**2),
         _over_velocity("acceleration", middle, lambda view: view.a),
     ]
-    for name, ends, identified in (
-        ("temperature", ranges.temperature, ranges.model_temperature),
-        ("command", ranges.command, ranges.model_command),
+    for name, ends, identified, moved in (
+        ("temperature", ranges.temperature, ranges.model_temperature, temperature_moved(ranges)),
+        ("command", ranges.command, ranges.model_command, command_moved(ranges)),
     ):
-        if all(getattr(view, name) is not None for view in (*fit, *unseen)):
+        # Where it moved since the identification, but stands still here, the curve over velocity shows what it does.
+        if not moved and all(getattr(view, name) is not None for view in (*fit, *unseen)):
             zero = _zero(np.concatenate([_slow(name, view) for view in fit]), ends, identified)
             found.append(replace(_over_velocity(name, coarse, partial(_beyond, name, zero)), is_slow=True))
     history = _over_velocity("history", coarse, lambda view: opening(view) - 0.5)
@@ -126,7 +128,7 @@ def _beyond(name: str, zero: float, view: View) -> np.ndarray:
     return _slow(name, view) - zero
 
 
-def _zero(values: np.ndarray, ends: tuple[float, float], identified: float | None) -> float:
-    """Where the model was identified, as far as that was driven; the mean if unknown."""
-    known = identified is not None and np.isfinite(identified)
-    return float(np.clip(identified if known else values.mean(), *ends))
+def _zero(values: np.ndarray, ends: tuple[float, float], identified: tuple[float, float] | None) -> float:
+    """Middle of what the model was identified at, as far as that was driven; the mean if unknown."""
+    known = identified is not None and np.isfinite(identified).all()
+    return float(np.clip(np.mean(identified) if known else values.mean(), *ends))

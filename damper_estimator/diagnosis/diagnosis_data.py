@@ -197,8 +197,8 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         seconds=min(float(np.sum(m.kinematics.dt[m.judged])) for m in measurements),
         command=ends(COMMAND),
         temperature=ends(TEMPERATURE),
-        model_command=_identified_at(model, "command"),
-        model_temperature=_identified_at(model, "temperature"),
+        model_command=recorded_region(model, "command") if model is not None else None,
+        model_temperature=recorded_region(model, "temperature") if model is not None else None,
         at_rest=whole,
         oil_at_rest=of_oil,
         spring_rate=measurements[0].signals.spring_rate,
@@ -230,9 +230,3 @@ def _identified(model: DamperModel | None) -> frozenset[str]:
         return frozenset()
     phenomena = [element.effect.phenomenon for element in walk(model.effects)]
     return frozenset(phenomena[slot.entry] for slot in model.slots if not slot.fixed)
-
-
-def _identified_at(model: DamperModel | None, channel: str) -> float | None:
-    """Middle of a channel over the recordings that a model was identified on; None if its record does not say."""
-    region = recorded_region(model, channel) if model is not None else None
-    return None if region is None else float(np.mean(region))

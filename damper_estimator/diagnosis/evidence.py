@@ -11,12 +11,21 @@ from damper_estimator.signals.layout import V
 
 
 def evidence(
-    baseline: Baseline, effect: Effect, without: Errors, with_it: Errors, tests: Sequence[TestEvaluation]
+    baseline: Baseline,
+    effect: Effect,
+    without: Errors,
+    with_it: Errors,
+    tests: Sequence[TestEvaluation],
+    because: str = "",
 ) -> str:
-    """How the effect shows, where it takes the error away, and on what the error depends."""
-    sentences = [_sentence(effect.shows)] if effect.shows else []
+    """How the effect shows, or what speaks for it beside the recordings, where it takes the error away, and on what the
+    error depends.
+    """
+    shows = because or effect.shows
+    sentences = [_sentence(shows)] if shows else []
     sentences.append(_where(baseline, without, with_it))
-    sentences.append(_depends(tests, effect))
+    if not because:
+        sentences.append(_depends(tests, effect))
     return " ".join(s for s in sentences if s)
 
 

@@ -56,7 +56,7 @@ def finding_of(
         gain=gain,
         low=low,
         high=high,
-        evidence=evidence(current.baseline, effect, without, with_it, current.tests),
+        evidence=evidence(current.baseline, effect, without, with_it, current.tests, one.hypothesis.because),
         test_to_separate=confirming(effect, one.tied),
         remark=_remark(one, values, again),
         parameters=values,

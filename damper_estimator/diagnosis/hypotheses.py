@@ -60,6 +60,7 @@ class Hypothesis:
         imitates: name of the form-free test of what such values imitate; "" if there is none.
         conditions: other settings by name, of which the trial fit takes the best.
         prior: its probability beside others that explain as much, relative to theirs.
+        because: a sentence that says what speaks for it beside the recordings; "" for nothing.
         fit: its fitted parameters and what they change; None before the trial fit.
         evaluation: what is left with it on unseen data; None before.
         joint: the model with it, all free parameters fitted together; None where the model's are kept, or refitted to
@@ -72,6 +73,7 @@ class Hypothesis:
     imitates: str = ""
     conditions: Sequence[Mapping[str, float]] = ()
     prior: float = 1.0
+    because: str = ""
     fit: TrialFit | None = None
     evaluation: Evaluation | None = None
     joint: DamperModel | None = None
@@ -246,7 +248,7 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
     starts = [*trial.starts, *_as_stiff(effect, present)]
     element = new_element(effect, model.effects, values)
     region = Region(physical, trial.exclusion)
-    return Hypothesis(element, region, starts, trial.imitates, trial.conditions, trial.prior)
+    return Hypothesis(element, region, starts, trial.imitates, trial.conditions, trial.prior, trial.because)
 
 
 def _as_stiff(effect: Effect, present: Element | None) -> list[dict[str, float]]:

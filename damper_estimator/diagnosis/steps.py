@@ -15,12 +15,16 @@ Step = tuple[Accepted, ModelState, float, float]
 def steps_of(state: ModelState, accepted: Sequence[Accepted], mode: str, names_changes: bool = False) -> list[Step]:
     """The findings that lower the error, faults of the measurement chain first.
 
+    Where one follows a channel that is not where the model was identified, the model's parameters hold there, and are
+    kept.
+
     Args:
         names_changes: whether they name how parameters changed, with the errors of the evaluation: then all are steps
             that lower those, but corrections of the measurement chain, which deliver what they explain or nothing.
     """
     steps: list[Step] = []
     current = state
+    mode = "kept" if any(one.hypothesis.because for one in accepted) else mode
     order = sorted(together(accepted), key=lambda group: all(one.element.effect.correct is None for one in group))
     for group in order:
         promised = _promised(group)

@@ -77,10 +77,13 @@ def _residual_before(model: DamperModel) -> float:
 
 def _new_effects_explain_more(accepted: Sequence[Accepted], left_n: float, again: Reidentified) -> bool:
     """Whether new effects, which leave ``left_n``, say more than moving what is there, or one of the damper as much
-    with far fewer parameters.
+    with far fewer parameters, or one that follows a channel which is not where the model was identified: there the
+    parameters may be as they were.
     """
     if not accepted:
         return False
+    if accepted[0].hypothesis.because:
+        return True
     if left_n**2 < limits().refit_better * again.rmse_n**2:
         return True
     first = accepted[0]

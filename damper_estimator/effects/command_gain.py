@@ -15,7 +15,8 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, reference_commands, spread
+from damper_estimator.effects.slow_channels import moved_command, reference_commands, with_moved_command
+from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import COMMAND
 
 _LEAST = 1e-3  # of the scale: no element vanishes
@@ -34,12 +35,15 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """The model holds at one command; a constant command scales nothing."""
-    most = max(abs(value) for value in changing_command(ranges))
+    """The model holds at one command; one that has never changed scales nothing."""
+    most = max(abs(value) for value in moved_command(ranges))
     limits = {"rest": (0.0, 3.0), "bend": (-1.0 / most, 10.0 / most)}
     first, *others = reference_commands(ranges)
+    if first < 1e-3:
+        raise Untestable("the model was identified without a command, of which its force is no multiple")
     values = {"reference": first, "at_rest": ranges.at_rest, "rest": 0.5, "bend": 1.0 / most}
-    return Trial(values, limits, spread(rest=(0.1, 0.5, 1.5)), conditions=tuple({"reference": at} for at in others))
+    conditions = tuple({"reference": at} for at in others)
+    return with_moved_command(Trial(values, limits, spread(rest=(0.1, 0.5, 1.5)), conditions=conditions), ranges)
 
 
 EFFECT = Effect(

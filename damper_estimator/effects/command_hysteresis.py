@@ -12,7 +12,8 @@ for magneto-rheological dampers An and Kwon 2003.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
+from damper_estimator.effects.slow_channels import changing_command
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import COMMAND, DT
 
 _PARTS = 8

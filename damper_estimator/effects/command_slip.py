@@ -1,15 +1,16 @@
 """Yield that the command raises up to saturation, of many small parts that slip after different travels and creep.
 
-    F = F_y (1 - exp(-|I| / I_s)) s,      s = mean_k s_k,      tau dI/dt + I = M,
+    F = F_y (exp(-I_0 / I_s) - exp(-|I| / I_s)) s,      s = mean_k s_k,      tau dI/dt + I = M,
     ds_k = du / w_k  while |s_k| < 1,     w_k = w exp(g n_k),      n_k = -1 ... 1,      du/dt = v - v_c s
 
-F_y in N (yield force of the saturated field), I_s in A, w in m the median travel before a part slips, g without unit
-the spread of the travels, tau in s, v_c in m/s the creep; M the command in A. Below the creep's speed the parts yield
-before they slip, F grows with the velocity: the force of a magneto-rheological damper rolls off there. The lag is exact
-for a command held between samples, s_k for a step without reversal and creep, which is implicit. Without a command the
-force is zero. States: s_k, the last displacement, I; first order in the step. Source: Iwan 1966 as in
-``elastic_slip``, saturation and lag as in ``command_yield``; the creep is the dashpot c_1 in series with the hysteresis
-of Spencer et al. 1997, eq. (12), with a rate that follows the yield force.
+F_y in N (yield force of the saturated field), I_s in A, I_0 in A (setting) the command at which nothing is added, 0 as
+a rule, w in m the median travel before a part slips, g without unit the spread of the travels, tau in s, v_c in m/s the
+creep; M the command in A. Below the creep's speed the parts yield before they slip, F grows with the velocity: the
+force of a magneto-rheological damper rolls off there. The lag is exact for a command held between samples, s_k for a
+step without reversal and creep, which is implicit. Without a command the force is zero. States: s_k, the last
+displacement, I; first order in the step. Source: Iwan 1966 as in ``elastic_slip``, saturation and lag as in
+``command_yield``; the creep is the dashpot c_1 in series with the hysteresis of Spencer et al. 1997, eq. (12), with a
+rate that follows the yield force.
 """
 
 from math import exp
@@ -18,9 +19,10 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.command_lag import lagged
-from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.elastic_slip import PARTS, held
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, longest_yield, spread
+from damper_estimator.effects.slow_channels import moved_command, with_moved_command, zero_command
+from damper_estimator.effects.trial import Ranges, Trial, longest_yield, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
 
 _CURRENT = PARTS + 1  # position in the state
@@ -28,7 +30,8 @@ _CURRENT = PARTS + 1  # position in the state
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
-    """F += F_y (1 - exp(-|I| / I_s)) mean s_k."""
+    """F += F_y (exp(-I_0 / I_s) - exp(-|I| / I_s)) mean s_k."""
+    start = exp(-settings[0] / parameters[1])
     for i in range(force.size):
         dt, command = kinematics[DT, i], kinematics[COMMAND, i]
         if dt <= 0.0:
@@ -36,14 +39,15 @@ def kernel(parameters, settings, kinematics, state, force):
         share = held(state, kinematics[X, i], dt, parameters[2], parameters[3], parameters[5])
         state[_CURRENT] = lagged(state[_CURRENT], command, dt, parameters[4])
         if np.isfinite(state[_CURRENT]):
-            force[i] += parameters[0] * (1.0 - exp(-abs(state[_CURRENT]) / parameters[1])) * share
+            field = start - exp(-abs(state[_CURRENT]) / parameters[1])
+            force[i] += parameters[0] * field * share
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Needs a changing command, and a saturation that is not far below its values. Below some hundredths of the speed
-    the yield force of known dampers rolls off.
+    """Needs a command that changed, and a saturation that is not far below its values. Below some hundredths of the
+    speed the yield force of known dampers rolls off.
     """
-    most = max(abs(value) for value in changing_command(ranges))
+    most = max(abs(value) for value in moved_command(ranges))
     way, longest = 0.01 * ranges.stroke, longest_yield(ranges)
     limits = {
         "saturation": (0.4 * most, 20.0 * most),
@@ -52,8 +56,16 @@ def trial(ranges: Ranges) -> Trial:
         "time_constant": (1e-4, 0.1),
         "creep": (0.0, 0.3 * ranges.speed),
     }
-    values = {"saturation": most, "way": 0.3 * way, "spread": 1.0, "time_constant": 0.01, "creep": 0.02 * ranges.speed}
-    return Trial(values, limits, spread(way=(0.1 * way, way, 0.6 * longest), saturation=(0.6 * most, 3.0 * most)))
+    values = {
+        "reference": zero_command(ranges),
+        "saturation": most,
+        "way": 0.3 * way,
+        "spread": 1.0,
+        "time_constant": 0.01,
+        "creep": 0.02 * ranges.speed,
+    }
+    starts = spread(way=(0.1 * way, way, 0.6 * longest), saturation=(0.6 * most, 3.0 * most))
+    return with_moved_command(Trial(values, limits, starts), ranges)
 
 
 EFFECT = Effect(
@@ -70,6 +82,7 @@ EFFECT = Effect(
         Parameter("creep", "m/s", 0.0, 0.0, 1.0, "speed at which the parts give way while they hold the whole force"),
     ),
     states=PARTS + 2,
+    settings=(Setting("reference", "A", 0.0, "command at which it adds nothing", lower=0.0, upper=1e3),),
     order=1,
     shows="an odd step at each reversal whose height grows with the command; small loops lie inside large ones",
     separate="the same motion at several commands, with small reversals inside large ones",

@@ -13,7 +13,8 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.direction_curve import over_speed
-from damper_estimator.effects.trial import Number, Ranges, Trial, changing_command, reference_commands
+from damper_estimator.effects.slow_channels import command_moved, moved_command, reference_commands, with_moved_command
+from damper_estimator.effects.trial import Number, Ranges, Trial
 from damper_estimator.signals.layout import COMMAND, V
 
 
@@ -32,11 +33,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Knots over the recorded speeds, close to rest as well, where a yield force turns round."""
-    most = max(abs(value) for value in changing_command(ranges))
+    most = max(abs(value) for value in moved_command(ranges))
     first, *others = reference_commands(ranges)
     knots = tuple(share * ranges.speed for share in (0.03, 0.12, 0.4, 1.0))
     values: dict[str, Number] = {"speed": knots, "reference": first, "span": most}
-    return Trial(values, conditions=tuple({"reference": at} for at in (*others, 0.0)))
+    conditions = () if command_moved(ranges) else tuple({"reference": at} for at in (*others, 0.0))
+    return with_moved_command(Trial(values, conditions=conditions), ranges)
 
 
 _TABLE = ("N", 0.0, -50000.0, 50000.0)

@@ -10,7 +10,8 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, changing_command, spread
+from damper_estimator.effects.slow_channels import changing_command
+from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import COMMAND, V, X
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, reference_temperatures
+from damper_estimator.effects.slow_channels import reference_temperatures, with_moved_temperature
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import TEMPERATURE
 
 
@@ -30,10 +31,9 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """The model holds at one temperature."""
     first, *others = reference_temperatures(ranges)
-    return Trial(
-        {"reference": first, "at_rest": ranges.at_rest, "fade": 0.002},
-        conditions=tuple({"reference": at} for at in others),
-    )
+    conditions = tuple({"reference": at} for at in others)
+    values = {"reference": first, "at_rest": ranges.at_rest, "fade": 0.002}
+    return with_moved_temperature(Trial(values, conditions=conditions), ranges)
 
 
 EFFECT = Effect(

@@ -14,7 +14,12 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.direction_curve import over_speed
-from damper_estimator.effects.trial import Number, Ranges, Trial, changing_temperature, reference_temperatures
+from damper_estimator.effects.slow_channels import (
+    changing_temperature,
+    reference_temperatures,
+    with_moved_temperature,
+)
+from damper_estimator.effects.trial import Number, Ranges, Trial
 from damper_estimator.signals.layout import TEMPERATURE, V
 
 
@@ -39,7 +44,7 @@ def trial(ranges: Ranges) -> Trial:
     first, *others = reference_temperatures(ranges)
     knots = tuple(share * ranges.speed for share in (0.12, 0.4, 1.0))
     values: dict[str, Number] = {"speed": knots, "reference": first, "span": high - low}
-    return Trial(values, conditions=tuple({"reference": at} for at in others))
+    return with_moved_temperature(Trial(values, conditions=tuple({"reference": at} for at in others)), ranges)
 
 
 _TABLE = ("N", 0.0, -50000.0, 50000.0)

@@ -27,8 +27,8 @@ class Ranges:
         force: rms about the mean, N.
         seconds: compared duration of the shortest recording.
         command, temperature: lowest and highest (A, deg C); None where not recorded.
-        model_command, model_temperature: middle of what the model was identified at, where its parameters hold; None if
-            unknown.
+        model_command, model_temperature: the same of what the model was identified at, where its parameters hold; None
+            if unknown.
         at_rest, oil_at_rest: the model's force at rest (N), the whole and without what acts beside the oil: the gas
             force, or a constant in a curve, which no change of the flow changes.
         spring_rate, preload: of a parallel spring in the gauge's force, as the signal maps state it (N/m, N).
@@ -44,8 +44,8 @@ class Ranges:
     seconds: float
     command: tuple[float, float] | None = None
     temperature: tuple[float, float] | None = None
-    model_command: float | None = None
-    model_temperature: float | None = None
+    model_command: tuple[float, float] | None = None
+    model_temperature: tuple[float, float] | None = None
     at_rest: float = 0.0
     oil_at_rest: float = 0.0
     spring_rate: float = 0.0
@@ -97,6 +97,7 @@ class Trial:
             fitted recordings best are taken.
         prior: how probable the effect is before its error is compared with that of others, relative to them, by what is
             known of the recordings otherwise.
+        because: a sentence that says what speaks for it, if that is not seen in the recordings; "" otherwise.
     """
 
     values: Mapping[str, Number] = field(default_factory=dict)
@@ -106,6 +107,7 @@ class Trial:
     imitates: str = ""
     conditions: tuple[Mapping[str, float], ...] = ()
     prior: float = 1.0
+    because: str = ""
 
 
 Try = Callable[[Ranges], Trial]
@@ -133,70 +135,12 @@ def slides_early(travel: float) -> str:
     return f"slides after {1e3 * travel:.2g} mm already: dry friction" if travel < _SHORTEST_MEMORY else ""
 
 
-_STANDING = 0.05  # of the largest command: a smaller change counts as constant
-_NOISE = 0.02  # A (or V): so does the noise of a current that is switched off
-
-
-def changing_command(ranges: Ranges) -> tuple[float, float]:
-    """Lowest and highest command (A).
-
-    Raises:
-        Untestable: without a command, or with a constant one, which explains nothing.
-    """
-    if ranges.command is None:
-        raise Untestable("no command was recorded")
-    low, high = ranges.command
-    if high - low <= max(_STANDING * max(abs(low), abs(high)), _NOISE):
-        raise Untestable("the command did not change")
-    return low, high
-
-
 _LONGEST_YIELD = 2.5e-3  # m
 
 
 def longest_yield(ranges: Ranges) -> float:
     """Longest travel in m over which a yield force builds up: a twentieth of the stroke, in short strokes more."""
     return max(0.05 * ranges.stroke, min(0.25 * ranges.stroke, _LONGEST_YIELD))
-
-
-_LEAST_CHANGE = 2.0  # K
-
-
-def changing_temperature(ranges: Ranges) -> tuple[float, float]:
-    """Lowest and highest temperature (deg C).
-
-    Raises:
-        Untestable: without a temperature, or if it changed by less than 2 K.
-    """
-    if ranges.temperature is None:
-        raise Untestable("no temperature was recorded")
-    low, high = ranges.temperature
-    if high - low < _LEAST_CHANGE:
-        raise Untestable(f"the temperature changed by only {high - low:.2g} K")
-    return low, high
-
-
-def reference_temperatures(ranges: Ranges) -> tuple[float, ...]:
-    """Temperatures at which the model may hold (deg C), the most probable first: where it was identified, and the ends
-    of the recorded range, because a damper may have changed since.
-
-    Raises:
-        Untestable: as ``changing_temperature``.
-    """
-    low, high = changing_temperature(ranges)
-    return (low if ranges.model_temperature is None else ranges.model_temperature, low, high)
-
-
-def reference_commands(ranges: Ranges) -> tuple[float, ...]:
-    """Sizes of the command at which the model may hold (A), the most probable first: where it was identified, and large
-    and small recorded ones.
-
-    Raises:
-        Untestable: as ``changing_command``.
-    """
-    most = max(abs(value) for value in changing_command(ranges))
-    known = abs(ranges.model_command) if ranges.model_command is not None else 0.0
-    return (known if known > _STANDING * most else most, most, 0.25 * most)
 
 
 def ordinary(ranges: Ranges) -> Trial:

@@ -13,7 +13,8 @@ import numpy as np
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial, reference_temperatures
+from damper_estimator.effects.slow_channels import reference_temperatures, with_moved_temperature
+from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import TEMPERATURE
 
 
@@ -32,9 +33,8 @@ def trial(ranges: Ranges) -> Trial:
     """The model holds at one temperature; oils lose 1 to 4 % per kelvin."""
     first, *others = reference_temperatures(ranges)
     conditions = tuple({"reference": at} for at in others)
-    return Trial(
-        {"reference": first, "at_rest": ranges.at_rest, "rate": 0.005}, {"rate": (0.0, 0.06)}, conditions=conditions
-    )
+    values = {"reference": first, "at_rest": ranges.at_rest, "rate": 0.005}
+    return with_moved_temperature(Trial(values, {"rate": (0.0, 0.06)}, conditions=conditions), ranges)
 
 
 EFFECT = Effect(

@@ -163,7 +163,7 @@ def test_what_is_missing_acts_in_parallel_to_all_that_is_there():
 
 
 def test_scales_refer_to_where_the_model_was_identified():
-    known = Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0, (0.0, 2.0), (20.0, 60.0), 1.3, 27.0)
+    known = Ranges(-0.03, 0.04, 1.0, 50.0, 500.0, 60.0, (0.0, 2.0), (20.0, 60.0), (1.3, 1.3), (25.0, 29.0))
     unknown = replace(known, model_command=None, model_temperature=None)
     for effect, here, otherwise in (("viscosity_gain", 27.0, 20.0), ("command_gain", 1.3, 2.0)):
         for ranges, first in ((known, here), (unknown, otherwise)):
