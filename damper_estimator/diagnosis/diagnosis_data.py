@@ -28,6 +28,7 @@ from damper_estimator.validation.noise import white_density
 
 BLOCK = 1.0  # s, what the bootstrap draws; residuals forget within it
 _FORM = 0.01  # of the force's rms: what no model's form gets right
+_PEAK = 4.0  # standard deviations, of the noise in some ten thousand samples
 _SLOPE_STEP = 0.01  # m/s
 _RUNAWAY = 1e12  # N s/m
 _STEEPEST = 6.0  # weights fall no lower than 1 / (1 + 6^2)
@@ -180,9 +181,7 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         return np.concatenate([np.asarray(column(m))[m.judged] for m in measurements])
 
     def ends(row: int) -> tuple[float, float] | None:
-        values = gathered(lambda m: m.kinematics.block[row])
-        values = values[np.isfinite(values)]
-        return (float(values.min()), float(values.max())) if values.size else None
+        return ends_without_noise(gathered(lambda m: m.kinematics.block[row]))
 
     whole, of_oil = _forces_at_rest(model, measurements[0]) if model is not None else (0.0, 0.0)
     x = gathered(lambda m: m.kinematics.displacement)
@@ -205,6 +204,21 @@ def ranges_of(measurements: Sequence[Measurement], model: DamperModel | None = N
         preload=measurements[0].signals.preload,
         identified=_identified(model),
     )
+
+
+def ends_without_noise(values: np.ndarray) -> tuple[float, float] | None:
+    """Lowest and highest of the finite values (n,) of a slow channel, less what its white noise adds to both: the noise
+    of an ammeter is no change of the current. None without values.
+
+    The second differences of white noise have sqrt(6) times its standard deviation; steps and slow changes are seldom
+    in their median.
+    """
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return None
+    noise = float(np.median(np.abs(np.diff(values, 2)))) / (0.6745 * 6.0**0.5) if values.size > 2 else 0.0
+    low, high = float(values.min()) + _PEAK * noise, float(values.max()) - _PEAK * noise
+    return (low, high) if low <= high else (float(np.median(values)),) * 2
 
 
 def force_at_rest(model: DamperModel, measurement: Measurement) -> float:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from damper_estimator.diagnosis.diagnosis_data import (
     BLOCK,
     data_of,
+    ends_without_noise,
     force_rows,
     ranges_of,
     targets,
@@ -98,3 +99,17 @@ def test_the_force_at_rest_is_that_of_the_model_with_and_without_what_acts_besid
 def test_a_recording_without_force_is_refused(user_model, base):
     with pytest.raises(InputError, match="no measured force"):
         data_of(user_model, [replace(base, force=None)], [])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_noise_of_an_ammeter_is_no_change_of_the_current(seed):
+    rng = np.random.default_rng(seed)
+    noise = 0.005 * rng.standard_normal(20_000)
+    low, high = ends_without_noise(0.3 + noise)
+    assert high - low < 0.01 and low == pytest.approx(0.3, abs=0.01)
+    steps = np.repeat(rng.uniform(0.0, 1.5, 40), 500)
+    assert ends_without_noise(steps + noise) == pytest.approx((steps.min(), steps.max()), abs=0.01)
+    slow = 1.0 + np.sin(np.linspace(0.0, 100.0, 20_000))
+    assert ends_without_noise(slow) == pytest.approx((0.0, 2.0), abs=1e-3)
+    assert ends_without_noise(steps) == (steps.min(), steps.max())
+    assert ends_without_noise(np.full(4, np.nan)) is None
