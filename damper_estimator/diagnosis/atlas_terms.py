@@ -42,7 +42,7 @@ class View:
         x, v, a, dt: motion, with ``x`` about the middle of the driven stroke.
         temperature: between -1 and 1 over what the fitted recordings hold, from where the model was identified on if it
             moved from there; None where it does not vary.
-        command: over its largest value there; None if it is constant.
+        command: over its largest value, in the same way; None if it is constant.
         force: of the model, without its mean.
         slope: dF/dv of the model.
         force_rate: dF/dt of the model, N/s.

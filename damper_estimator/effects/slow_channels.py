@@ -23,22 +23,24 @@ _MOVED_TEMPERATURE = 5.0  # prior: it acts on all dampers, but seldom by much
 
 def command_moved(ranges: Ranges) -> bool:
     """Whether the recordings hold one command, beyond what the model was identified at."""
-    return _moved(ranges.command, ranges.model_command, _changes_command, _changes_command)
+    return _command_move(ranges) is not None
 
 
 def temperature_moved(ranges: Ranges) -> bool:
     """Whether the recordings hold one temperature, beyond what the model was identified at."""
-    return _moved(ranges.temperature, ranges.model_temperature, _changes_temperature, _differs_in_temperature)
+    return _temperature_move(ranges) is not None
 
 
 def commands(ranges: Ranges) -> Ends | None:
     """Lowest and highest command, A, from that of the model on where it moved; None where not recorded."""
-    return _with(ranges.command, ranges.model_command if command_moved(ranges) else None)
+    move = _command_move(ranges)
+    return ranges.command if move is None else _across(*move)
 
 
 def temperatures(ranges: Ranges) -> Ends | None:
     """Lowest and highest temperature, deg C, from that of the model on where it moved; None where not recorded."""
-    return _with(ranges.temperature, ranges.model_temperature if temperature_moved(ranges) else None)
+    move = _temperature_move(ranges)
+    return ranges.temperature if move is None else _across(*move)
 
 
 def changing_command(ranges: Ranges) -> Ends:
@@ -47,11 +49,7 @@ def changing_command(ranges: Ranges) -> Ends:
     Raises:
         Untestable: without a command, or with a constant one, which explains nothing.
     """
-    if ranges.command is None:
-        raise Untestable("no command was recorded")
-    if not _changes_command(ranges.command):
-        raise Untestable("the command did not change")
-    return ranges.command
+    return _changing(ranges.command)
 
 
 def moved_command(ranges: Ranges) -> Ends:
@@ -60,7 +58,7 @@ def moved_command(ranges: Ranges) -> Ends:
     Raises:
         Untestable: as ``changing_command``.
     """
-    return changing_command(ranges) if not command_moved(ranges) else _with(ranges.command, ranges.model_command)
+    return _changing(commands(ranges))
 
 
 def reference_commands(ranges: Ranges) -> tuple[float, ...]:
@@ -71,7 +69,7 @@ def reference_commands(ranges: Ranges) -> tuple[float, ...]:
         Untestable: as ``moved_command``.
     """
     most = max(abs(value) for value in moved_command(ranges))
-    known = _middle(ranges.model_command, 0.0)
+    known = 0.0 if ranges.model_command is None else _size(ranges.model_command)
     if command_moved(ranges):
         return (known,)
     return (known if known > _STANDING * most else most, most, 0.25 * most)
@@ -81,7 +79,8 @@ def zero_command(ranges: Ranges) -> float:
     """Size of the command (A) at which an effect that grows from zero adds nothing: 0, or where the model was
     identified, if the command has moved from there.
     """
-    return _middle(ranges.model_command, 0.0) if command_moved(ranges) else 0.0
+    move = _command_move(ranges)
+    return 0.0 if move is None else _size(move[1])
 
 
 def changing_temperature(ranges: Ranges) -> Ends:
@@ -90,12 +89,13 @@ def changing_temperature(ranges: Ranges) -> Ends:
     Raises:
         Untestable: without a temperature, or if it changed by less than 2 K, and by less than 5 K since.
     """
-    if ranges.temperature is None:
+    ends = temperatures(ranges)
+    if ends is None:
         raise Untestable("no temperature was recorded")
-    low, high = ranges.temperature
-    if not (temperature_moved(ranges) or _changes_temperature(ranges.temperature)):
+    low, high = ends
+    if not _changes_temperature(ends):
         raise Untestable(f"the temperature changed by only {high - low:.2g} K")
-    return temperatures(ranges) or ranges.temperature
+    return ends
 
 
 def reference_temperatures(ranges: Ranges) -> tuple[float, ...]:
@@ -112,25 +112,42 @@ def reference_temperatures(ranges: Ranges) -> tuple[float, ...]:
 
 def with_moved_command(trial: Trial, ranges: Ranges) -> Trial:
     """The trial with what a command says that is not the model's: more than anything in the motion could."""
-    if not command_moved(ranges):
-        return trial
-    words = _moved_words("command", ranges.command, ranges.model_command, "A")
-    return replace(trial, prior=_MOVED_COMMAND, because=words)
+    move = _command_move(ranges)
+    return trial if move is None else replace(trial, prior=_MOVED_COMMAND, because=_words("command", "A", *move))
 
 
 def with_moved_temperature(trial: Trial, ranges: Ranges) -> Trial:
     """The trial with what a temperature says that is not the model's."""
-    if not temperature_moved(ranges):
+    move = _temperature_move(ranges)
+    if move is None:
         return trial
-    words = _moved_words("temperature", ranges.temperature, ranges.model_temperature, "deg C")
-    return replace(trial, prior=_MOVED_TEMPERATURE, because=words)
+    return replace(trial, prior=_MOVED_TEMPERATURE, because=_words("temperature", "deg C", *move))
 
 
-def _moved_words(channel: str, here: Ends | None, there: Ends | None, unit: str) -> str:
-    return (
-        f"The {channel} is {_written(here)} {unit} here, and was {_written(there)} {unit} when the model was "
-        "identified: that difference speaks for it, nothing within the recordings does."
-    )
+def _command_move(ranges: Ranges) -> tuple[Ends, Ends] | None:
+    return _move(ranges.command, ranges.model_command, _changes_command, _changes_command)
+
+
+def _temperature_move(ranges: Ranges) -> tuple[Ends, Ends] | None:
+    return _move(ranges.temperature, ranges.model_temperature, _changes_temperature, _differs_in_temperature)
+
+
+def _move(
+    recorded: Ends | None, model: Ends | None, changes: Callable[[Ends], bool], differs: Callable[[Ends], bool]
+) -> tuple[Ends, Ends] | None:
+    """Where a channel is now and where it was, if it stands still now and the gap between both counts; else None."""
+    if recorded is None or model is None or changes(recorded):
+        return None
+    gaps = (model[1], recorded[0]), (recorded[1], model[0])
+    return (recorded, model) if any(differs(gap) for gap in gaps if gap[0] < gap[1]) else None
+
+
+def _changing(ends: Ends | None) -> Ends:
+    if ends is None:
+        raise Untestable("no command was recorded")
+    if not _changes_command(ends):
+        raise Untestable("the command did not change")
+    return ends
 
 
 def _changes_command(ends: Ends) -> bool:
@@ -146,24 +163,21 @@ def _differs_in_temperature(ends: Ends) -> bool:
     return ends[1] - ends[0] >= _LEAST_DIFFERENCE
 
 
-def _moved(
-    recorded: Ends | None, model: Ends | None, changes: Callable[[Ends], bool], differs: Callable[[Ends], bool]
-) -> bool:
-    if recorded is None or model is None or changes(recorded):
-        return False
-    return any(differs(gap) for gap in ((model[1], recorded[0]), (recorded[1], model[0])) if gap[0] < gap[1])
+def _across(one: Ends, other: Ends) -> Ends:
+    return min(one[0], other[0]), max(one[1], other[1])
 
 
-def _with(recorded: Ends | None, model: Ends | None) -> Ends | None:
-    if recorded is None or model is None:
-        return recorded
-    return min(recorded[0], model[0]), max(recorded[1], model[1])
+def _size(ends: Ends) -> float:
+    return abs(float(np.mean(ends)))
 
 
-def _middle(ends: Ends | None, otherwise: float) -> float:
-    return otherwise if ends is None else abs(float(np.mean(ends)))
+def _words(channel: str, unit: str, here: Ends, there: Ends) -> str:
+    return (
+        f"The {channel} is {_written(here)} {unit} here, and was {_written(there)} {unit} when the model was "
+        "identified: that difference speaks for it, nothing within the recordings does."
+    )
 
 
-def _written(ends: Ends | None) -> str:
-    low, high = (f"{end:.3g}" for end in ends or (float("nan"),) * 2)
+def _written(ends: Ends) -> str:
+    low, high = (f"{end:.3g}" for end in ends)
     return low if low == high else f"{low} to {high}"
