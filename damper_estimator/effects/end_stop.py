@@ -7,8 +7,8 @@ x in m (positive in extension), k in N/m^p, p without unit (setting). The bump s
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.trial import Ranges, Trial
+from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.trial import Ranges, Trial, leaves_no_middle
 from damper_estimator.signals.layout import X
 
 
@@ -24,15 +24,23 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Stops lie in the outer thirds of the recorded stroke: nearer to the middle, a spring is not a stop."""
+    """Long bump stops of foam touch before the middle, but a spring over more than two thirds of the recorded stroke is
+    no stop.
+    """
     limits = dict(zip(("bump_position", "top_out_position"), ranges.ends, strict=True))
-    depths = (0.2, 0.5, 0.8)
+    depths = (0.1, 0.3, 0.6, 0.9)
     starts = tuple(
         {name: low + (depth if name.startswith("bump") else 1.0 - depth) * (high - low)
          for name, (low, high) in limits.items()}
         for depth in depths
     )  # fmt: skip
-    return Trial(starts[0], limits, starts[1:])
+
+    def exclusion(fitted: Values) -> str:
+        bump, top_out = number(fitted, "bump_position"), number(fitted, "top_out_position")
+        stiffness = number(fitted, "bump_stiffness"), number(fitted, "top_out_stiffness")
+        return "acts all over the stroke: a spring" if leaves_no_middle(bump, top_out, stiffness, ranges) else ""
+
+    return Trial(starts[0], limits, starts[1:], exclusion, conditions=({"exponent": 3.0},))
 
 
 EFFECT = Effect(

@@ -70,15 +70,16 @@ class Ranges:
 
     @property
     def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The compressed and the extended third of the recorded stroke, m, wherever its zero is.
+        """Where a stop on the compressed and on the extended side may begin, m, wherever displacement is zero: a third
+        of the recorded stroke is free of it.
 
         Raises:
             Untestable: for less than 3 mm of stroke.
         """
-        third = self.stroke / 3.0
-        if third < 1e-3:
+        if self.stroke < 3e-3:
             raise Untestable("the stroke is too short to reach a stop")
-        return (self.compression, self.compression + third), (self.extension - third, self.extension)
+        reach = 2.0 / 3.0 * self.stroke
+        return (self.compression, self.compression + reach), (self.extension - reach, self.extension)
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,16 @@ def slides_late(force: float, stiffness: float) -> str:
     """
     travel = force / stiffness
     return f"would slide after {1e3 * travel:.2g} mm only: no friction" if travel > _LONGEST_TRAVEL else ""
+
+
+_BOTH = 0.2  # of the stronger stop: one that is weaker does not count
+
+
+def leaves_no_middle(low: float, high: float, strength: tuple[float, float], ranges: Ranges) -> bool:
+    """Whether two stops, which begin below ``low`` and above ``high`` (m), leave less than a third of the recorded
+    stroke free between them; one alone may.
+    """
+    return min(strength) > _BOTH * max(strength) and high - low < ranges.stroke / 3.0
 
 
 _SHORTEST_MEMORY = 3e-4  # m

@@ -155,6 +155,8 @@ def test_hydraulic_stops_are_zero_inside_never_drive_and_let_the_rod_return():
     assert not free[(x < -0.05) & (v > 0.0)].any() and not free[(x > 0.04) & (v < 0.0)].any()
     both = force(block, entry("hydraulic_stop", **stops, way_back=1.0, depth=0.01))
     assert computed == pytest.approx(0.8 * free + 0.2 * both)
+    orifice = force(block, entry("hydraulic_stop", **stops, way_back=1.0, depth=0.01, speed=0.2))
+    assert orifice == pytest.approx(both * np.abs(block[V]) / 0.2)
 
 
 @pytest.mark.parametrize("side", [-1.0, 0.0, 0.4, 1.0])

@@ -13,12 +13,12 @@ from damper_estimator.signals.layout import X
 
 @pytest.mark.parametrize("name", ["end_stop", "hydraulic_stop"])
 @given(zero=st.floats(-0.3, 0.3), stroke=st.floats(0.004, 0.15))
-def test_stops_lie_in_the_outer_thirds(name, zero, stroke):
+def test_stops_leave_a_third_of_the_stroke_free(name, zero, stroke):
     effect = find_effect(name)
     tried = effect.trial(Ranges(zero, zero + stroke, speed=1.0, acceleration=50.0, force=500.0, seconds=20.0))
     low, high = (name for name in tried.limits if name.endswith("position"))
-    assert tried.limits[low] == pytest.approx((zero, zero + stroke / 3.0))
-    assert tried.limits[high] == pytest.approx((zero + stroke * 2.0 / 3.0, zero + stroke))
+    assert tried.limits[low] == pytest.approx((zero, zero + stroke * 2.0 / 3.0))
+    assert tried.limits[high] == pytest.approx((zero + stroke / 3.0, zero + stroke))
     bounds = {parameter.name: (parameter.lower, parameter.upper) for parameter in effect.parameters}
     for position in (low, high):
         assert bounds[position][0] <= tried.limits[position][0] < tried.limits[position][1] <= bounds[position][1]
