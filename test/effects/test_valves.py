@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from motions import entry, force, sweep
 
 from damper_estimator.effects.discovery import find_effect
@@ -120,3 +122,34 @@ def test_a_valve_of_one_side_or_that_closes_otherwise_than_it_opens_is_no_mass()
     mass = LATE | {"closing": 1.0, "side": 0.0}
     for different in ({"side": 1.0}, {"side": -1.0}, {"closing": 0.2}, {"closing": 3.0}):
         assert not tried.exclusion(mass | different)
+
+
+@given(friction=st.floats(1.0, 150.0), slower=st.sampled_from([0.1, 0.25, 0.5]))
+def test_a_valve_that_rubs_opens_the_same_loop_however_slowly_the_force_moves(friction, slower):
+    """The force of a linear damper at the same velocities, but at another rate: more while it rises than while it
+    falls, by at most twice the friction.
+    """
+    valve = entry("valve_friction", friction=friction, steeper=5.0, opening=50.0)
+    viscous = entry("viscous", rate=2000.0)
+    fast = sweep(amplitude=0.03, frequency=4.0, rate=2000)
+    slow = sweep(amplitude=0.03 / slower, frequency=4.0 * slower, seconds=1.0 / slower, rate=round(2000 * slower))
+    changes = [force(block, viscous, valve) - 2000.0 * block[V] for block in (fast, slow)]
+    assert changes[0] == pytest.approx(changes[1], abs=1e-6 * friction)
+    assert np.abs(changes[0]).max() <= friction
+    later = slice(1000, None)
+    rising = np.gradient(np.abs(fast[V]))[later] > 0.0
+    at = (np.abs(fast[V][later]) > 0.3) & (np.abs(fast[V][later]) < 0.5)
+    outward = (np.sign(fast[V]) * changes[0])[later]
+    assert outward[at & rising].min() > 0.0 > outward[at & ~rising].max()
+
+
+def test_a_relaxing_spring_is_a_spring_then_a_damper_and_decays_with_its_time_constant():
+    spring = entry("relaxing_spring", stiffness=2e4, relaxation=0.2)
+    fast, slow = sweep(frequency=40.0, rate=8000), sweep(frequency=0.02, seconds=100.0, rate=100)
+    # Without its start: it was not loaded then.
+    assert force(fast, spring)[4000:] == pytest.approx(2e4 * fast[X][4000:], abs=0.04 * 2e4 * 0.03)
+    assert force(slow, spring)[500:] == pytest.approx(4e3 * slow[V][500:], abs=0.04 * 4e3 * np.abs(slow[V]).max())
+    block = sweep(seconds=2.0)
+    block[V, 500:] = 0.0
+    held = force(block, spring)[510:]
+    assert held[200] / held[0] == pytest.approx(np.exp(-1.0), rel=1e-3)
