@@ -181,6 +181,17 @@ def test_heat_fades_the_force_and_a_cold_damper_does_not():
     assert share[-1] < 0.9 and (np.diff(share) < 1e-3).all()
 
 
+def test_a_warm_chamber_fades_the_force_of_a_damper_that_hardly_works():
+    block = sine(200, 60.0, amplitude=1e-3)
+    base = make_element(find_effect("linear_viscous"), {"rebound": 3000.0, "compression": 3000.0})
+    plain = DamperModel("m", "", (base,)).force(block)
+    faded = force("dissipation_fade", block, before=(base,), fade=0.01, capacity=1e4, warming=0.5, cooling=1e4)
+    moving = np.abs(plain) > 0.1 * np.abs(plain).max()
+    # 0.5 K/s for a minute, at 1 % per kelvin.
+    expected = 1.0 - 0.01 * 0.5 * (block[T] - block[T][0])
+    assert faded[moving] / plain[moving] == pytest.approx(expected[moving], abs=5e-3)
+
+
 def slip_over(places, **values):
     """Force of ``elastic_slip`` on straight ways between places, in small steps."""
     parts = [np.linspace(a, b, 400, endpoint=False) for a, b in zip(places, places[1:], strict=False)]
