@@ -167,6 +167,19 @@ def _even(view: View) -> Columns:
     return hats(speed, view.ranges.speed * np.array([0.0, *FINE_SHARES]))
 
 
+def _one_way(view: View, sign: float) -> Columns:
+    """A change of one direction, which next to a free zero need not be even at all."""
+    return hats(np.maximum(sign * view.v, 0.0), view.ranges.speed * np.array([0.0, *FINE_SHARES]))
+
+
+def _rebound(view: View) -> Columns:
+    return _one_way(view, 1.0)
+
+
+def _compression(view: View) -> Columns:
+    return _one_way(view, -1.0)
+
+
 def _places(view: View) -> np.ndarray:
     half = 0.5 * view.ranges.stroke
     return np.linspace(-half, half, _PLACES)
@@ -247,14 +260,22 @@ def _history(view: View) -> Columns:
     return [*_times(curve, view.a * rising, view.a * (1.0 - rising)), *_times(curve, rising)]
 
 
+_CURVES = ("friction step", "blow-off", "even", "rebound", "compression")
 _ELASTIC = ("mass", "shift", "series", "valve")
 
 TESTS = (
-    Test("curve", ("friction step", "blow-off", "even"), _curve, "velocity alone: another curve"),
+    Test(
+        "curve",
+        ("friction step", "blow-off", "even", "rebound", "compression"),
+        _curve,
+        "velocity alone: another curve",
+    ),
     Test("friction step", (), _friction, "the direction of motion"),
     Test("memory", ("friction step",), _memory, "the last millimetres of the motion"),
     Test("blow-off", (), _beyond, "velocity beyond an opening speed"),
     Test("even", (), _even, "speed, alike in both directions"),
+    Test("rebound", (), _rebound, "velocity in rebound only"),
+    Test("compression", (), _compression, "velocity in compression only"),
     Test("temperature", ("curve",), _warm, "velocity and temperature"),
     Test("current", (), _current, "velocity and command"),
     Test("earlier commands", (), _earlier_commands, "velocity and the commands before"),

@@ -37,7 +37,7 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """Knots over the recorded speeds; either direction, or both."""
-    knots = tuple(share * ranges.speed for share in (0.12, 0.4, 1.0))
+    knots = tuple(share * ranges.speed for share in (0.08, 0.25, 0.5, 1.0))
     return Trial({"speed": knots}, starts=spread(side=(-0.9, 0.9)))
 
 
@@ -45,12 +45,12 @@ EFFECT = Effect(
     kernel=kernel,
     kind="source",
     phenomenon="asymmetry",
-    tests=("even",),
+    tests=("even", "rebound", "compression"),
     parameters=(
         Parameter("force", "N", 0.0, -20000.0, 20000.0, "force at the knot", linear=True, size="speed"),
         Parameter("side", "1", 0.0, -1.0, 1.0, "1: only rebound changes, -1: only compression, 0: both, oppositely"),
     ),
-    settings=(Setting("speed", "m/s", (0.05, 0.2, 0.5, 1.0), "knots over the speed", lower=1e-4, increasing=True),),
+    settings=(Setting("speed", "m/s", (0.05, 0.2, 0.5, 1.0), "knots over the speed", lower=1e-6, increasing=True),),
     shows="the error grows with speed in one direction only, or has the same sign in rebound and compression",
     separate="constant speeds in both directions",
     trial=trial,

@@ -31,6 +31,8 @@ HIDDEN = {
     "shift": lambda k, force: 0.001 * np.gradient(force, k.time),
     "blow-off": lambda k, force: -0.4 * force * np.maximum(np.abs(k.velocity) - 0.15, 0.0),
     "even": lambda k, force: 70.0 * np.abs(k.velocity) ** 0.7,
+    "rebound": lambda k, force: 70.0 * np.maximum(k.velocity, 0.0) ** 0.5,
+    "compression": lambda k, force: -70.0 * np.maximum(-k.velocity, 0.0) ** 0.5,
     "stops": lambda k, force: 4e6 * np.maximum(np.abs(k.displacement - np.median(k.displacement)) - 0.022, 0.0) ** 2,
     "friction step": lambda k, force: play(k.displacement, k.dt, 7e-4) * 80.0,
 }
