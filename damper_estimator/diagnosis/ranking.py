@@ -128,6 +128,13 @@ class Round:
                 f"only {_below(new, limits().named)} % probable to be both new and right; "
                 f"{100.0 * limits().named:.0f} % required"
             )
+        confidence = self.confidence(hypothesis)
+        # What a model lacks on the recordings of its identification may be added whatever its name.
+        if self.baseline.data.change < 1.0 and confidence < limits().confident:
+            return (
+                f"a confidence of only {_below(confidence, limits().confident)} %; "
+                f"{100.0 * limits().confident:.0f} % required"
+            )
         return ""
 
     def tied(self, best: Hypothesis) -> tuple[str, ...]:

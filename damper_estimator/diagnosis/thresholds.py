@@ -96,6 +96,12 @@ class Thresholds:
         "a finding must be new and right with it",
         "of nine less probable ones on unknown dampers one was right",
     )
+    confident: float = _threshold(
+        0.4,
+        "probability",
+        "confidence that a finding must have",
+        "of ten less certain ones on unknown dampers one was right, and two were tied with what was",
+    )
     tied: float = _threshold(0.1, "probability", "another phenomenon is a tie", "one wrong name in ten is too many")
     hint: float = _threshold(
         0.1, _SQUARE, "effects of a phenomenon whose tests explain less are not tried", "less than half of gain"
