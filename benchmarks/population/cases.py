@@ -121,13 +121,13 @@ def _tried(card: Card, rng: np.random.Generator, longest: float, attempt: int) -
     held = slow is not None and bool(rng.random() < _HELD)
     if held:
         setting = slow(rng, setting)
-    first, *_ = setting
+    first, base, _ = setting
     out = run(plant, first[1])
     spread = float(out[:, 0].std())
     coil_over = rng.random() < (0.7 if "spring_rate_error" in card.hidden else 0.2)
     chain = _with_slow_channels(card, rng, measurement_chain.drawn(rng, spread, coil_over), first[1], moves or acts)
     chain = replace(chain, thermometer=True) if held else chain
-    effects = _hidden(card, rng, plant, chain, first[1], scene_of(first[1], out))
+    effects = _hidden(card, rng, plant, chain, first[1], scene_of(first[1], out, base[1]))
     if effects is None:
         return None
     if held:

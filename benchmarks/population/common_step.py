@@ -71,6 +71,16 @@ def aerate(plant, air, pressure, v, step):
 
 
 @compiled
+def steady_field(form, share):
+    """The field at a constant current, given as a share of the saturation current."""
+    if form == 2:
+        return share * share / (0.3 + share * share) * 1.3
+    if form == 3:
+        return max(share, 0.0) ** 1.5 / (1.0 + 0.3 * max(share, 0.0))
+    return tanh(share) * 1.2
+
+
+@compiled
 def magnetise(plant, magnet, current, step):
     """The field, 0 to about 1, of the current; constant if the current has no effect."""
     form = plant.current_form
@@ -80,9 +90,8 @@ def magnetise(plant, magnet, current, step):
     magnet[0] += (share - magnet[0]) * (1.0 - exp(-step / plant.coil))
     if form == 2:  # eddy currents in the core: part of the field is delayed
         magnet[1] += (magnet[0] - magnet[1]) * (1.0 - exp(-step / plant.eddy))
-        late = 0.6 * magnet[0] + 0.4 * magnet[1]
-        return late * late / (0.3 + late * late) * 1.3
+        return steady_field(form, 0.6 * magnet[0] + 0.4 * magnet[1])
     if form == 3:  # remanence: the field lags behind the current
         magnet[1] = min(max(magnet[1], magnet[0] - 0.12), magnet[0] + 0.12)
-        return max(magnet[1], 0.0) ** 1.5 / (1.0 + 0.3 * max(magnet[1], 0.0))
-    return tanh(magnet[0]) * 1.2
+        return steady_field(form, magnet[1])
+    return steady_field(form, magnet[0])

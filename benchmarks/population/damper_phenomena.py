@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from population.common_step import steady_field
 from population.hydraulic import (
     blow_off,
     cavitation,
@@ -139,13 +140,18 @@ def asymmetry(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]
 
 
 def current(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: the current has no effect. With: it has m times the ordinary effect."""
+    """Without: the current has no effect, and the damper is as at the base recording's. With: m times the ordinary
+    effect.
+    """
     if p.family == MAGNETO:
         names = {1: "coil's lag and saturation", 2: "eddy currents", 3: "remanence"}
+        idle = {form: steady_field(form, s.current / p.saturation) for form in names}
         return [
             Realisation(
                 name,
-                lambda m: p._replace(current_form=0, yield_gain=p.yield_gain * m, gap_gain=p.gap_gain * m),
+                lambda m, form=form: p._replace(
+                    current_form=0, yield_gain=p.yield_gain * m, gap_gain=p.gap_gain * m, idle=idle[form]
+                ),
                 lambda m, form=form: p._replace(
                     current_form=form, yield_gain=p.yield_gain * m, gap_gain=p.gap_gain * m
                 ),
@@ -154,15 +160,17 @@ def current(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
             for form, name in names.items()
         ]  # fmt: skip
     plant = p._replace(saturation=rng.uniform(1.0, 3.0))
+    needle, valves = (steady_field(form, s.current / plant.saturation) for form in (4, 5))
     return [
         Realisation(
             "needle in the bleed", lambda m: plant._replace(bleed=1.4 * p.bleed),
-            lambda m: plant._replace(current_form=4, current=m, bleed=1.4 * p.bleed / max(1 - 0.5 * m, 0.4)), 0.05, 1.2,
+            lambda m: plant._replace(current_form=4, current=m, bleed=1.4 * p.bleed / max(1 - needle * m, 0.4)),
+            0.05, 1.2,
         ),
         Realisation(
             "preload of the valves", lambda m: plant,
             lambda m: plant._replace(
-                current_form=5, current=m, crack_r=p.crack_r / (1 + 0.5 * m), crack_c=p.crack_c / (1 + 0.5 * m)
+                current_form=5, current=m, crack_r=p.crack_r / (1 + valves * m), crack_c=p.crack_c / (1 + valves * m)
             ), 0.05, 6,
         ),
     ]  # fmt: skip

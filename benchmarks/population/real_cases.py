@@ -161,7 +161,8 @@ def _damper(name, rng, chain, drives, plainly):
     far = max(np.abs(drive.x).max() for role in drives.values() for drive in role)
     if far > families.tightest(plant):
         raise Unstable("the damper is too short")
-    forms = IN_THE_DAMPER[name](plant, scene_of(drives["base"][0], run(plant, drives["base"][0])), rng)
+    base = drives["base"][0]
+    forms = IN_THE_DAMPER[name](plant, scene_of(base, run(plant, base), base), rng)
     if not forms:
         return None, (0.0, 0.0), "", None
     form = forms[rng.integers(len(forms))]

@@ -23,19 +23,21 @@ class Scene:
         pressure: Pa, 98 % quantile of the pressure differences over the piston.
         low, high: m, quantiles 4 and 96 % of the displacement.
         x: displacement in m, thinned.
+        current: mean of the base recording, A: a damper on which the current has no effect is as the other one there.
     """
 
     pressure: float
     low: float
     high: float
     x: np.ndarray
+    current: float
 
 
-def scene_of(drive: Drive, out: np.ndarray) -> Scene:
-    """The scene of a run of the drawn damper."""
+def scene_of(drive: Drive, out: np.ndarray, base: Drive) -> Scene:
+    """The scene of a run of the drawn damper; ``base`` is the drive of the base recording."""
     low, high = np.quantile(drive.x, [0.04, 0.96])
     pressure = np.quantile(np.abs(out[:, 1] - out[:, 2]), 0.98)
-    return Scene(float(pressure), float(low), float(high), drive.x[::50])
+    return Scene(float(pressure), float(low), float(high), drive.x[::50], float(base.current.mean()))
 
 
 @dataclass(frozen=True)

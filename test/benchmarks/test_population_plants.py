@@ -32,7 +32,7 @@ def plain(plant):
 
 
 def scene(plant, motion):
-    return scene_of(motion, simulate.run(plant, motion))
+    return scene_of(motion, simulate.run(plant, motion), motion)
 
 
 def realisations(family, name, seed=1):
