@@ -37,8 +37,9 @@ def trial(ranges: Ranges) -> Trial:
 
     def exclusion(fitted: Values) -> str:
         bump, top_out = number(fitted, "bump_position"), number(fitted, "top_out_position")
-        stiffness = number(fitted, "bump_stiffness"), number(fitted, "top_out_stiffness")
-        return "acts all over the stroke: a spring" if leaves_no_middle(bump, top_out, stiffness, ranges) else ""
+        low = number(fitted, "bump_stiffness") * max(bump - ranges.compression, 0.0) ** number(fitted, "exponent")
+        high = number(fitted, "top_out_stiffness") * max(ranges.extension - top_out, 0.0) ** number(fitted, "exponent")
+        return "acts all over the stroke: a spring" if leaves_no_middle(bump, top_out, (low, high), ranges) else ""
 
     return Trial(starts[0], limits, starts[1:], exclusion, conditions=({"exponent": 3.0},))
 

@@ -43,8 +43,13 @@ def trial(ranges: Ranges) -> Trial:
 
     def exclusion(fitted: Values) -> str:
         bump, rebound = number(fitted, "bump_position"), number(fitted, "rebound_position")
-        damping = number(fitted, "bump_damping"), number(fitted, "rebound_damping")
-        return "acts all over the stroke: a groove" if leaves_no_middle(bump, rebound, damping, ranges) else ""
+        ways = {"bump": max(bump - ranges.compression, 0.0), "rebound": max(ranges.extension - rebound, 0.0)}
+        low, high = (
+            way * (number(fitted, f"{name}_damping") * ranges.speed / depth + number(fitted, f"{name}_stiffness"))
+            for name, way in ways.items()
+        )
+        none = leaves_no_middle(bump, rebound, (low, high), ranges)
+        return "acts all over the stroke: a groove, or a spring" if none else ""
 
     return Trial({"depth": depth, **starts[0]}, limits, starts[1:], exclusion, conditions=({"speed": ranges.speed},))
 

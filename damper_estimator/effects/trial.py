@@ -128,11 +128,11 @@ def slides_late(force: float, stiffness: float) -> str:
 _BOTH = 0.2  # of the stronger stop: one that is weaker does not count
 
 
-def leaves_no_middle(low: float, high: float, strength: tuple[float, float], ranges: Ranges) -> bool:
-    """Whether two stops, which begin below ``low`` and above ``high`` (m), leave less than a third of the recorded
-    stroke free between them; one alone may.
+def leaves_no_middle(low: float, high: float, forces: tuple[float, float], ranges: Ranges) -> bool:
+    """Whether two stops, which begin below ``low`` and above ``high`` (m) and reach such forces (N) at the ends of the
+    recorded stroke, leave less than a third of it free between them. One alone always leaves a third.
     """
-    return min(strength) > _BOTH * max(strength) and high - low < ranges.stroke / 3.0
+    return min(forces) > _BOTH * max(forces) and high - low < ranges.stroke / 3.0
 
 
 _SHORTEST_MEMORY = 3e-4  # m
