@@ -162,22 +162,21 @@ def _beyond(view: View) -> Columns:
     return [np.maximum(sign * view.v - opening, 0.0) * sign for opening in openings for sign in (1.0, -1.0)]
 
 
-def _even(view: View) -> Columns:
-    speed = np.abs(view.v)
+def _over_speed(view: View, speed: np.ndarray) -> Columns:
     return hats(speed, view.ranges.speed * np.array([0.0, *FINE_SHARES]))
 
 
-def _one_way(view: View, sign: float) -> Columns:
-    """A change of one direction, which next to a free zero need not be even at all."""
-    return hats(np.maximum(sign * view.v, 0.0), view.ranges.speed * np.array([0.0, *FINE_SHARES]))
+def _even(view: View) -> Columns:
+    return _over_speed(view, np.abs(view.v))
 
 
 def _rebound(view: View) -> Columns:
-    return _one_way(view, 1.0)
+    """A change of one direction, which beside a free zero of the gauge need not be even at all."""
+    return _over_speed(view, np.maximum(view.v, 0.0))
 
 
 def _compression(view: View) -> Columns:
-    return _one_way(view, -1.0)
+    return _over_speed(view, np.maximum(-view.v, 0.0))
 
 
 def _places(view: View) -> np.ndarray:
@@ -264,12 +263,7 @@ _CURVES = ("friction step", "blow-off", "even", "rebound", "compression")
 _ELASTIC = ("mass", "shift", "series", "valve")
 
 TESTS = (
-    Test(
-        "curve",
-        ("friction step", "blow-off", "even", "rebound", "compression"),
-        _curve,
-        "velocity alone: another curve",
-    ),
+    Test("curve", _CURVES, _curve, "velocity alone: another curve"),
     Test("friction step", (), _friction, "the direction of motion"),
     Test("memory", ("friction step",), _memory, "the last millimetres of the motion"),
     Test("blow-off", (), _beyond, "velocity beyond an opening speed"),
