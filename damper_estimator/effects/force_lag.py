@@ -15,16 +15,20 @@ from damper_estimator.signals.layout import DT
 
 
 @compiled
+def lagged(came, before, last, lag):
+    """What follows a line from ``before`` to ``came``, one sample later, from ``last`` on; the lag is in samples."""
+    ramp = (came - before) * lag
+    return came - ramp + (last - before + ramp) * exp(-1.0 / lag)
+
+
+@compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F <- lag(F)."""
     for i in range(force.size):
         dt = kinematics[DT, i]
         came = force[i]
         if dt > 0.0:
-            lag = parameters[0] / dt
-            decay = exp(-1.0 / lag)
-            ramp = (came - state[1]) * lag
-            force[i] = came - ramp + (state[0] - state[1] + ramp) * decay
+            force[i] = lagged(came, state[1], state[0], parameters[0] / dt)
         state[0] = force[i]
         state[1] = came
 

@@ -3,14 +3,13 @@
     dF/dt = k v - F / tau
 
 k in N/m, tau in s. Fast motion meets a spring, slow motion a damping of k tau. v is taken as linear between samples;
-the relaxation is exact for it, at any step. States: F and the last v; second order in the step. Source: Maxwell
+the relaxation is exact for it, at any step. States: F and the last k tau v; second order in the step. Source: Maxwell
 element, Lion and Loose 2002.
 """
 
-from math import exp
-
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
+from damper_estimator.effects.force_lag import lagged
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, V
 
@@ -20,15 +19,9 @@ def kernel(parameters, settings, kinematics, state, force):
     """F += relaxing spring."""
     steady = parameters[0] * parameters[1]
     for i in range(force.size):
-        dt, v = kinematics[DT, i], kinematics[V, i]
-        if dt <= 0.0:
-            state[0] = 0.0
-        else:
-            lag = parameters[1] / dt
-            ramp = steady * (v - state[1]) * lag
-            came = steady * state[1]
-            state[0] = steady * v - ramp + (state[0] - came + ramp) * exp(-1.0 / lag)
-        state[1] = v
+        dt, wanted = kinematics[DT, i], steady * kinematics[V, i]
+        state[0] = lagged(wanted, state[1], state[0], parameters[1] / dt) if dt > 0.0 else 0.0
+        state[1] = wanted
         force[i] += state[0]
 
 

@@ -10,10 +10,11 @@ have valves of their own. The lag is exact for w linear between samples. States:
 step. Source: first-order valve dynamics, Lozoya-Santos et al., section 2; the disc that lifts with pressure, Lang 1977.
 """
 
-from math import exp, log
+from math import log
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.force_lag import lagged
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT
 
@@ -38,8 +39,7 @@ def kernel(parameters, settings, kinematics, state, force):
             lag = parameters[2] / dt
             if abs(wanted) < abs(state[0]):
                 lag *= closing
-            ramp = (wanted - state[1]) * lag
-            follows = wanted - ramp + (state[0] - state[1] + ramp) * exp(-1.0 / lag)
+            follows = lagged(wanted, state[1], state[0], lag)
         state[0] = follows
         state[1] = wanted
         force[i] += parameters[0] * (wanted - follows)
