@@ -11,6 +11,7 @@ import numpy as np
 
 from damper_estimator.compiled import borrowed, compiled, inlined
 from damper_estimator.model.deflection import (
+    BEFORE,
     COUNT,
     DEFLECTION,
     HIGH,
@@ -196,13 +197,13 @@ def _run_kernel(functions, table, j, parameters, settings, kinematics, force, st
 
 @inlined
 def _begin_series(table, j, column, motions, force, state, saved, solver):
-    """Saves the states before this sample and tries the deflection that the last rate predicts."""
+    """Saves the states before this sample and tries the deflection that the last two rates predict."""
     first, last = table[j, Z0], table[table[j, PARTNER], Z1]
     for k in range(first, last):
         saved[k] = state[k]
     above = table[j, MOTION_UP]
     given = column if above == 0 else motions[above - 1]
-    solver[TRIAL] = state[first + DEFLECTION] + state[first + RATE] * given[DT, 0]
+    solver[TRIAL] = state[first + DEFLECTION] + (2.0 * state[first + RATE] - state[first + BEFORE]) * given[DT, 0]
     solver[LOW], solver[HIGH] = -np.inf, np.inf
     solver[COUNT] = 0.0
     _try_deflection(table, j, given, motions, force, saved, solver)
@@ -255,6 +256,7 @@ def _advance_series(
     deflection, g = solver[TRIAL], compliance[0] - path_force
     if balanced(solver, g, _TOLERANCE * (100.0 + abs(path_force)), slope, saved[first + DEFLECTION]):
         state[first + DEFLECTION] = deflection
+        state[first + BEFORE] = saved[first + RATE]
         state[first + RATE] = mean_rate(given[DT, 0], saved, first, deflection)
         state[first + STEP] = given[DT, 0]
         state[first + SLOPE] = secant_slope(solver, deflection, g, slope)

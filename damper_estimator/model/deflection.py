@@ -5,8 +5,8 @@
 with w = dt / (dt + dt_before), at most 0.7: the backward differentiation formula of second order for uneven steps (Gear
 1971), stable for any stiffness; w = 0 (backward Euler) on the first step, r = 0 on the first sample. The left side
 rises with d and the right side falls, so the root is unique; where a path's force falls with velocity there may be
-none, and the deflection stays as it was for that step. The search starts from the last rate and the last slope,
-continues with secants and bisects if a secant leaves the bracket or closes it slowly.
+none, and the deflection stays as it was for that step. The search starts from what the last two rates predict and from
+the last slope, continues with secants and bisects if a secant leaves the bracket or hardly reduces the imbalance.
 """
 
 import numpy as np
@@ -14,9 +14,9 @@ import numpy as np
 from damper_estimator.compiled import inlined
 
 # The states of a series operation precede those of its kernel: deflection, its mean rate over the last step, the length
-# of that step, and the slope of the imbalance.
-DEFLECTION, RATE, STEP, SLOPE = range(4)
-SERIES_STATES = 4
+# of that step, the slope of the imbalance, and the mean rate over the step before.
+DEFLECTION, RATE, STEP, SLOPE, BEFORE = range(5)
+SERIES_STATES = 5
 # Columns of a solver's row: the trial deflection, the point before it, and the bracket.
 TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
 SOLVER_COLUMNS = 6
@@ -66,10 +66,10 @@ def balanced(solver, g, tolerance, slope, before):
         return True
     step = -g / secant_slope(solver, here, g, slope)
     bracketed = width < np.inf
-    if not bracketed and solver[COUNT] > 1.0:
-        step *= 2.0  # one side of the bracket is missing: rather too far than too short
+    slow = solver[COUNT] > 0.0 and abs(g) > 0.5 * abs(solver[G_LAST])
+    if not bracketed and slow:
+        step *= 2.0  # one side of the bracket is missing, and steps hardly help: rather too far than too short
     trial = here + step
-    slow = int(solver[COUNT]) % 4 == 3
     if bracketed and (slow or not solver[LOW] < trial < solver[HIGH]):
         trial = 0.5 * (solver[LOW] + solver[HIGH])
     if abs(trial) > _FURTHEST:  # without a balance the compliance stays as it was for this step
