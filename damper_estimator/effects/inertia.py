@@ -19,8 +19,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """A damper's moving parts weigh some kilograms."""
-    return Trial(limits={"mass": (0.0, 30.0)})
+    """A damper's moving parts weigh some kilograms, a fixture may weigh more."""
+    return Trial(limits={"mass": (0.0, ranges.most_mass)})
 
 
 EFFECT = Effect(
@@ -29,7 +29,7 @@ EFFECT = Effect(
     phenomenon="inertia",
     tests=("mass",),
     beside_oil=True,
-    parameters=(Parameter("mass", "kg", 0.5, 0.0, 100.0, "moving mass", linear=True),),
+    parameters=(Parameter("mass", "kg", 0.5, 0.0, 500.0, "moving mass", linear=True),),
     shows="more force while accelerating; at the reversals, where v = 0, the force follows the acceleration",
     separate="shake the unloaded gauge: only inertia remains",
     trial=trial,

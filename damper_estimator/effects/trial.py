@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 Number = float | tuple[float, ...]
 
 
@@ -62,6 +64,13 @@ class Ranges:
     def least_stiffness(self) -> float:
         """Of a spring in series, N/m: it deflects by at most a twentieth of the recorded stroke."""
         return max(20.0 * self.force / self.stroke, 5e4)
+
+    @property
+    def most_mass(self) -> float:
+        """Of moving parts, kg: 30, or more in front of a damper with much force, as that of a heavy fixture or of a
+        column of oil in a hose.
+        """
+        return float(np.clip(3.0 * self.force / max(self.acceleration, 1e-9), 30.0, 300.0))
 
     @property
     def middle(self) -> float:

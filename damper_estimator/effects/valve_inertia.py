@@ -31,7 +31,7 @@ def trial(ranges: Ranges) -> Trial:
     it explains clearly more than any mass.
     """
     speed = ranges.speed
-    masses = dict.fromkeys(("mass_rebound", "mass_compression"), (0.0, 60.0))
+    masses = dict.fromkeys(("mass_rebound", "mass_compression"), (0.0, 2.0 * ranges.most_mass))
     starts = spread(opening=(0.1 * speed, 0.3 * speed, 0.5 * speed))
 
     def exclusion(values: Values) -> str:
@@ -49,8 +49,8 @@ EFFECT = Effect(
     phenomenon="valve_delay",
     tests=("valve",),
     parameters=(
-        Parameter("mass_rebound", "kg", 1.0, 0.0, 200.0, "equivalent mass at the rod in rebound", linear=True),
-        Parameter("mass_compression", "kg", 1.0, 0.0, 200.0, "equivalent mass at the rod in compression", linear=True),
+        Parameter("mass_rebound", "kg", 1.0, 0.0, 1000.0, "equivalent mass at the rod in rebound", linear=True),
+        Parameter("mass_compression", "kg", 1.0, 0.0, 1000.0, "equivalent mass at the rod in compression", linear=True),
         Parameter("opening", "m/s", 0.1, 1e-3, 5.0, "speed at which the valve opens"),
     ),
     shows="above an opening speed more force while the speed rises, less while it falls; nothing at the reversals",

@@ -8,19 +8,23 @@ import damper_estimator as de
 
 @pytest.fixture(scope="module")
 def halves(base):
-    """A model of the shipped damper, identified on the first half of its recording, and how to record both halves
-    with another force.
+    """Diagnoses a change of the force in both halves of the shipped recording, with a model that was identified on the
+    first half; ``strong`` times as much force without and with it.
     """
     k = base.kinematics
     half = k.time.size // 2
 
-    def recorded(part: slice, change=lambda t, x, force: force) -> de.Recording:
+    def recorded(part: slice, strong: float, change=lambda t, x, force: force) -> de.Recording:
         t, x = k.time[part] - k.time[part][0], k.displacement[part]
-        return de.Recording.from_arrays(t, x, force=change(t, x, base.force[part]))
+        return de.Recording.from_arrays(t, x, force=change(t, x, strong * base.force[part]))
 
-    first, second = slice(0, half), slice(half, None)
-    model = de.fit(recorded(first), "viscous_curve").model
-    return lambda change: de.diagnose(recorded(first, change), model, validate=recorded(second, change)).diagnosis
+    def diagnosed(change, strong: float = 1.0):
+        first, second = slice(0, half), slice(half, None)
+        model = de.fit(recorded(first, strong), "viscous_curve").model
+        fit, unseen = recorded(first, strong, change), recorded(second, strong, change)
+        return de.diagnose(fit, model, validate=unseen).diagnosis
+
+    return diagnosed
 
 
 def test_a_foam_bump_stop_that_touches_before_the_middle_is_a_stop(halves, base):
@@ -41,3 +45,12 @@ def test_a_force_that_falls_with_time_is_temperature_although_none_is_measured(h
     names = {name for one in found.findings[:1] for name in (one.phenomenon, *one.tied_with)}
     assert "temperature_fade" in names, found.sentence
     assert "temperature_fade" not in {one.phenomenon for one in halves(lambda t, x, force: force).findings}
+
+
+def test_a_heavy_fixture_in_front_of_a_strong_damper_is_a_mass(halves):
+    def with_mass(t, x, force):
+        return force + 120.0 * np.gradient(np.gradient(x, t), t)
+
+    first = halves(with_mass, strong=10.0).findings[0]
+    assert (first.phenomenon, first.effect) == ("inertia", "inertia")
+    assert first.parameters[0].value == pytest.approx(120.0, rel=0.05)
