@@ -94,14 +94,13 @@ class Baseline:
     def suggests(self, hypothesis: Hypothesis) -> bool:
         """Whether one of the hypothesis's form-free tests explains enough for it to be tried.
 
-        A compliance changes how all that is behind it shows: friction turns round later. So its tests are those of the
-        model's effects as well. True without any, and where the tests do not see a large error, as of a chamber that
-        loses its oil to vapour for many strokes.
+        A compliance changes how all that is behind it shows, so its tests are those of the model's effects as well.
+        True without any, and where the tests do not see a large error, as of a chamber that loses its oil to vapour for
+        many strokes.
         """
-        effects = [hypothesis.effect]
+        names = hypothesis.tests
         if hypothesis.effect.kind == "series":
-            effects += [element.effect for element in walk(self.model.effects)]
-        names = {name for effect in effects for name in effect.tests}
+            names = names.union(*(element.effect.tests for element in walk(self.model.effects)))
         hints = [self.hints[name] for name in names if name in self.hints]
         return not hints or max(hints) >= limits().hint or not self.is_seen
 

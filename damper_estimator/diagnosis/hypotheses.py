@@ -94,6 +94,13 @@ class Hypothesis:
         return self.effect.phenomenon
 
     @property
+    def tests(self) -> set[str]:
+        """Names of the form-free tests that see it. A compliance in front of friction turns it round later, which is a
+        memory of the way.
+        """
+        return {*self.effect.tests, *(("memory",) if self.effect.kind == "series" else ())}
+
+    @property
     def size(self) -> int:
         """Number of its parameters."""
         return sum(1 if p.size is None else len(self.element.parameters[p.name]) for p in self.effect.parameters)

@@ -51,7 +51,7 @@ def scores_of(hypotheses: Sequence[Hypothesis], tests: Sequence[TestEvaluation])
     for phenomenon, (left, hypothesis) in best.items():
         penalty = left - hypothesis.evaluation.error
         drawn = hypothesis.evaluation.remaining.drawn + penalty
-        names = {name for one in hypotheses if one.phenomenon == phenomenon for name in one.effect.tests}
+        names = {name for one in hypotheses if one.phenomenon == phenomenon for name in one.tests}
         test = min((test for test in tests if test.test.name in names), key=lambda test: test.error, default=None)
         free = Remaining(1.0, np.ones_like(drawn), 1.0) if test is None else test.remaining
         blended = float(_blended(left, free.error)), _blended(drawn, free.drawn)
