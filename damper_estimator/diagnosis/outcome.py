@@ -1,7 +1,8 @@
 """What a search comes to: the verdict, and the findings that keep their promise once they are in the model.
 
-An explanation is fitted beside the model, with the gauge's zero and drift left out of the comparison. Identified in the
-model it may not deliver what it promised. Then it is set aside, and the search is done once more without it.
+An explanation is fitted beside the model, with the gauge's zero and drift left out of the comparison, and often the
+error that the model has always had. Identified in the model it may not deliver what it promised. Then the search is
+done once more with the error as measured, or, if that was done, without what did not deliver.
 """
 
 from collections.abc import Callable, Collection
@@ -78,7 +79,8 @@ def outcome_of(
     workers: int,
     progress: Progress,
 ) -> Outcome:
-    """The outcome of a search; of a second one without what the first one found, if only that delivers something.
+    """The outcome of a search; of a second one where nothing that the first one found delivers, if that does: with the
+    error as measured, or without what was found.
 
     Args:
         beyond: where most of the error lies, if it is one of extrapolation.
@@ -87,7 +89,13 @@ def outcome_of(
     """
     searched = partial(_searched, state, beyond, floor_n, mode)
     first = searched(skip, workers, lambda text, share: progress(text, 0.05 + 0.85 * share))
-    if first.steps or not first.found.accepted or first.verdict != "unexplained":
+    if first.steps or not first.found.accepted:
+        return first
+    if first.found.beyond_known:
+        again = searched(skip, workers, lambda text, share: progress(text, 0.9 + 0.1 * share), as_measured=True)
+        if again.steps:
+            return again
+    if first.verdict != "unexplained":
         return first
     promising = set(regions_of(together(first.found.accepted)[0]))
     again = searched({*skip, *promising}, workers, lambda text, share: progress(text, 0.9 + 0.1 * share))
@@ -105,8 +113,13 @@ def _searched(
     skip: Collection[str],
     workers: int,
     progress: Progress,
+    *,
+    as_measured: bool = False,
 ) -> Outcome:
-    found, data = _inside_first(state, beyond, mode, skip, workers, lambda text, share: progress(text, 0.85 * share))
+    def looked(text: str, share: float) -> None:
+        progress(text, 0.85 * share)
+
+    found, data = _inside_first(state, beyond, mode, skip, workers, looked, as_measured)
     if found.set_aside:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
@@ -135,7 +148,13 @@ def _searched(
 
 
 def _inside_first(
-    state: ModelState, beyond: Beyond | None, mode: str, skip: Collection[str], workers: int, progress: Progress
+    state: ModelState,
+    beyond: Beyond | None,
+    mode: str,
+    skip: Collection[str],
+    workers: int,
+    progress: Progress,
+    as_measured: bool,
 ) -> tuple[Search, DiagnosisData]:
     """As ``first_search``. Where most of the error is one of extrapolation, effects are looked for inside the region of
     the identification first: outside, a wrong curve hides what is missing everywhere. If the velocities are new, they
@@ -144,12 +163,14 @@ def _inside_first(
     looks_inside = beyond is not None and mode != "refit" and not state.is_identified_here
     inside = inside_region(state, beyond) if looks_inside else None
     if inside is None:
-        return first_search(state, mode, skip, workers, progress)
-    found = first_search(inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share))
+        return first_search(state, mode, skip, workers, progress, as_measured=as_measured)
+    found = first_search(
+        inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), as_measured=as_measured
+    )
     if found[0].accepted and not found[0].set_aside:
         return found
     because = NOT_IDENTIFIED_THERE if mode == "both" and beyond.is_of_velocity else ""
-    return first_search(state, mode, skip, workers, progress, because=because)
+    return first_search(state, mode, skip, workers, progress, because=because, as_measured=as_measured)
 
 
 def _is_measured(one: Accepted, state: ModelState) -> bool:
@@ -188,6 +209,7 @@ def first_search(
     progress: Callable[[str, float], None] = lambda text, share: None,
     *,
     because: str = "",
+    as_measured: bool = False,
 ) -> tuple[Search, DiagnosisData]:
     """What was found before it is added to the model, and on which recordings: without the error that the model had
     when it was identified, if that accounts for part of the error and leaves more than it did then; otherwise as
@@ -195,6 +217,7 @@ def first_search(
 
     Args:
         because: why nothing is added in any case; "" where effects are looked for.
+        as_measured: whether the known error is not subtracted in any case.
     """
     known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
     data = _data(state, without_old_zero) if asks_for_change else _data(state)
@@ -216,7 +239,7 @@ def first_search(
         because = TOO_SMALL if grown else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
     bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable
-    is_accounted_for = known is not None and left**2 < limits().accounted * whole**2
+    is_accounted_for = known is not None and not as_measured and left**2 < limits().accounted * whole**2
     if not because and is_accounted_for and left > limits().least_force * force and leaves_more:
         found = search(
             state.model,
@@ -227,7 +250,8 @@ def first_search(
             lambda text, share: progress(text, 0.5 * share),
             trusted=True,
         )
-        found = replace(found, accepted=tuple(one for one in found.accepted if _is_measured(one, state)))
+        measured = tuple(one for one in found.accepted if _is_measured(one, state))
+        found = replace(found, accepted=measured, beyond_known=True)
         # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
         if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
             return found, beyond_known

@@ -40,6 +40,7 @@ class Search:
         left_n: unseen error with them, N.
         mode: how the rounds evaluate: both, kept or refit.
         set_aside: why effects are evaluated, but not added; "" where they are.
+        beyond_known: whether the error that the model has always had was subtracted before.
     """
 
     rounds: tuple[Round, ...]
@@ -49,6 +50,7 @@ class Search:
     untestable: dict[str, str]
     mode: str
     set_aside: str = ""
+    beyond_known: bool = False
 
     @property
     def without_n(self) -> float:
