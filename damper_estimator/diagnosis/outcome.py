@@ -116,10 +116,8 @@ def _searched(
     *,
     as_measured: bool = False,
 ) -> Outcome:
-    def looked(text: str, share: float) -> None:
-        progress(text, 0.85 * share)
-
-    found, data = _inside_first(state, beyond, mode, skip, workers, looked, as_measured)
+    look = partial(first_search, mode=mode, skip=skip, workers=workers, as_measured=as_measured)
+    found, data = _inside_first(state, beyond, mode, look, lambda text, share: progress(text, 0.85 * share))
     if found.set_aside:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
@@ -151,26 +149,22 @@ def _inside_first(
     state: ModelState,
     beyond: Beyond | None,
     mode: str,
-    skip: Collection[str],
-    workers: int,
+    look: Callable[..., tuple[Search, DiagnosisData]],
     progress: Progress,
-    as_measured: bool,
 ) -> tuple[Search, DiagnosisData]:
-    """As ``first_search``. Where most of the error is one of extrapolation, effects are looked for inside the region of
-    the identification first: outside, a wrong curve hides what is missing everywhere. If the velocities are new, they
-    are looked for nowhere else.
+    """What ``look``, which is ``first_search``, finds. Where most of the error is one of extrapolation, it looks inside
+    the region of the identification first: outside, a wrong curve hides what is missing everywhere. If the velocities
+    are new, it looks nowhere else.
     """
     looks_inside = beyond is not None and mode != "refit" and not state.is_identified_here
     inside = inside_region(state, beyond) if looks_inside else None
     if inside is None:
-        return first_search(state, mode, skip, workers, progress, as_measured=as_measured)
-    found = first_search(
-        inside, mode, skip, workers, lambda text, share: progress(text, 0.5 * share), as_measured=as_measured
-    )
+        return look(state, progress=progress)
+    found = look(inside, progress=lambda text, share: progress(text, 0.5 * share))
     if found[0].accepted and not found[0].set_aside:
         return found
     because = NOT_IDENTIFIED_THERE if mode == "both" and beyond.is_of_velocity else ""
-    return first_search(state, mode, skip, workers, progress, because=because, as_measured=as_measured)
+    return look(state, progress=progress, because=because)
 
 
 def _is_measured(one: Accepted, state: ModelState) -> bool:
