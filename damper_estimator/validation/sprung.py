@@ -84,20 +84,28 @@ def _fitted(m: Measurement, stiffness: float) -> tuple[float, Sprung]:
 
 
 @compiled
+def _on_curve(speed, knots, heights):
+    """Force of the curve through heights (k,), constant beyond its ends, and its slope; np.interp takes seconds to
+    compile.
+    """
+    last = knots.size - 1
+    if speed <= knots[0]:
+        return heights[0], 0.0
+    if speed >= knots[last]:
+        return heights[last], 0.0
+    k = 1
+    while knots[k] < speed:
+        k += 1
+    slope = (heights[k] - heights[k - 1]) / (knots[k] - knots[k - 1])
+    return heights[k - 1] + slope * (speed - knots[k - 1]), slope
+
+
+@compiled
 def _yielded(i, x, v, since, step, before, force, heights, knots, held, widths, plays, stiffness):
     """Force in N of the damper that is left to move, and its slope over the spring's force (>= 0)."""
     speed = v - (force - before) / (stiffness * step)
-    total, slope = heights[i, 0], 0.0
-    last = knots.size - 1
-    if speed >= knots[last]:
-        total = heights[i, last]
-    elif speed > knots[0]:
-        k = 1
-        while knots[k] < speed:
-            k += 1
-        rise = (heights[i, k] - heights[i, k - 1]) / (knots[k] - knots[k - 1])
-        total = heights[i, k - 1] + rise * (speed - knots[k - 1])
-        slope = max(rise, 0.0) / (stiffness * step)
+    total, rise = _on_curve(speed, knots, heights[i])
+    slope = max(rise, 0.0) / (stiffness * step)
     moved = x - force / stiffness - since
     for j in range(widths.size):
         z = plays[j] + moved
@@ -115,7 +123,7 @@ def _simulate(dt, x, v, knots, heights, widths, held, static, stiffness, parts, 
     for i in range(x.size):
         if i == 0 or dt[i] <= 0.0:
             plays[:] = 0.0
-            before = static[i] + np.interp(v[i], knots, heights[i])
+            before = static[i] + _on_curve(v[i], knots, heights[i])[0]
             since = x[i] - before / stiffness
             out[i] = before
             continue
