@@ -44,7 +44,7 @@ def rounds(folder: Path, names: list[str]) -> Iterator[tuple[str, Round]]:
         state = identified_first(begun(kept.model, fit, unseen), "both")
         found, _ = first_search(state, "both")
         if not found.set_aside:
-            yield kept.facts["hidden"][0], found.rounds[0]
+            yield kept.facts["hidden"][0], found.first
             print(f"{name}: searched", flush=True)
 
 

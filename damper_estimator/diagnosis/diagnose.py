@@ -78,7 +78,7 @@ def diagnose(
         outcome,
         before,
         said + (beyond.sentence if beyond is not None else ""),
-        by_itself(identified, state, moved, outcome.found.rounds[0].hidden),
+        by_itself(identified, state, moved, outcome.found.first.hidden),
     )
     return replace(found, identified=identified if identified is not given else None)
 
@@ -110,12 +110,12 @@ def _diagnosis(
     ordered = sorted(taken, key=lambda group: group[0])
     named = [(finding, element) for _, finding, element, _ in ordered]
     last = steps[-1][1] if steps else state
-    baseline = found.rounds[0].baseline
-    kept_n = rmse(baseline, found.rounds[0].kept)
+    baseline = found.first.baseline
+    kept_n = rmse(baseline, found.first.kept)
     is_beyond = found.set_aside == NOT_IDENTIFIED_THERE
     is_usual = bool(found.set_aside) and not is_beyond
     usual = usual_error(state.model, share_of_force(state, baseline.data)) if is_usual else None
-    errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.rounds[0])
+    errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.first)
     if movement is not None and all(finding.effect != movement[0].effect for finding, _ in named):
         is_largest = all(finding.fall < movement[0].fall for finding, _ in named)
         named = [movement, *named] if is_largest else [*named, movement]
@@ -150,7 +150,7 @@ def _diagnosis(
         unseen=state.unseen,
         steps=tuple((finding, at) for _, finding, _, at in taken),
         atlas=atlas,
-        phenomena=phenomena_of(found.rounds[0]),
+        phenomena=phenomena_of(found.first),
         reference_n=reference,
         stretches=stretches_used("fit", state.fit, state.fit_part)
         + stretches_used("unseen", state.unseen, state.unseen_part),

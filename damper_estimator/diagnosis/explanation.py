@@ -195,7 +195,7 @@ def ranking_of(found: Search, accepted: set[str]) -> tuple[RankedEffect, ...]:
     """The first round's hypotheses: those that the search found, the best, the others; ``accepted`` names those that
     lower the error.
     """
-    first = found.rounds[0]
+    first = found.first
     best = first.best
     otherwise = found.set_aside or "another explains more"
     by_name = {one.element.effect.name: one for one in reversed(found.accepted)}

@@ -121,7 +121,7 @@ def _searched(
     if found.set_aside:
         return Outcome(found, None, "nothing_missing")
     progress("identifying the parameters of the model", 0.85)
-    again = reidentified(found.rounds[0], data) if mode != "kept" else None
+    again = reidentified(found.first, data) if mode != "kept" else None
     force, here = dynamic_force(data.unseen), state.is_identified_here
     judged = partial(verdict_on, again=again, force_n=force, floor_n=floor_n, is_identified_here=here)
     verdict, picture = judged(found)
@@ -135,7 +135,7 @@ def _searched(
             named, found = (), replace(found, left_n=found.without_n)
             verdict, picture = judged(replace(found, accepted=named))
     if verdict == "parameters_changed":
-        found = replace(found, accepted=named or as_if_by(found.rounds[0]))
+        found = replace(found, accepted=named or as_if_by(found.first))
         steps = steps_of(state, found.accepted, mode, names_changes=again is not None)
     # Without a candidate only a large growth counts: errors on good recordings of one damper differ by up to two.
     share = share_of_force(state, data) / float(np.sqrt(limits().growth))

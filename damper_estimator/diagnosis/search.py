@@ -34,16 +34,17 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Search:
-    """All rounds; ``model`` has the accepted effects in it.
+    """What the rounds found; ``model`` has the accepted effects in it.
 
     Attributes:
+        first: the first round.
         left_n: unseen error with them, N.
         mode: how the rounds evaluate: both, kept or refit.
         set_aside: why effects are evaluated, but not added; "" where they are.
         beyond_known: whether the error that the model has always had was subtracted before.
     """
 
-    rounds: tuple[Round, ...]
+    first: Round
     accepted: tuple[Accepted, ...]
     model: DamperModel
     left_n: float
@@ -55,15 +56,15 @@ class Search:
     @property
     def without_n(self) -> float:
         """Unseen error without any finding, N."""
-        return rmse(self.rounds[0].baseline, self.rounds[0].without)
+        return rmse(self.first.baseline, self.first.without)
 
 
 @dataclass(frozen=True)
 class _Pass:
-    """The rounds in one mode, what they accepted, and the model after the last one."""
+    """The first round in one mode, what all accepted, and the model after the last one."""
 
     mode: str
-    rounds: list[Round]
+    first: Round
     accepted: list[Accepted]
     last: Baseline
 
@@ -100,13 +101,13 @@ def search(
     accepted = [replace(one, element=entry_of(last.model, one.element.effect.name)) for one in found.accepted]
     # A refit with the zero freed leaves a mean of the model undetermined.
     settled_model, added = (model, ()) if found.mode == "refit" else (last.model, accepted)
-    means = found_in_means(found.rounds[0], data, settled_model, added, skip, workers)
+    means = found_in_means(found.first, data, settled_model, added, skip, workers)
     accepted = [one for one in accepted if one.hypothesis.name not in {mean.hypothesis.name for mean in means}]
     left = rmse(last, without_effects(last)[int(found.mode == "refit")])
     most = max((one.fall for one in accepted), default=0.0)
     ahead, behind = ([one for one in means if (one.fall > most) == first] for first in (True, False))
     ordered = (*ahead, *accepted, *behind)
-    return Search(tuple(found.rounds), ordered, last.model, left, untestable, found.mode)
+    return Search(found.first, ordered, last.model, left, untestable, found.mode)
 
 
 def evaluated_only(
@@ -131,7 +132,7 @@ def evaluated_only(
     first = round_of(baseline, fitted, "both")
     zeros = tuple(found_in_means(first, beyond_known, model, (), skip, workers, _MOST_OF_IT))
     left = rmse(baseline, first.without)
-    return Search((first,), zeros, model, left, untestable, "both", "" if zeros else because)
+    return Search(first, zeros, model, left, untestable, "both", "" if zeros else because)
 
 
 def _tried(model: DamperModel, data: DiagnosisData, skip: Collection[str]) -> tuple[list[Hypothesis], dict[str, str]]:
@@ -149,15 +150,15 @@ def _rounds(
 ) -> _Pass:
     """One pass: rounds in one mode from the same start; ``jointly`` as in ``round_of``."""
     data, current = start.data, start
-    rounds: list[Round] = []
+    first: Round | None = None  # later ones are not kept: those of an hour take much memory
     accepted: list[Accepted] = []
-    while len(accepted) < MOST:
+    while True:
         # Next to effects that were found, one that explains nothing while they stay as they are may matter.
         worth = 0.0 if mode == "refit" or accepted else WORTH
         fitted = all_fitted(current, tried, worth, workers, _report(progress, len(accepted), len(tried)))
         found = round_of(current, fitted, mode, jointly)
-        rounds.append(found)
-        best = _supported(found, rounds[0])
+        first = first or found
+        best = _supported(found, first)
         report = _report(progress, len(accepted), 2 * len(tried))
         pair = paired(found, tried, regions_of(accepted), workers, report)
         if pair is not None:
@@ -170,11 +171,11 @@ def _rounds(
         current = _next(current, model, regions_of(accepted), found.refits)
         left = without_effects(current)[int(found.refits)]
         accepted[-1] = replace(accepted[-1], after_n=rmse(current, left))
-        if not _explains_enough(rounds[0].without, left):
+        if len(accepted) >= MOST or not _explains_enough(first.without, left):
             break
         names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(regions_of(accepted))
         tried = [one.resumed(one) for one in fitted if one.name in names]
-    return _Pass(mode, rounds, accepted, current)
+    return _Pass(mode, first, accepted, current)
 
 
 def _supported(found: Round, first: Round) -> Hypothesis | None:

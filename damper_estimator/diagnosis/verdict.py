@@ -28,7 +28,7 @@ def verdict_on(
         is_identified_here: whether the model was identified on these recordings: then only noise excuses what is left,
             elsewhere also what the identification left.
     """
-    first, left = found.rounds[0], found.left_n
+    first, left = found.first, found.left_n
     floor = floor_n if np.isfinite(floor_n) else 0.0
     if (
         again is not None
@@ -62,7 +62,7 @@ def taken_over(found: Search, delivered: Sequence[str], again: Reidentified) -> 
 
 def _enough(found: Search, again: Reidentified, floor: float) -> bool:
     """Whether re-identification takes away most of what there is to explain, or no less than all that was found."""
-    first = found.rounds[0]
+    first = found.first
     before = rmse(first.baseline, first.kept)
     explainable = max(before**2 - floor**2, 1e-12)
     takes_most = before**2 - again.rmse_n**2 >= limits().refit_most * explainable

@@ -171,13 +171,13 @@ def finding_a_zero(monkeypatch):
             found = original(*arguments, trusted=trusted, **keywords)
             if not trusted:
                 return found
-            first = found.rounds[0]
+            first = found.first
             zero, data = first.hidden[0], first.baseline.data.with_zero
             error = size * float(np.mean(targets(data.unseen) - force_rows(first.baseline.model, data.unseen)))
             fit = replace(zero.fit, values={"offset": error})
             one = replace(zero, fit=fit, evaluation=first.hypotheses[0].evaluation)
             first = replace(first, constants=frozenset({zero.name}))
-            return replace(found, rounds=(first,), accepted=(accepted_in(first, one),))
+            return replace(found, first=first, accepted=(accepted_in(first, one),))
 
         monkeypatch.setattr(module, "search", only_a_zero)
         return module.first_search

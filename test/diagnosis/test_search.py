@@ -30,7 +30,7 @@ def searched(noisy, monkeypatch):
             current = rounded(start, tried(start, "coulomb", 0.9), mode=mode)
             accepted = [accepted_in(current, current.best)] if mode in found else []
             changed = current.best.fitted_into(start.model) if accepted else start.model
-            passes.append(module._Pass(mode, [current], accepted, replace(start, model=changed)))
+            passes.append(module._Pass(mode, current, accepted, replace(start, model=changed)))
             return passes[-1]
 
         monkeypatch.setattr(module, "baseline_of", lambda model, data: start)
@@ -38,7 +38,7 @@ def searched(noisy, monkeypatch):
         result = module.search(
             noisy.model, noisy.data, mode, (), 1, lambda text, share: None, trusted=trusted, is_identified_here=here
         )
-        assert result.rounds == tuple(passes[-1].rounds) and result.mode == passes[-1].mode
+        assert result.first is passes[-1].first and result.mode == passes[-1].mode
         assert len(result.accepted) == len(passes[-1].accepted)
         return [one.mode for one in passes]
 
