@@ -35,18 +35,24 @@ class Region:
     Attributes:
         limits: lowest and highest value of parameters by name.
         excludes: says why the effect with some values is not what it represents; None if it always is.
+        plausible: by how much values lower its prior, 0 to 1; None if none do.
     """
 
     limits: Mapping[str, tuple[float, float]]
     excludes: Callable[[Mapping[str, Any]], str] | None = None
+    plausible: Callable[[Mapping[str, Any]], float] | None = None
 
     def exclusion(self, element: Element) -> str:
         """Why an entry of the effect is not what it represents with its values; "" if it is."""
         return self.excludes({**element.settings, **element.parameters}) if self.excludes else ""
 
+    def plausibility(self, element: Element) -> float:
+        """By how much an entry's values lower the prior of its effect."""
+        return self.plausible({**element.settings, **element.parameters}) if self.plausible else 1.0
+
     def __getstate__(self) -> dict[str, object]:
         """For another process: results go there, in which nothing is fitted any more, and local functions cannot."""
-        return {"limits": dict(self.limits), "excludes": None}
+        return {"limits": dict(self.limits), "excludes": None, "plausible": None}
 
 
 @dataclass(frozen=True)
@@ -109,6 +115,11 @@ class Hypothesis:
     def score(self) -> float:
         """Share of the squared error that is left, with penalties for parameters; smaller is better."""
         return self.evaluation.error + limits().penalty * self.size + limits().at_bound * bool(self.fit.at_bound)
+
+    @property
+    def fitted_prior(self) -> float:
+        """Its prior with its fitted values."""
+        return self.prior * self.region.plausibility(self.fitted_element)
 
     @property
     def exclusion(self) -> str:
@@ -254,7 +265,7 @@ def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:
     present = next((one for one in model.springs if one.effect.of_oil == effect.of_oil), None)
     starts = [*trial.starts, *_as_stiff(effect, present)]
     element = new_element(effect, model.effects, values)
-    region = Region(physical, trial.exclusion)
+    region = Region(physical, trial.exclusion, trial.plausible)
     return Hypothesis(element, region, starts, trial.imitates, trial.conditions, trial.prior, trial.because)
 
 

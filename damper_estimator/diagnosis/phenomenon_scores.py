@@ -4,7 +4,7 @@
     left_p = min over the effects e of p of left_e^(1 - w)  x  min over the tests t of p of left_t^w
     P(p)   = prior_p left_p^-kn / sum over q of prior_q left_q^-kn,    averaged over a bootstrap of the unseen part
 
-prior_p is that of its effect, 1 for most; n says for how many independent recordings those at hand
+prior_p is that of its effect with its fitted values, 1 for most; n says for how many independent recordings those at hand
 count (``by_recording``).
 
 left is a share of the squared error. The tests assume no form: a phenomenon whose real form differs from that of the
@@ -55,7 +55,7 @@ def scores_of(hypotheses: Sequence[Hypothesis], tests: Sequence[TestEvaluation])
         test = min((test for test in tests if test.test.name in names), key=lambda test: test.error, default=None)
         free = Remaining(1.0, np.ones_like(drawn), 1.0) if test is None else test.remaining
         blended = float(_blended(left, free.error)), _blended(drawn, free.drawn)
-        found.append(PhenomenonScore(phenomenon, *blended, hypothesis.prior))
+        found.append(PhenomenonScore(phenomenon, *blended, hypothesis.fitted_prior))
     return sorted(found, key=lambda score: score.left)
 
 

@@ -13,7 +13,7 @@ its lubrication.
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.elastic_slip import PARTS, held
-from damper_estimator.effects.trial import Ranges, Trial, slides_late, spread
+from damper_estimator.effects.trial import Ranges, Trial, slides_late, sliding_soon, spread
 from damper_estimator.signals.layout import DT, X
 
 
@@ -26,7 +26,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def exclusion(values: Values) -> str:
     """Friction slides after a short travel; here half of the contacts do."""
-    return slides_late(number(values, "travel"), 1.0)
+    return slides_late(number(values, "travel"))
+
+
+def plausible(values: Values) -> float:
+    """The sooner half of the contacts slide, the better."""
+    return sliding_soon(number(values, "travel"))
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -36,6 +41,7 @@ def trial(ranges: Ranges) -> Trial:
         limits={"travel": (1e-5, 1e-3), "spread": (0.2, 2.0), "force": (0.0, 2.0 * ranges.force)},
         starts=spread(force=(0.05 * ranges.force, 0.2 * ranges.force), travel=(5e-5, 4e-4)),
         exclusion=exclusion,
+        plausible=plausible,
     )
 
 

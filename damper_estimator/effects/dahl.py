@@ -13,7 +13,7 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, slides_late, spread
+from damper_estimator.effects.trial import Ranges, Trial, slides_late, sliding_soon, spread
 from damper_estimator.signals.layout import DT, X
 
 
@@ -42,7 +42,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def exclusion(values: Mapping[str, float]) -> str:
     """Friction slides after a short travel; a longer one would be another effect."""
-    return slides_late(values["force"], values["stiffness"])
+    return slides_late(values["force"] / values["stiffness"])
+
+
+def plausible(values: Mapping[str, float]) -> float:
+    """The sooner it slides, the better."""
+    return sliding_soon(values["force"] / values["stiffness"])
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -53,6 +58,7 @@ def trial(ranges: Ranges) -> Trial:
         limits={"stiffness": (least, 1e8), "force": (0.0, 2.0 * ranges.force), "exponent": (0.5, 2.0)},
         starts=spread(force=(0.05 * ranges.force, 0.2 * ranges.force), stiffness=(1.5 * least, 10.0 * least)),
         exclusion=exclusion,
+        plausible=plausible,
     )
 
 

@@ -107,6 +107,7 @@ class Trial:
             fitted recordings best are taken.
         prior: how probable the effect is before its error is compared with that of others, relative to them, by what is
             known of the recordings otherwise.
+        plausible: by how much its values lower the prior, 0 to 1, where two phenomena pass into each other.
         because: a sentence that says what speaks for it, if that is not seen in the recordings; "" otherwise.
     """
 
@@ -117,21 +118,25 @@ class Trial:
     imitates: str = ""
     conditions: tuple[Mapping[str, float], ...] = ()
     prior: float = 1.0
+    plausible: Callable[[Mapping[str, Any]], float] | None = None
     because: str = ""
 
 
 Try = Callable[[Ranges], Trial]
 
-_LONGEST_TRAVEL = 6e-4  # m
+_USUAL_TRAVEL, _LONGEST_TRAVEL = 6e-4, 2e-3  # m
 
 
-def slides_late(force: float, stiffness: float) -> str:
-    """Why dry friction with this force (N) and stiffness before sliding (N/m) is no friction; "" if it is.
-
-    Seals slide after some tenths of a millimetre; what needs a longer travel is another memory.
-    """
-    travel = force / stiffness
+def slides_late(travel: float) -> str:
+    """Why dry friction that slides after this travel (m) is no friction; "" if it is."""
     return f"would slide after {1e3 * travel:.2g} mm only: no friction" if travel > _LONGEST_TRAVEL else ""
+
+
+def sliding_soon(travel: float) -> float:
+    """How plausible dry friction is that slides after this travel (m): seals slide after some tenths of a millimetre,
+    in a soft seat or lining later; what needs a longer travel is rather another memory.
+    """
+    return min(1.0, (_USUAL_TRAVEL / max(travel, 1e-9)) ** 4)
 
 
 _BOTH = 0.2  # of the stronger stop: one that is weaker does not count

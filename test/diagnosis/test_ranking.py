@@ -151,6 +151,16 @@ def test_what_is_known_otherwise_weighs_in(noisy):
     assert probabilities(scores) == pytest.approx({"gas": 0.8, "spring": 0.2})
 
 
+def test_implausible_values_lower_the_prior(noisy):
+    """Only those of the fit: whatever else the effect may be, and not its error."""
+    friction, other = tried(noisy, "contact_friction", 0.6), tried(noisy, "gas_spring", 0.6)
+    late = replace(friction, fit=replace(friction.fit, values={**friction.fit.values, "travel": 9e-4}))
+    assert late.fitted_prior < 0.5 and friction.fitted_prior == 1.0
+    before, after = (rounded(noisy, one, other).probabilities for one in (friction, late))
+    odds = [found["friction"] / found["gas_spring"] for found in (before, after)]
+    assert odds[1] == pytest.approx(late.fitted_prior * odds[0])
+
+
 def test_only_what_is_identified_of_a_model_is_known(user_model, base):
     gas = tuple(slot.address for slot in user_model.slots if "gas_spring" in slot.address)
     assert "gas_spring" in ranges_of([base], user_model).identified

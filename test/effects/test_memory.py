@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.delay_line import STATES, delayed
 from damper_estimator.effects.discovery import all_effects, find_effect
 from damper_estimator.effects.trial import Ranges
@@ -226,12 +227,17 @@ def test_friction_of_contacts_is_elastic_slip_without_creep():
     np.testing.assert_allclose(force("contact_friction", block, force=80.0, travel=2e-4, spread=0.7), expected)
 
 
-def test_contacts_that_slide_late_are_no_friction():
-    ranges = Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0)
-    excluded = find_effect("contact_friction").trial(ranges).exclusion
-    assert not excluded({"force": 80.0, "travel": 2e-4, "spread": 1.0})
-    assert "no friction" in excluded({"force": 80.0, "travel": 8e-4, "spread": 1.0})
-    assert not excluded({"force": 80.0, "travel": 4e-4, "spread": 2.0}), "half of them slide within 0.4 mm"
+@pytest.mark.parametrize("name", ["contact_friction", "dahl"])
+def test_friction_that_slides_late_is_less_plausible_and_then_none(name):
+    tried = find_effect(name).trial(Ranges(-0.03, 0.03, speed=0.5, acceleration=20.0, force=500.0, seconds=20.0))
+
+    def values(travel):
+        return {"force": 80.0, "travel": travel, "stiffness": 80.0 / travel, "spread": 1.0, "exponent": 1.0}
+
+    plausible = [tried.plausible(values(travel)) for travel in np.geomspace(1e-4, 4e-3, 30)]
+    assert np.all(np.diff(plausible) <= 0.0) and plausible[0] == 1.0 and plausible[-1] < limits().tied
+    assert tried.plausible(values(4e-4)) == 1.0 and tried.plausible(values(8e-4)) < 0.5
+    assert not tried.exclusion(values(1e-3)) and "no friction" in tried.exclusion(values(3e-3))
 
 
 @pytest.mark.parametrize(
