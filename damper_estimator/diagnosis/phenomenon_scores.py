@@ -4,8 +4,8 @@
     left_p = min over the effects e of p of left_e^(1 - w)  x  min over the tests t of p of left_t^w
     P(p)   = prior_p left_p^-kn / sum over q of prior_q left_q^-kn,    averaged over a bootstrap of the unseen part
 
-prior_p is that of its effect with its fitted values, 1 for most; n says for how many independent recordings those at hand
-count (``by_recording``).
+prior_p is that of its effect with its fitted values, 1 for most; n says for how many independent recordings those at
+hand count (``by_recording``).
 
 left is a share of the squared error. The tests assume no form: a phenomenon whose real form differs from that of the
 effect in the library keeps part of its credit, and one whose effect fits while the error does not depend on its
