@@ -17,7 +17,7 @@ from damper_estimator.signals.layout import X
 
 
 def found(current, accepted=(), left=100.0) -> Search:
-    return Search((current,), tuple(accepted), current.baseline.model, left, {}, current.mode)
+    return Search(current, tuple(accepted), current.baseline.model, left, {}, current.mode)
 
 
 def accepted_of(current) -> Accepted:
