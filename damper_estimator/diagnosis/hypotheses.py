@@ -44,15 +44,20 @@ class Region:
 
     def exclusion(self, element: Element) -> str:
         """Why an entry of the effect is not what it represents with its values; "" if it is."""
-        return self.excludes({**element.settings, **element.parameters}) if self.excludes else ""
+        return self.excludes(_all_values(element)) if self.excludes else ""
 
     def plausibility(self, element: Element) -> float:
         """By how much an entry's values lower the prior of its effect."""
-        return self.plausible({**element.settings, **element.parameters}) if self.plausible else 1.0
+        return self.plausible(_all_values(element)) if self.plausible else 1.0
 
     def __getstate__(self) -> dict[str, object]:
         """For another process: results go there, in which nothing is fitted any more, and local functions cannot."""
         return {"limits": dict(self.limits), "excludes": None, "plausible": None}
+
+
+def _all_values(element: Element) -> dict[str, Any]:
+    """Settings and parameters by name."""
+    return {**element.settings, **element.parameters}
 
 
 @dataclass(frozen=True)
