@@ -91,6 +91,8 @@ def through_piston(plant, pressure, x, thin, area_r, area_c, field):
     hole += placed(plant, x, pressure)
     flow = pressure * plant.leak / thin + orifice(hole, pressure, transition, density)
     flow += orifice(blow_off(plant, pressure), pressure, 2e3, density)
+    if plant.delay_form == 4:  # the valve of the other direction has not closed yet
+        flow += orifice(area_c if pressure > 0.0 else area_r, pressure, 2e3, density)
     if pressure > 0.0:
         return flow + orifice(area_r, pressure, 2e3, density)
     return flow + orifice(area_c + plant.check_c, pressure, transition, density)
@@ -126,6 +128,10 @@ def lagged(plant, state, pressure, field, step):
                 state[at] += (target - state[at]) * (1.0 - exp(-step * min(rate, 4.0 / tau)))
             else:
                 state[at] += (target - state[at]) * (1.0 - exp(-2.5 * step / tau))
+        elif plant.delay_form == 4:  # opens at once; a weak spring and the pressure from behind close it steadily
+            port, crack = (plant.port_r, plant.crack_r) if side == 0 else (plant.port_c, plant.crack_c)
+            behind = max(-pressure if side == 0 else pressure, 0.0)
+            state[at] = max(state[at] - step / tau * port * (0.2 + behind / crack), target)
         else:  # a pilot chamber that an orifice fills controls the valve
             opening_pressure = max(pressure, 0.0) if side == 0 else max(-pressure, 0.0)
             crack = plant.crack_r if side == 0 else plant.crack_c

@@ -74,14 +74,14 @@ def blow_off(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
 
 
 def valve_delay(p: Plant, s: Scene, rng: np.random.Generator) -> list[Realisation]:
-    """Without: valves follow the pressure immediately. With: late by about m ms."""
+    """Without: valves follow the pressure immediately. With: late by about m ms (pushed shut: less)."""
     if p.family == MAGNETO:
         return []
     off = p._replace(delay_form=0)
-    names = {1: "valve mass", 2: "squeeze film", 3: "pilot chamber"}
+    longest = {"valve mass": 25, "squeeze film": 25, "pilot chamber": 25, "closes late": 150}
     return [
-        Realisation(name, lambda m: off, lambda m, form=form: off._replace(delay_form=form, delay=1e-3 * m), 0.5, 25)
-        for form, name in names.items()
+        Realisation(name, lambda m: off, lambda m, form=form: off._replace(delay_form=form, delay=1e-3 * m), 0.5, most)
+        for form, (name, most) in enumerate(longest.items(), start=1)
     ]
 
 

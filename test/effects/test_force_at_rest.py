@@ -24,6 +24,7 @@ SIZES = {
     "aerated_oil": {"stiffness": 3e6, "travel_rebound": 3e-4, "travel_compression": 1e-4, "pressure": 300.0},
     "command_gain": {"rest": 0.3, "bend": 1.0},
     "position_gain": {"gain": 0.6, "scale": 0.02},
+    "late_check": {"passage": 2.0, "time_constant": 0.02},
     "temperature_gain": {"fade": 0.01, "gas": 2.0},
     "viscosity_gain": {"rate": 0.02},
     "thixotropy": {"strength": 0.8, "travel": 0.05},

@@ -1,4 +1,4 @@
-"""Valves that are late, stick or open above their old preload, and the friction of a guide."""
+"""Valves that open or close late, stick or open above their old preload, and the friction of a guide."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,11 @@ from motions import entry, force, sweep
 
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.effects.trial import Ranges
-from damper_estimator.signals.layout import T, V, X
+from damper_estimator.signals.layout import DT, ROWS, T, V, X
 
 PLAIN = entry("linear_viscous", rebound=2000.0, compression=2000.0)
 LATE = {"overshoot": 1.2, "opening": 150.0, "time_constant": 0.004}
+OPEN = {"passage": 3.0, "time_constant": 0.01}
 STUCK = {"extra": 0.5, "lifting": 300.0, "time_constant": 0.002}
 RAISED = {
     "raised_rebound": 300.0, "opening_rebound": 0.15, "raised_compression": 120.0, "opening_compression": 0.25,
@@ -24,7 +25,12 @@ def change(name, block, **values):
     return force(block, PLAIN, entry(name, **values)) - force(block, PLAIN)
 
 
-@pytest.mark.parametrize(("name", "values"), [("valve_lag", LATE), ("sticking_valve", STUCK)])
+EACH = pytest.mark.parametrize(
+    ("name", "values"), [("valve_lag", LATE), ("sticking_valve", STUCK), ("late_check", OPEN)]
+)
+
+
+@EACH
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_valve_of_one_direction_leaves_the_other_one_alone(name, values, side):
     block = sweep()
@@ -35,7 +41,7 @@ def test_a_valve_of_one_direction_leaves_the_other_one_alone(name, values, side)
     assert np.abs(found[settled]).max() < 0.05 * np.abs(found[there]).max()
 
 
-@pytest.mark.parametrize(("name", "values"), [("valve_lag", LATE), ("sticking_valve", STUCK)])
+@EACH
 def test_valves_of_both_directions_act_alike(name, values):
     block, mirrored = sweep(), sweep()
     mirrored[[X, V]] *= -1.0
@@ -66,6 +72,37 @@ def test_a_stuck_valve_gives_a_fixed_share_more_until_it_lifts_and_sticks_again_
         assert np.abs(found[lifted]).max() < 1.0
     falling = (block[T] > 1.05) & (block[T] < 1.2) & (np.abs(plain) < STUCK["lifting"])
     assert np.abs(found[falling]).max(initial=0.0) < 1.0, "stays open while the force falls"
+
+
+def triangle(half: float, rate: float = 10000.0, speed: float = 0.2) -> np.ndarray:
+    """(8, n) four strokes of ``half`` seconds each at a constant speed in m/s, the first one in rebound."""
+    each = round(half * rate)
+    block = np.zeros((ROWS, 4 * each))
+    block[T] = np.arange(4 * each) / rate
+    block[DT, 1:] = 1.0 / rate
+    block[V] = np.repeat([speed, -speed, speed, -speed], each)
+    block[X, 1:] = np.cumsum(block[V, 1:]) / rate
+    return block
+
+
+@given(passage=st.floats(0.1, 20.0), late=st.floats(0.002, 0.02))
+def test_behind_a_check_valve_that_closes_late_two_passages_share_the_flow_until_it_is_shut(passage, late):
+    block = triangle(0.4)
+    found = force(block, PLAIN, entry("late_check", passage=passage, time_constant=late))
+    plain = force(block, PLAIN)
+    first, *later = np.split(found / plain, 4)
+    assert first == pytest.approx(1.0), "at the start no valve is open"
+    lift = np.exp(-np.arange(1, first.size + 1) / (10000.0 * late))
+    for share in later:
+        assert share == pytest.approx((1.0 + passage * lift) ** -2, rel=1e-6)
+
+
+def test_what_a_late_check_valve_lacks_grows_with_the_number_of_reversals():
+    lacking = [
+        np.abs(change("late_check", triangle(half), **OPEN)).sum() / np.abs(force(triangle(half), PLAIN)).sum()
+        for half in (0.05, 0.2, 0.8)
+    ]
+    assert lacking[0] > 2.0 * lacking[1] > 4.0 * lacking[2] > 0.0
 
 
 def test_a_valve_with_more_preload_adds_no_more_than_that_and_nothing_before_it_opened():
