@@ -213,8 +213,8 @@ def round_of(baseline: Baseline, fitted: Sequence[Hypothesis], mode: str, jointl
 
 def _judged(hypothesis: Hypothesis, tests: Sequence[TestEvaluation]) -> Hypothesis:
     """The hypothesis, without its exclusion if it explains clearly more than what it would imitate."""
-    imitated = (test.error for test in tests if test.test.name == hypothesis.imitates)
-    least = (1.0 - limits().gain) * next(imitated, 0.0)
-    if hypothesis.evaluation.error >= least:
+    imitated = next((test.error for test in tests if test.test.name == hypothesis.imitates), 0.0)
+    more = max(limits().gain * imitated, limits().own_part)
+    if hypothesis.evaluation.error >= imitated - more:
         return hypothesis
     return replace(hypothesis, region=replace(hypothesis.region, excludes=None))

@@ -1,7 +1,8 @@
 """Trials of effects that follow the command or the temperature: what of it changes, and where the model holds.
 
 A channel that stands still in the recordings explains nothing in them. It may still differ from where the model was
-identified, as when a damper is driven at one current after the other; then that difference speaks for the effect.
+identified, by more than it changes in them, as when a damper is driven at one current after the other, or warm after it
+was cold; then that difference speaks for the effect.
 """
 
 from collections.abc import Callable
@@ -18,16 +19,16 @@ _NOISE = 0.02  # A (or V): so does the noise of a current that is switched off
 _LEAST_CHANGE = 2.0  # K
 _LEAST_DIFFERENCE = 5.0  # K, between recordings, in which other causes differ as well
 _MOVED_COMMAND = 50.0  # prior: three of four recorded commands act, the rest shares the remaining quarter
-_MOVED_TEMPERATURE = 5.0  # prior: it acts on all dampers, but seldom by much
+_MOVED_TEMPERATURE = 0.5  # prior per kelvin: it acts on all dampers, seldom by much where the difference is small
 
 
 def command_moved(ranges: Ranges) -> bool:
-    """Whether the recordings hold one command, beyond what the model was identified at."""
+    """Whether the command is farther from where the model was identified than it changes in the recordings."""
     return _command_move(ranges) is not None
 
 
 def temperature_moved(ranges: Ranges) -> bool:
-    """Whether the recordings hold one temperature, beyond what the model was identified at."""
+    """Whether the temperature is farther from where the model was identified than it changes in the recordings."""
     return _temperature_move(ranges) is not None
 
 
@@ -121,25 +122,34 @@ def with_moved_temperature(trial: Trial, ranges: Ranges) -> Trial:
     move = _temperature_move(ranges)
     if move is None:
         return trial
-    return replace(trial, prior=_MOVED_TEMPERATURE, because=_words("temperature", "deg C", *move))
+    here, there = move
+    prior = max(1.0, _MOVED_TEMPERATURE * _gap(here, there))
+    return replace(trial, prior=prior, because=_words("temperature", "deg C", here, there))
 
 
 def _command_move(ranges: Ranges) -> tuple[Ends, Ends] | None:
-    return _move(ranges.command, ranges.model_command, _changes_command, _changes_command)
+    return _move(ranges.command, ranges.model_command, _changes_command)
 
 
 def _temperature_move(ranges: Ranges) -> tuple[Ends, Ends] | None:
-    return _move(ranges.temperature, ranges.model_temperature, _changes_temperature, _differs_in_temperature)
+    return _move(ranges.temperature, ranges.model_temperature, _differs_in_temperature)
 
 
-def _move(
-    recorded: Ends | None, model: Ends | None, changes: Callable[[Ends], bool], differs: Callable[[Ends], bool]
-) -> tuple[Ends, Ends] | None:
-    """Where a channel is now and where it was, if it stands still now and the gap between both counts; else None."""
-    if recorded is None or model is None or changes(recorded):
+def _move(recorded: Ends | None, model: Ends | None, differs: Callable[[Ends], bool]) -> tuple[Ends, Ends] | None:
+    """Where a channel is now and where it was, if the gap between both counts, and is larger than the changes now; else
+    None.
+    """
+    if recorded is None or model is None:
         return None
-    gaps = (model[1], recorded[0]), (recorded[1], model[0])
-    return (recorded, model) if any(differs(gap) for gap in gaps if gap[0] < gap[1]) else None
+    gap = _gap(recorded, model)
+    if gap <= recorded[1] - recorded[0]:
+        return None
+    low = min(recorded[1], model[1])
+    return (recorded, model) if differs((low, low + gap)) else None
+
+
+def _gap(one: Ends, other: Ends) -> float:
+    return max(0.0, other[0] - one[1], one[0] - other[1])
 
 
 def _changing(ends: Ends | None) -> Ends:
@@ -174,7 +184,7 @@ def _size(ends: Ends) -> float:
 def _words(channel: str, unit: str, here: Ends, there: Ends) -> str:
     return (
         f"The {channel} is {_written(here)} {unit} here, and was {_written(there)} {unit} when the model was "
-        "identified: that difference speaks for it, nothing within the recordings does."
+        "identified: that difference speaks for it, hardly anything within the recordings does."
     )
 
 

@@ -192,6 +192,10 @@ def test_what_imitates_a_changed_curve_must_explain_clearly_more_than_that(noisy
 def test_what_effects_imitate_is_a_test_that_exists(noisy):
     imitated = {one.name: one.imitates for one in known(noisy).values() if one.imitates}
     friction = dict.fromkeys(("bouc_wen", "tanh_hysteresis"), "friction step")
-    assert imitated == {"bypass_groove": "curve", "valve_inertia": "mass", "valve_lag": "mass", **friction}
+    curve, mass = (
+        dict.fromkeys(("bypass_groove", "dashpot"), "curve"),
+        dict.fromkeys(("valve_inertia", "valve_lag"), "mass"),
+    )
+    assert imitated == {**curve, **mass, **friction}
     assert set(imitated.values()) <= {test.name for test in TESTS}
     assert all(known(noisy)[name].region.excludes is not None for name in imitated)

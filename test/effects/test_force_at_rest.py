@@ -27,6 +27,7 @@ SIZES = {
     "late_check": {"passage": 2.0, "time_constant": 0.02},
     "temperature_gain": {"fade": 0.01, "gas": 2.0},
     "viscosity_gain": {"rate": 0.02},
+    "warm_leak": {"growth": 1e-5, "reference": 20.0},
     "thixotropy": {"strength": 0.8, "travel": 0.05},
     "dissipation_fade": {"fade": 0.02, "capacity": 10.0},
     "pressure_relief": {"opening_rebound": 200.0, "opening_compression": 150.0},
