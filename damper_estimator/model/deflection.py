@@ -22,7 +22,7 @@ TRIAL, LAST, G_LAST, LOW, HIGH, COUNT = range(6)
 SOLVER_COLUMNS = 6
 _ITERATIONS = 80
 _CLOSED = 1e-15  # m, width of a bracket at which the search ends
-_FURTHEST = 0.2  # m: beyond it there is no balance
+_FURTHEST = 0.2  # m from where the step began: beyond it there is no balance
 _MOST_AHEAD = 0.7  # w: the formula is stable for steps that grow by up to 2.4
 
 
@@ -72,7 +72,7 @@ def balanced(solver, g, tolerance, slope, before):
     trial = here + step
     if bracketed and (slow or not solver[LOW] < trial < solver[HIGH]):
         trial = 0.5 * (solver[LOW] + solver[HIGH])
-    if abs(trial) > _FURTHEST:  # without a balance the compliance stays as it was for this step
+    if abs(trial - before) > _FURTHEST:  # without a balance the compliance stays as it was for this step
         solver[TRIAL], solver[COUNT] = before, _ITERATIONS
         return False
     solver[LAST], solver[G_LAST] = here, g
