@@ -13,7 +13,7 @@ its lubrication.
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Values, number
 from damper_estimator.effects.elastic_slip import PARTS, held
-from damper_estimator.effects.trial import Ranges, Trial, slides_late, sliding_soon, spread
+from damper_estimator.effects.trial import Ranges, Trial, sliding_soon, spread
 from damper_estimator.signals.layout import DT, X
 
 
@@ -22,11 +22,6 @@ def kernel(parameters, settings, kinematics, state, force):
     """F += F_c mean s_k."""
     for i in range(force.size):
         force[i] += parameters[0] * held(state, kinematics[X, i], kinematics[DT, i], parameters[1], parameters[2], 0.0)
-
-
-def exclusion(values: Values) -> str:
-    """Friction slides after a short travel; here half of the contacts do."""
-    return slides_late(number(values, "travel"))
 
 
 def plausible(values: Values) -> float:
@@ -40,7 +35,6 @@ def trial(ranges: Ranges) -> Trial:
         values={"travel": 2e-4},
         limits={"travel": (1e-5, 1e-3), "spread": (0.2, 2.0), "force": (0.0, 2.0 * ranges.force)},
         starts=spread(force=(0.05 * ranges.force, 0.2 * ranges.force), travel=(5e-5, 4e-4)),
-        exclusion=exclusion,
         plausible=plausible,
     )
 

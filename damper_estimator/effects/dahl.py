@@ -13,8 +13,10 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter
-from damper_estimator.effects.trial import Ranges, Trial, slides_late, sliding_soon, spread
+from damper_estimator.effects.trial import Ranges, Trial, sliding_soon, spread
 from damper_estimator.signals.layout import DT, X
+
+_LONGEST_TRAVEL = 2e-3  # m
 
 
 @compiled
@@ -42,7 +44,8 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def exclusion(values: Mapping[str, float]) -> str:
     """Friction slides after a short travel; a longer one would be another effect."""
-    return slides_late(values["force"] / values["stiffness"])
+    travel = values["force"] / values["stiffness"]
+    return f"would slide after {1e3 * travel:.2g} mm only: no friction" if travel > _LONGEST_TRAVEL else ""
 
 
 def plausible(values: Mapping[str, float]) -> float:

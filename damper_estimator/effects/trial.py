@@ -124,12 +124,7 @@ class Trial:
 
 Try = Callable[[Ranges], Trial]
 
-_USUAL_TRAVEL, _LONGEST_TRAVEL = 6e-4, 2e-3  # m
-
-
-def slides_late(travel: float) -> str:
-    """Why dry friction that slides after this travel (m) is no friction; "" if it is."""
-    return f"would slide after {1e3 * travel:.2g} mm only: no friction" if travel > _LONGEST_TRAVEL else ""
+_USUAL_TRAVEL = 6e-4  # m
 
 
 def sliding_soon(travel: float) -> float:
