@@ -239,20 +239,27 @@ def hypotheses_for(model: DamperModel, ranges: Ranges) -> tuple[list[Hypothesis]
     """Every effect that can be tried on such recordings, and by name why others cannot."""
     found, untestable = [], {}
     series = [element for element in walk(model.effects) if element.effect.kind == "series"]
-    springs = [element for element in series if element.effect.is_series_spring]
     for effect in all_effects().values():
         if not effect.phenomenon or effect.trial is None:
             continue
-        # Mount and oil stand in front of all else; where a spring is in a single path, none is tried.
-        has_place = effect.is_series_spring and springs == list(model.springs)
-        if effect.kind == "series" and series and not has_place:
-            untestable[effect.name] = "there is something in series already; beside it only mount and oil are tried"
-            continue
         try:
-            found.append(_hypothesis(effect, model, effect.trial(ranges)))
+            trial = effect.trial(ranges)
+            if effect.kind == "series" and series and not _has_place(effect, trial, series, model):
+                raise Untestable("there is something in series already; beside it only mount and oil are tried")
+            found.append(_hypothesis(effect, model, trial))
         except Untestable as reason:
             untestable[effect.name] = str(reason)
     return found, untestable
+
+
+def _has_place(effect: Effect, trial: Trial, series: list[Element], model: DamperModel) -> bool:
+    """Whether a series effect is tried beside those of a model. Mount and oil stand in front of all else; where a
+    spring is in a single path, none is tried. A passage behind them takes long: something must speak for it.
+    """
+    springs = [element for element in series if element.effect.is_series_spring]
+    if effect.is_series_spring:
+        return springs == list(model.springs)
+    return bool(trial.because) and series == list(model.springs)
 
 
 def _hypothesis(effect: Effect, model: DamperModel, trial: Trial) -> Hypothesis:

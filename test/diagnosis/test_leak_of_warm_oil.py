@@ -1,9 +1,13 @@
 """Warm oil leaks more past the elements of a damper: only a thermometer tells it from a worn gap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import damper_estimator as de
+from damper_estimator.effects.discovery import find_effect
+from damper_estimator.model.element import new_element
 
 RATE, SECONDS = 500.0, 30.0
 LEAK = 2e-5  # m/(s N) of piston velocity, at 20 deg C
@@ -24,9 +28,12 @@ def recording(name: str, seed: int, leak: float = LEAK, warm: tuple[float, float
     return de.Recording.from_arrays(time, x, force=force + noise, temperature=temperature, name=name)
 
 
-def found(leak: float, before: tuple[float, float] | None, after: tuple[float, float] | None):
-    """The diagnosis of a damper whose leak changed after its identification."""
-    model = de.fit(recording("base", 1, warm=before), "viscous_curve").model
+def found(leak: float, before: tuple[float, float] | None, after: tuple[float, float] | None, springs=()):
+    """The diagnosis of a damper whose leak changed after its identification; its model has springs, stiff ones."""
+    model = fitted = de.fit(recording("base", 1, warm=before), "viscous_curve").model
+    for name, stiffness in springs:
+        model = model.with_missing(new_element(find_effect(name), model.effects, stiffness))
+    model = replace(model, fit=fitted.fit)
     fit, unseen = (recording(name, seed, leak, after) for name, seed in (("fit", 2), ("unseen", 3)))
     return de.diagnose(fit, model, validate=unseen).diagnosis
 
@@ -37,6 +44,13 @@ def test_a_leak_that_came_with_warm_oil_is_its_temperature(after):
     first = diagnosis.findings[0]
     assert first.phenomenon == "temperature_fade" and not first.tied_with
     assert first.rmse_after_n < 0.3 * first.rmse_before_n
+
+
+def test_it_is_tried_behind_the_springs_of_a_model():
+    oil = {"stiffness_rebound": 2e7, "stiffness_compression": 2e7}
+    springs = (("oil_spring", oil), ("rubber_mount", {"stiffness": 3e7}))
+    first = found(3.0 * LEAK, (20.0, 21.0), (50.0, 50.3), springs).findings[0]
+    assert first.effect == "warm_leak" and first.rmse_after_n < 0.3 * first.rmse_before_n
 
 
 @pytest.mark.parametrize("channel", [None, (20.0, 21.0)])
