@@ -38,12 +38,12 @@ def kernel(parameters, settings, kinematics, state, force):
 def trial(ranges: Ranges) -> Trial:
     """The model holds at one temperature; only what is warmer leaks more."""
     first, *others = reference_temperatures(ranges)
-    warmer = max(ranges.temperature or (first,)) - first
-    if warmer <= 0.0:
+    warmest = max(ranges.temperature or (first,))
+    if warmest <= first:
         raise Untestable("the oil is not warmer than when the model was identified")
-    most = _MOST * ranges.speed / (ranges.force * warmer)
+    most = _MOST * ranges.speed / (ranges.force * (warmest - first))
     values = {"reference": first, "at_rest": ranges.oil_at_rest, "growth": 0.1 * most}
-    conditions = tuple({"reference": at} for at in others)
+    conditions = tuple({"reference": at} for at in others if at < warmest)
     trial = Trial(values, {"growth": (0.0, most)}, spread(growth=(0.02 * most, 0.4 * most)), conditions=conditions)
     return with_moved_temperature(trial, ranges)
 
