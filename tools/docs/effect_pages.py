@@ -75,7 +75,8 @@ def facts(effect: Effect) -> str:
     lines += [f"- phenomenon: `{effect.phenomenon}`"] if effect.phenomenon else []
     if effect.states:
         order = f"; the error falls with the step to the power {effect.order}" if effect.order else ""
-        lines.append(f"- memory: {effect.states} numbers from sample to sample{order}")
+        numbers = "1 number" if effect.states == 1 else f"{effect.states} numbers"
+        lines.append(f"- memory: {numbers} from sample to sample{order}")
     return "\n".join(lines)
 
 
