@@ -55,7 +55,7 @@ EFFECT = Effect(
     states=1,
     linear=False,
     order=1,
-    shows="after each reversal too little force, which builds up late; the later the faster the reversal",
-    separate="the same peak velocity at two frequencies: the missing way grows with the time constant, a play stays",
+    shows="after each reversal too little force, for the same time at any speed",
+    separate="the same stroke slow and fast: the force is late by the same time; behind a play, by the same way",
     trial=trial,
 )
