@@ -14,7 +14,7 @@ from math import expm1
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter, Setting
 from damper_estimator.effects.slow_channels import moved_command, reference_commands, with_moved_command
 from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import COMMAND
@@ -57,7 +57,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("reference", "A", 1.0, "command at which the scale is 1", lower=1e-3, upper=1e3),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
+        KEPT_AT_REST,
     ),
     shows="the force at the same motion grows with the command and saturates",
     separate="the same motion at several commands",

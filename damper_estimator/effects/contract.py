@@ -96,6 +96,9 @@ class Setting:
     adds: bool = False
 
 
+KEPT_AT_REST = Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True)
+
+
 def flat(parameters: Values, settings: Values) -> np.ndarray:
     """The usual preparation: the settings in order, lists flattened."""
     return np.concatenate([np.atleast_1d(np.asarray(value, float)) for value in settings.values()] or [np.zeros(0)])

@@ -11,7 +11,7 @@ step. Source: energy balance; Lion and Loose 2002.
 from math import exp
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter, Setting, Values, number
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import DT, V
 
@@ -58,7 +58,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("capacity", "J/K", 800.0, "heat capacity of damper and oil", lower=10.0),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
+        KEPT_AT_REST,
     ),
     states=1,
     linear=False,

@@ -13,7 +13,7 @@ valves of hydraulic dampers, Lang 1977.
 from math import exp
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.effects.valve_lag import ONE_SIDE, SIDE
 from damper_estimator.signals.layout import DT, V
@@ -51,7 +51,7 @@ EFFECT = Effect(
         Parameter("passage", "1", 1.0, 0.0, 100.0, "passage of the open check valve over that of the damping valve"),
         Parameter("time_constant", "s", 0.01, 1e-5, 1.0, "time constant of its closing"),
     ),
-    settings=(SIDE, Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True)),
+    settings=(SIDE, KEPT_AT_REST),
     states=1,
     linear=False,
     order=1,

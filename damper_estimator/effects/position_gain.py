@@ -8,7 +8,7 @@ dampers, e.g. Lee and Moon 2005.
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter, Setting
 from damper_estimator.effects.trial import Ranges, Trial, spread
 from damper_estimator.signals.layout import X
 
@@ -41,7 +41,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("scale", "m", 0.05, "stroke from the middle to which the gain refers", lower=1e-4),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
+        KEPT_AT_REST,
     ),
     shows="at the same velocity the force differs between the middle and the ends of the stroke",
     separate="the same velocities at several mean positions",

@@ -10,9 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from damper_estimator.effects.contract import Setting
 from damper_estimator.effects.trial import Ranges, Trial, Untestable
 
 Ends = tuple[float, float]
+
+REFERENCE = Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0)
 
 _STANDING = 0.05  # of the largest command: a smaller change counts as constant
 _NOISE = 0.02  # A (or V): so does the noise of a current that is switched off
@@ -123,7 +126,8 @@ def with_moved_temperature(trial: Trial, ranges: Ranges) -> Trial:
     if move is None:
         return trial
     here, there = move
-    prior = max(1.0, _MOVED_TEMPERATURE * _gap(here, there))
+    low, high = _between(here, there)
+    prior = max(1.0, _MOVED_TEMPERATURE * (high - low))
     return replace(trial, prior=prior, because=_words("temperature", "deg C", here, there))
 
 
@@ -141,15 +145,14 @@ def _move(recorded: Ends | None, model: Ends | None, differs: Callable[[Ends], b
     """
     if recorded is None or model is None:
         return None
-    gap = _gap(recorded, model)
-    if gap <= recorded[1] - recorded[0]:
-        return None
-    low = min(recorded[1], model[1])
-    return (recorded, model) if differs((low, low + gap)) else None
+    low, high = _between(recorded, model)
+    is_apart = high - low > recorded[1] - recorded[0]
+    return (recorded, model) if is_apart and differs((low, high)) else None
 
 
-def _gap(one: Ends, other: Ends) -> float:
-    return max(0.0, other[0] - one[1], one[0] - other[1])
+def _between(one: Ends, other: Ends) -> Ends:
+    """The gap between two ranges; its ends are in the wrong order where they overlap."""
+    return min(one[1], other[1]), max(one[0], other[0])
 
 
 def _changing(ends: Ends | None) -> Ends:

@@ -10,8 +10,8 @@ between 0.1 and 3. No state. Source: viscosity of the oil over temperature, line
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.slow_channels import reference_temperatures, with_moved_temperature
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter
+from damper_estimator.effects.slow_channels import REFERENCE, reference_temperatures, with_moved_temperature
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import TEMPERATURE
 
@@ -47,8 +47,8 @@ EFFECT = Effect(
     ),
     linear=False,
     settings=(
-        Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
+        REFERENCE,
+        KEPT_AT_REST,
     ),
     shows="the force at the same motion falls as the damper warms up",
     separate="the same manoeuvre cold and warm",

@@ -15,6 +15,7 @@ from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.direction_curve import over_speed
 from damper_estimator.effects.slow_channels import (
+    REFERENCE,
     changing_temperature,
     reference_temperatures,
     with_moved_temperature,
@@ -61,7 +62,7 @@ EFFECT = Effect(
     ),
     settings=(
         Setting("speed", "m/s", (0.05, 0.2, 0.5), "knots over the speed", lower=1e-6, increasing=True),
-        Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),
+        REFERENCE,
         Setting("span", "K", 20.0, "change of temperature that the parameters refer to", lower=0.1),
     ),
     shows="the force at the same motion changes as the damper warms up, at some velocities more than at others",

@@ -10,7 +10,7 @@ review", J. Non-Newtonian Fluid Mech. 70.
 """
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter, Values, number
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import DT, V
 
@@ -65,7 +65,7 @@ EFFECT = Effect(
         Parameter("travel", "m", 0.3, 1e-3, 30.0, "travel that breaks the structure down"),
         Parameter("recovery", "s", 2.0, 0.05, 60.0, "time in which it grows again"),
     ),
-    settings=(Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),),
+    settings=(KEPT_AT_REST,),
     states=1,
     linear=False,
     order=1,

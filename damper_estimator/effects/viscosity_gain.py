@@ -12,7 +12,7 @@ from math import exp
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter, Setting
 from damper_estimator.effects.slow_channels import reference_temperatures, with_moved_temperature
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import TEMPERATURE
@@ -45,7 +45,7 @@ EFFECT = Effect(
     parameters=(Parameter("rate", "1/K", 0.01, -0.01, 0.1, "relative loss per kelvin"),),
     settings=(
         Setting("reference", "deg C", 40.0, "temperature at which the scale is 1", lower=-60.0, upper=200.0),
-        Setting("at_rest", "N", 0.0, "force at rest, which keeps its value", adds=True),
+        KEPT_AT_REST,
     ),
     shows="the damping falls as the damper warms up; friction and gas force do not",
     separate="the same manoeuvre cold and warm",

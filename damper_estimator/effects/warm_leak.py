@@ -12,9 +12,10 @@ implicitly, second order in the step (``model.chain``). Source: laminar leakage 
 import numpy as np
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.effects.dashpot import FIRST
-from damper_estimator.effects.slow_channels import reference_temperatures, with_moved_temperature
+from damper_estimator.effects.oil_spring import AT_REST
+from damper_estimator.effects.slow_channels import REFERENCE, reference_temperatures, with_moved_temperature
 from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import DT, TEMPERATURE, V, X
 
@@ -55,8 +56,8 @@ EFFECT = Effect(
     tests=("temperature",),
     parameters=(Parameter("growth", "m/(s N K)", 1e-6, 0.0, 1e-2, "rise of the leak per newton and kelvin"),),
     settings=(
-        Setting("reference", "deg C", 40.0, "temperature at which the model holds", lower=-60.0, upper=200.0),
-        Setting("at_rest", "N", 0.0, "force of the path at rest, which drives no leak", adds=True),
+        REFERENCE,
+        AT_REST,
     ),
     order=2,
     of_oil=True,
