@@ -12,7 +12,8 @@ from math import exp
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import KEPT_AT_REST, Effect, Parameter, Setting, Values, number
-from damper_estimator.effects.trial import Ranges, Trial, spread
+from damper_estimator.effects.slow_channels import keeps_its_temperature
+from damper_estimator.effects.trial import Ranges, Trial, Untestable, spread
 from damper_estimator.signals.layout import DT, V
 
 _FASTEST = 20.0  # s, cooling of a small damper in an air stream
@@ -33,7 +34,13 @@ def kernel(parameters, settings, kinematics, state, force):
 
 
 def trial(ranges: Ranges) -> Trial:
-    """Small dampers heat up fast; cooling takes minutes. One that stays as warm as it starts has another gain."""
+    """Small dampers heat up fast; cooling takes minutes. One that stays as warm as it starts has another gain.
+
+    Raises:
+        Untestable: if a thermometer shows that the temperature stayed: then something else drifts.
+    """
+    if keeps_its_temperature(ranges):
+        raise Untestable("the thermometer shows that the damper did not warm up")
     values = {"capacity": 300.0, "at_rest": ranges.at_rest, "cooling": 300.0}
     starts = spread(fade=(5e-4, 1e-2), warming=(0.0, 0.3), start=(0.0, 20.0))
 

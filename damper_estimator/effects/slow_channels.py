@@ -102,6 +102,11 @@ def changing_temperature(ranges: Ranges) -> Ends:
     return ends
 
 
+def keeps_its_temperature(ranges: Ranges) -> bool:
+    """Whether a thermometer shows that the damper was as warm throughout the recordings."""
+    return ranges.temperature is not None and not _changes_temperature(ranges.temperature)
+
+
 def reference_temperatures(ranges: Ranges) -> tuple[float, ...]:
     """Temperatures at which the model may hold (deg C), the most probable first: where it was identified, and the ends
     of the recorded range, because a damper may have changed since.

@@ -122,3 +122,13 @@ def test_a_yield_force_counts_from_the_command_at_which_nothing_is_added(name, a
 
     assert at(amperes, reference) == pytest.approx(at(amperes, 0.0) - at(reference, 0.0), abs=1e-9)
     assert np.abs(at(reference, reference)).max() < 1e-9
+
+
+def test_a_damper_that_kept_its_temperature_did_not_warm_itself_up():
+    """Whatever falls with time then is not the heat that the damper dissipates."""
+    trial = find_effect("dissipation_fade").trial
+    with pytest.raises(Untestable, match="thermometer shows"):
+        trial(ranges(temperature=(30.0, 31.5)))
+    with pytest.raises(Untestable, match="thermometer shows"):
+        trial(ranges(temperature=(60.0, 60.5), model_temperature=(20.0, 22.0)))
+    assert trial(ranges()).limits and trial(ranges(temperature=(30.0, 36.0))).limits
