@@ -65,6 +65,7 @@ EFFECT = Effect(
         Parameter("opening", "m/s", 0.1, 1e-3, 5.0, "speed at which the valves open"),
         Parameter("check", "1", 0.0, -1.0, 1.0, "1: passes oil in rebound only, -1: in compression only, 0: in both"),
     ),
+    of_oil=True,
     shows="at the same velocity the damper is softer in one part of the stroke",
     separate="the same velocities at several mean positions",
     trial=trial,

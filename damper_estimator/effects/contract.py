@@ -123,7 +123,8 @@ class Effect:
             in one formula).
         correct: for channel effects: returns the corrected numbers of the force channel (``scale``, ``offset``,
             ``skew``, ``spring_rate``, ``preload``), given the effect's values and the present numbers.
-        of_oil: for series springs: the oil's, which carries the pressure difference over the piston alone.
+        of_oil: for series springs: the oil's, which carries the pressure difference over the piston alone; for input
+            effects: they change the flow of the oil, not the motion of the damper.
         beside_oil: for sources: a force on the rod that is no pressure difference over the piston, as that of the gas.
         general: it can imitate more specific effects, so it is a finding only if it explains clearly more.
     """

@@ -13,7 +13,15 @@ from damper_estimator.errors import InputError
 from damper_estimator.model.element import Element, labels, walk
 from damper_estimator.model.program import Program, compile_program, refilled
 from damper_estimator.model.stream import Stream
-from damper_estimator.model.wrapping import carried_count, in_series, removed, springs_of, with_source, wrapped
+from damper_estimator.model.wrapping import (
+    carried_count,
+    in_series,
+    on_the_flow,
+    removed,
+    springs_of,
+    with_source,
+    wrapped,
+)
 
 if TYPE_CHECKING:
     from damper_estimator.workflows import WrittenC, WrittenFmu
@@ -197,14 +205,16 @@ class DamperModel:
     def with_missing(self, element: Element) -> "DamperModel":
         """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
 
-        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, and a series
-        effect to its place in a row (``in_series``). Springs in front of a new one or behind it keep their stiffness:
+        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, what changes the
+        oil's flow into that path as well, and a series effect to its place in a row (``in_series``). Springs in front of a new one or behind it keep their stiffness:
         how they share a deflection does not show in the force.
         """
         kind = element.effect.kind
         if kind == "series":
             changed = self._with(in_series(element, self.effects))
             return changed._with_fixed(self.springs) if element.effect.is_series_spring else changed
+        if kind == "input" and element.effect.of_oil:
+            return self._with(on_the_flow(element, self.effects))
         carried = with_source(element, self.effects) if kind in ("source", "path") else None
         if carried is not None:
             return self._with(carried)

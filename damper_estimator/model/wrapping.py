@@ -57,6 +57,17 @@ def with_source(source: Element, entries: tuple[Element, ...]) -> tuple[Element,
     return tuple(longer if element is present else element for element in entries)
 
 
+def on_the_flow(element: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
+    """Entries with an input effect that changes the oil's flow: in front of what the oil flows through, behind the
+    series springs.
+    """
+    present = next((one for one in entries if one.effect.is_series_spring), None)
+    if present is None:
+        return (element, *entries)
+    inside = replace(present, path=on_the_flow(element, present.path))
+    return tuple(inside if one is present else one for one in entries)
+
+
 def wrapped(spring: Element, entries: tuple[Element, ...]) -> tuple[Element, ...]:
     """A series effect around entries, followed by those that act beside it, as forces on the rod do beside the oil.
 
