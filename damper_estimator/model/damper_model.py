@@ -205,9 +205,9 @@ class DamperModel:
     def with_missing(self, element: Element) -> "DamperModel":
         """The model with an entry that was missing: it acts in parallel to all that is there, or on all of it.
 
-        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, what changes the
-        oil's flow into that path as well, and a series effect to its place in a row (``in_series``). Springs in front of a new one or behind it keep their stiffness:
-        how they share a deflection does not show in the force.
+        As ``with_effect``, but a source goes behind the modifiers, or into the path of a series spring, as does what
+        changes the oil's flow, and a series effect to its place in a row (``in_series``). Springs in front of a new one
+        or behind it keep their stiffness: how they share a deflection does not show in the force.
         """
         kind = element.effect.kind
         if kind == "series":

@@ -29,6 +29,7 @@ SIZES = {
     "viscosity_gain": {"rate": 0.02},
     "warm_leak": {"growth": 1e-5, "reference": 20.0},
     "thixotropy": {"strength": 0.8, "travel": 0.05},
+    "direction_gain": {"gain": 0.5, "side": -1.0},
     "dissipation_fade": {"fade": 0.02, "capacity": 10.0},
     "pressure_relief": {"opening_rebound": 200.0, "opening_compression": 150.0},
 }

@@ -69,3 +69,16 @@ def test_sources_go_behind_what_carries_them():
     (mount,) = row().with_missing(entry("coulomb")).with_missing(entry("quadratic_gas")).effects
     assert [one.effect.name for one in mount.path] == ["oil_spring", "gas_spring", "quadratic_gas"]
     assert [one.effect.name for one in mount.path[0].path] == ["viscous_curve", "dahl", "coulomb"]
+
+
+@given(share=st.floats(-0.9, 0.9))
+@settings(max_examples=20, deadline=None)
+def test_a_leak_stands_behind_the_springs_and_takes_its_share_of_the_flow(share):
+    """On stiff springs it is a leak in front of the damper; behind soft ones it does not pass what they take up."""
+    block, values = sweep(), {"share": share, "opening": 0.3}
+    stiff, soft = (added(on_oil(k, k), "one_way_leak", **values) for k in (1e8, 3e5))
+    (oil,) = soft.effects
+    assert [one.effect.name for one in oil.path] == ["one_way_leak", "viscous_curve", "dahl"]
+    rigid = added(DamperModel("m", "s", SOURCES[:2]), "one_way_leak", **values).force(block)
+    np.testing.assert_allclose(stiff.force(block), rigid, atol=0.01 * np.abs(rigid).max())
+    assert stiff.without("one_way_leak").effects == on_oil(1e8, 1e8).effects

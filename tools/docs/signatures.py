@@ -41,6 +41,7 @@ EXAMPLES: dict[str, dict[str, object]] = {
         "speed": (0.1, 0.4), "span": 1.0, "rebound": (80.0, 200.0), "compression": (-80.0, -200.0),
     },
     "direction_curve": {"speed": (0.1, 0.2, 0.4), "force": (15.0, 60.0, 150.0), "side": 0.0},
+    "direction_gain": {"gain": -0.4},
     "displacement_bracket": {"linear": 0.01},
     "displacement_decay": {"decay": 0.3},
     "displacement_saturation": {"saturation": 0.3},
