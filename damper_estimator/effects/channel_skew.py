@@ -10,7 +10,8 @@ signal map states it) shows the spring's force late as well. Linear between samp
 from collections.abc import Mapping
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
+from damper_estimator.effects.contract import Effect, Parameter, Values, number
+from damper_estimator.effects.force_gain_error import SPRING_RATE
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import T, X
 
@@ -50,7 +51,7 @@ EFFECT = Effect(
     phenomenon="channel_skew",
     tests=("shift",),
     parameters=(Parameter("skew", "s", 0.0, -0.05, 0.05, "delay of the force channel"),),
-    settings=(Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, by the signal map", adds=True),),
+    settings=(SPRING_RATE,),
     shows="the F-v loop opens with frequency, equally at all speeds; the force crosses zero late",
     separate="tap the damper: both channels must show the impact at the same instant",
     trial=trial,

@@ -14,6 +14,9 @@ from damper_estimator.effects.contract import Effect, Parameter, Setting, Values
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import X
 
+SPRING_RATE = Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, by the signal map", adds=True)
+PRELOAD = Setting("preload", "N", 0.0, "of that spring at displacement 0", adds=True)
+
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
@@ -22,9 +25,14 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * (force[i] + settings[0] * kinematics[X, i] + settings[1])
 
 
+def corrected_gain(gain: float, chain: Mapping[str, float]) -> dict[str, float]:
+    """The numbers of the force channel for a gauge with this relative error."""
+    return {name: chain[name] / (1.0 + gain) for name in ("scale", "offset")}
+
+
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """Divides the gauge's reading by its gain."""
-    return {name: chain[name] / (1.0 + number(values, "gain")) for name in ("scale", "offset")}
+    return corrected_gain(number(values, "gain"), chain)
 
 
 def trial(ranges: Ranges) -> Trial:
@@ -37,10 +45,7 @@ EFFECT = Effect(
     kind="channel",
     phenomenon="force_gain_error",
     parameters=(Parameter("gain", "1", 0.0, -0.9, 2.0, "relative error of the gauge's gain"),),
-    settings=(
-        Setting("spring_rate", "N/m", 0.0, "of a spring in the gauge's force, by the signal map", adds=True),
-        Setting("preload", "N", 0.0, "of that spring at displacement 0", adds=True),
-    ),
+    settings=(SPRING_RATE, PRELOAD),
     shows="the error is a fixed share of the force in all conditions",
     separate="a known weight on the gauge",
     trial=trial,

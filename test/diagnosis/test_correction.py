@@ -17,6 +17,7 @@ MISTAKES = {
     "channel_skew": {"skew": 0.004},
     "force_offset": {"offset": 35.0},
     "force_gain_error": {"gain": 0.1},
+    "gain_drift": {"gain": 0.1},
     "spring_rate_error": {"rate": 3000.0},
 }
 
@@ -48,7 +49,7 @@ def test_a_correction_takes_back_what_the_effect_does(name, spring, base, user_m
     """
     effect = all_effects()[name]
     base = replace(base, signals=replace(base.signals, **spring))
-    settings = {setting.name: spring.get(setting.name, 0.0) for setting in effect.settings}
+    settings = {setting.name: spring.get(setting.name, setting.default) for setting in effect.settings}
     element = make_element(effect, MISTAKES[name] | settings)
     block = base.kinematics.block
     right = replace(base, force=user_model.force(block))

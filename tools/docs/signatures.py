@@ -54,6 +54,7 @@ EXAMPLES: dict[str, dict[str, object]] = {
         "bump_damping": 4000.0, "bump_position": -0.015, "rebound_damping": 4000.0, "rebound_position": 0.015,
         "depth": 0.01,
     },
+    "gain_drift": {"gain": 0.1, "drift": 0.2, "settling": 1.0, "seconds": 1.0},
     "his_saturation": {
         "knee_velocity_rebound": 0.15, "knee_force_rebound": 225.0, "slope_rebound": 500.0,
         "knee_velocity_compression": -0.15, "knee_force_compression": -225.0, "slope_compression": 500.0,
