@@ -2,9 +2,9 @@
 
     I = sgn(I_c) max((1 + g) |I_c| - o, 0)
 
-I_c the command in A, I in A the current that has the field which the model expects; g without unit, o in A: a dead
-band, or with the other sign a current that remains. It changes what the model makes of the command, and nothing in a
-model that does not follow one. No state. Source: characteristic of a current driver.
+I_c in A is the command, I in A the current that the model is to use instead; g without unit is its relative error, o
+in A a dead band, or if it is negative a current that remains. A model that does not follow the command stays as it is.
+No state. Source: characteristic of a current driver.
 """
 
 import numpy as np

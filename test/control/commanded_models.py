@@ -61,6 +61,12 @@ def commanded_models() -> dict[str, DamperModel]:
         "parallel to friction with memory": model_of(entry("command_lag"), entry("bouc_wen"), squash),
         "in series with oil": model_of(entry("command_lag"), entry("oil_spring", (viscous, squash))),
         "on a mount, without a lag": model_of(entry("rubber_mount", (viscous, squash)), entry("gas_spring")),
+        "with a dead band": model_of(
+            entry("command_lag"), entry("command_scale", gain=-0.2, offset=0.3), viscous, squash
+        ),
+        "with a leak behind the oil": model_of(
+            entry("oil_spring", (entry("one_way_leak", share=0.6), viscous, squash)), entry("direction_gain", gain=0.3)
+        ),
         "asymmetric": model_of(
             viscous, entry("path", (squash, entry("direction_gate", direction=-1.0))), entry("coulomb")
         ),
