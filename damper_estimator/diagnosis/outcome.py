@@ -195,6 +195,11 @@ def _data(
     )
 
 
+def _unseen_error(state: ModelState, data: DiagnosisData) -> float:
+    """Of the model on unseen data with the gauge's zero free, N."""
+    return unweighted(data.unseen, force_rows(state.model, data.unseen) - targets(data.unseen))
+
+
 def first_search(
     state: ModelState,
     mode: str,
@@ -217,10 +222,7 @@ def first_search(
     data = _data(state, without_old_zero) if asks_for_change else _data(state)
     beyond_known = data if known is None else _data(state, without_misfit)
     force = dynamic_force(data.unseen)
-    whole, left = (
-        unweighted(source.unseen, force_rows(state.model, source.unseen) - targets(source.unseen))
-        for source in (data, beyond_known)
-    )
+    whole, left = (_unseen_error(state, source) for source in (data, beyond_known))
     leaves_more = known is None or known.leaves_more(left / force)
     error = max(whole / force, share_of_force(state, data))
     if asks_for_change:
@@ -233,6 +235,11 @@ def first_search(
         because = TOO_SMALL if grown else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
     bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable
+    # Where little but a mean has changed, nothing else is named: beside it another effect may seem to matter.
+    if not because and asks_for_change and whole < limits().notable * force:
+        found = evaluated_only(state.model, data, beyond_known, skip, workers, progress, TOO_SMALL, least=0.0)
+        if found.accepted:
+            return found, data
     is_accounted_for = known is not None and not as_measured and left**2 < limits().accounted * whole**2
     if not because and is_accounted_for and left > limits().least_force * force and leaves_more:
         found = search(

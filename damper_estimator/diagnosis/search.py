@@ -27,7 +27,7 @@ MOST = 4  # findings
 NOT_NEW = "has always been missing: the error is not new"
 TOO_SMALL = "the whole error is too small to name an effect"
 NOT_IDENTIFIED_THERE = "most of the error lies at velocities that the model was not identified at"
-_MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
+MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
 
 Progress = Callable[[str, float], None]
 
@@ -118,6 +118,7 @@ def evaluated_only(
     workers: int,
     progress: Progress,
     because: str,
+    least: float = MOST_OF_IT,
 ) -> Search:
     """All hypotheses evaluated once, fitted to excerpts, with the model's parameters kept. None is accepted but a zero
     that is most of what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
@@ -125,12 +126,13 @@ def evaluated_only(
     Args:
         beyond_known: the recordings without the error that the model has always had, as far as that is known.
         because: why nothing else is accepted.
+        least: share of the squared error that a zero must explain.
     """
     tried, untestable = _tried(model, data, skip)
     baseline = baseline_of(model, data)
     fitted = all_fitted(baseline, tried, WORTH, workers, _report(progress, 0, len(tried)), most=0.0)
     first = round_of(baseline, fitted, "both")
-    zeros = tuple(found_in_means(first, beyond_known, model, (), skip, workers, _MOST_OF_IT))
+    zeros = tuple(found_in_means(first, beyond_known, model, (), skip, workers, least))
     left = rmse(baseline, first.without)
     return Search(first, zeros, model, left, untestable, "both", "" if zeros else because)
 
