@@ -27,7 +27,7 @@ MOST = 4  # findings
 NOT_NEW = "has always been missing: the error is not new"
 TOO_SMALL = "the whole error is too small to name an effect"
 NOT_IDENTIFIED_THERE = "most of the error lies at velocities that the model was not identified at"
-MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
+_MOST_OF_IT = 0.5  # of it: the mean of a usual error differs from drive to drive, and is a smaller part
 
 Progress = Callable[[str, float], None]
 
@@ -118,10 +118,10 @@ def evaluated_only(
     workers: int,
     progress: Progress,
     because: str,
-    least: float = MOST_OF_IT,
+    least: float = _MOST_OF_IT,
 ) -> Search:
     """All hypotheses evaluated once, fitted to excerpts, with the model's parameters kept. None is accepted but a zero
-    that is most of what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
+    that explains enough of what is new: the gauge's belongs to the recordings, whatever the model has always lacked.
 
     Args:
         beyond_known: the recordings without the error that the model has always had, as far as that is known.

@@ -25,14 +25,9 @@ def kernel(parameters, settings, kinematics, state, force):
         force[i] += parameters[0] * (force[i] + settings[0] * kinematics[X, i] + settings[1])
 
 
-def corrected_gain(gain: float, chain: Mapping[str, float]) -> dict[str, float]:
-    """The numbers of the force channel for a gauge with this relative error."""
-    return {name: chain[name] / (1.0 + gain) for name in ("scale", "offset")}
-
-
 def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
     """Divides the gauge's reading by its gain."""
-    return corrected_gain(number(values, "gain"), chain)
+    return {name: chain[name] / (1.0 + number(values, "gain")) for name in ("scale", "offset")}
 
 
 def trial(ranges: Ranges) -> Trial:

@@ -8,12 +8,11 @@ bridge that warms up. Offline only; ``force.scale`` in the signal map corrects g
 No state. Source: definition of the signal map's force channel; first-order settling.
 """
 
-from collections.abc import Mapping
 from math import expm1
 
 from damper_estimator.compiled import compiled
-from damper_estimator.effects.contract import Effect, Parameter, Setting, Values, number
-from damper_estimator.effects.force_gain_error import PRELOAD, SPRING_RATE, corrected_gain
+from damper_estimator.effects.contract import Effect, Parameter, Setting
+from damper_estimator.effects.force_gain_error import PRELOAD, SPRING_RATE, correct
 from damper_estimator.effects.slow_channels import keeps_its_temperature
 from damper_estimator.effects.trial import Ranges, Trial
 from damper_estimator.signals.layout import T, X
@@ -31,11 +30,6 @@ def kernel(parameters, settings, kinematics, state, force):
         share = expm1(-time / parameters[2]) / whole - 0.5
         carried = force[i] + settings[0] * kinematics[X, i] + settings[1]
         force[i] += (parameters[0] + parameters[1] * share) * carried
-
-
-def correct(values: Values, chain: Mapping[str, float]) -> dict[str, float]:
-    """Divides the gauge's reading by its gain half-way of the drift."""
-    return corrected_gain(number(values, "gain"), chain)
 
 
 def trial(ranges: Ranges) -> Trial:

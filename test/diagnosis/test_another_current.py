@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from roads import road
 
 import damper_estimator as de
 
@@ -11,10 +12,7 @@ RATE, SECONDS = 300.0, 24.0
 def recording(name: str, seed: int, gain: float = 1.0, dead: float = 0.0) -> de.Recording:
     """A magneto-rheological damper on a road; its command changes every second and is not quite the current."""
     random, time = np.random.default_rng(seed), np.arange(round(RATE * SECONDS)) / RATE
-    frequencies = np.arange(0.3, 9.0, 1.0 / SECONDS)
-    sizes = 3e-3 / (1.0 + (frequencies / 1.5) ** 1.7)
-    phases = random.uniform(0.0, 2.0 * np.pi, frequencies.size)
-    x = (sizes * np.cos(2.0 * np.pi * frequencies * time[:, None] + phases)).sum(axis=1)
+    x = road(random, time, 9.0)
     v = np.gradient(x, time)
     command = random.uniform(0.2, 2.0, round(SECONDS) + 1)[time.astype(int)]
     current = np.maximum(gain * command - dead, 0.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from roads import road
 
 import damper_estimator as de
 
@@ -13,10 +14,7 @@ def recording(name: str, seed: int, gain: float = 0.0, fade: float = 0.0, shown:
     force, and the thermometer, if there is one, shows ``shown`` K of it.
     """
     random, time = np.random.default_rng(seed), np.arange(round(RATE * SECONDS)) / RATE
-    frequencies = np.arange(0.3, 9.0, 1.0 / SECONDS)
-    sizes = 3e-3 / (1.0 + (frequencies / 1.5) ** 1.7)
-    phases = random.uniform(0.0, 2.0 * np.pi, frequencies.size)
-    x = (sizes * np.cos(2.0 * np.pi * frequencies * time[:, None] + phases)).sum(axis=1)
+    x = road(random, time, 9.0)
     v = np.gradient(x, time)
     force = 700.0 * np.arctan(7.0 * v) + 400.0 * v + 60.0 * np.tanh(200.0 * v)
     force *= (1.0 - fade * time / SECONDS) * (1.0 + gain * (1.0 - np.exp(-time / 15.0)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from roads import road
 
 import damper_estimator as de
 
@@ -11,10 +12,7 @@ RATE, SECONDS = 500.0, 30.0
 def recording(name: str, seed: int, closing: float = 0.0, sides: tuple[float, ...] = (1.0, -1.0)) -> de.Recording:
     """A digressive damper on a road; its valves take ``closing`` seconds to shut, in these directions."""
     random, time = np.random.default_rng(seed), np.arange(round(RATE * SECONDS)) / RATE
-    frequencies = np.arange(0.3, 12.0, 1.0 / SECONDS)
-    sizes = 4e-3 / (1.0 + (frequencies / 1.5) ** 1.8)
-    phases = random.uniform(0.0, 2.0 * np.pi, frequencies.size)
-    x = (sizes * np.cos(2.0 * np.pi * frequencies * time[:, None] + phases)).sum(axis=1)
+    x = road(random, time, 12.0, size=4e-3, slope=1.8)
     v = np.gradient(x, time)
     lift = dict.fromkeys((1.0, -1.0), 0.0)
     through = v.copy()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from roads import road
 
 import damper_estimator as de
 from damper_estimator.effects.discovery import find_effect
@@ -16,10 +17,7 @@ def recording(name: str, seed: int, leak: float = 0.0, softer: float = 1.0) -> d
     ``leak`` m/s per root of a newton as well, or both pass ``softer`` times the flow.
     """
     random, time = np.random.default_rng(seed), np.arange(round(RATE * SECONDS)) / RATE
-    frequencies = np.arange(0.3, 12.0, 1.0 / SECONDS)
-    sizes = 4e-3 / (1.0 + (frequencies / 1.5) ** 1.8)
-    phases = random.uniform(0.0, 2.0 * np.pi, frequencies.size)
-    x = (sizes * np.cos(2.0 * np.pi * frequencies * time[:, None] + phases)).sum(axis=1)
+    x = road(random, time, 12.0, size=4e-3, slope=1.8)
     pressure, force = 0.0, np.empty_like(x)
     for i, speed in enumerate(np.gradient(x, time)):
         for _ in range(STEPS):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from roads import road
 
 import damper_estimator as de
 from damper_estimator.effects.discovery import find_effect
@@ -16,9 +17,7 @@ LEAK = 2e-5  # m/(s N) of piston velocity, at 20 deg C
 def recording(name: str, seed: int, leak: float = LEAK, warm: tuple[float, float] | None = None) -> de.Recording:
     """A damper with a digressive valve and a laminar leak in parallel, on a road; the flows add up."""
     random, time = np.random.default_rng(seed), np.arange(round(RATE * SECONDS)) / RATE
-    frequencies = np.arange(0.3, 10.0, 1.0 / SECONDS)
-    phases = random.uniform(0.0, 2.0 * np.pi, frequencies.size)
-    x = (4e-3 / (1.0 + (frequencies / 1.5) ** 1.8) * np.cos(2.0 * np.pi * frequencies * time[:, None] + phases)).sum(1)
+    x = road(random, time, 10.0, size=4e-3, slope=1.8)
     v = np.gradient(x, time)
     forces = np.linspace(-6000.0, 6000.0, 24001)
     flow = 0.05 * np.sinh(forces / 700.0) + 4e-5 * forces

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from roads import road
 
 import damper_estimator as de
 
@@ -11,10 +12,7 @@ RATE, SECONDS = 400.0, 30.0
 def recording(name: str, seed: int, size: float = 1.0, zero: float = 0.0, mass: float = 0.0) -> de.Recording:
     """A digressive damper on a road of this size, behind a mass that no model has."""
     random, time = np.random.default_rng(seed), np.arange(round(RATE * SECONDS)) / RATE
-    frequencies = np.arange(0.3, 14.0, 1.0 / SECONDS)
-    sizes = size * 3e-3 / (1.0 + (frequencies / 1.5) ** 1.5)
-    phases = random.uniform(0.0, 2.0 * np.pi, frequencies.size)
-    x = (sizes * np.cos(2.0 * np.pi * frequencies * time[:, None] + phases)).sum(axis=1)
+    x = road(random, time, 14.0, size=size * 3e-3, slope=1.5)
     v = np.gradient(x, time)
     force = 700.0 * np.arctan(6.0 * v) + 400.0 * v + mass * np.gradient(v, time) + zero
     return de.Recording.from_arrays(time, x, force=force + 1.0 * random.standard_normal(v.size), name=name)

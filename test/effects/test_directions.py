@@ -36,13 +36,9 @@ def test_a_lagging_force_is_scaled_where_the_force_has_that_direction(side):
 @given(share=st.floats(-0.9, 0.9), opening=st.floats(0.01, 1.0))
 def test_a_leak_of_one_direction_takes_its_share_at_low_speed_and_less_beyond(side, share, opening):
     block = sweep()
-    before, after = (force(block, *more, PLAIN) for more in ((), (entry_of(share, opening, side),)))
+    leak = entry("one_way_leak", share=share, opening=opening, side=side)
+    before, after = (force(block, *more, PLAIN) for more in ((), (leak,)))
     speed = side * block[V]
     np.testing.assert_array_equal(after[speed <= 0.0], before[speed <= 0.0])
     taken = 1.0 - after[speed > 0.0] / before[speed > 0.0]
     np.testing.assert_allclose(taken, share / np.sqrt(1.0 + speed[speed > 0.0] / opening), atol=1e-9)
-
-
-def entry_of(share, opening, side):
-    """The entry of a leak."""
-    return entry("one_way_leak", share=share, opening=opening, side=side)
