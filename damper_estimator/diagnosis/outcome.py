@@ -145,6 +145,10 @@ def _searched(
     return Outcome(found, again, verdict, picture, tuple(steps))
 
 
+def _half(progress: Progress, text: str, share: float) -> None:
+    progress(text, 0.5 * share)
+
+
 def _inside_first(
     state: ModelState,
     beyond: Beyond | None,
@@ -160,7 +164,7 @@ def _inside_first(
     inside = inside_region(state, beyond) if looks_inside else None
     if inside is None:
         return look(state, progress=progress)
-    found = look(inside, progress=lambda text, share: progress(text, 0.5 * share))
+    found = look(inside, progress=partial(_half, progress))
     if found[0].accepted and not found[0].set_aside:
         return found
     because = NOT_IDENTIFIED_THERE if mode == "both" and beyond.is_of_velocity else ""
@@ -235,22 +239,15 @@ def first_search(
         because = TOO_SMALL if grown else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.
     bound = limits().usual if not grown else 0.0 if leaves_more else limits().acceptable
+    evaluated = partial(evaluated_only, state.model, data, beyond_known, skip, workers, progress)
     # Where little but a mean has changed, nothing else is named: beside it another effect may seem to matter.
     if not because and asks_for_change and whole < limits().notable * force:
-        found = evaluated_only(state.model, data, beyond_known, skip, workers, progress, TOO_SMALL, least=0.0)
+        found = evaluated(TOO_SMALL, least=0.0)
         if found.accepted:
             return found, data
     is_accounted_for = known is not None and not as_measured and left**2 < limits().accounted * whole**2
     if not because and is_accounted_for and left > limits().least_force * force and leaves_more:
-        found = search(
-            state.model,
-            beyond_known,
-            mode,
-            skip,
-            workers,
-            lambda text, share: progress(text, 0.5 * share),
-            trusted=True,
-        )
+        found = search(state.model, beyond_known, mode, skip, workers, partial(_half, progress), trusted=True)
         measured = tuple(one for one in found.accepted if _is_measured(one, state))
         found = replace(found, accepted=measured, beyond_known=True)
         # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
@@ -259,6 +256,6 @@ def first_search(
     if not because and asks_for_change and error < bound:
         because = NOT_NEW
     if because:
-        return evaluated_only(state.model, data, beyond_known, skip, workers, progress, because), data
+        return evaluated(because), data
     here = state.is_identified_here
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data
