@@ -21,6 +21,7 @@ from damper_estimator.diagnosis.explanation import (
     phenomena_of,
     ranking_of,
 )
+from damper_estimator.diagnosis.free_curve import FreeCurve, with_free_curve
 from damper_estimator.diagnosis.informative import stretches_used
 from damper_estimator.diagnosis.misfit import usual_error
 from damper_estimator.diagnosis.moving_zero import by_itself, steadied
@@ -28,6 +29,7 @@ from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_for
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification import check_motion, usable
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.signals import Measurement
@@ -80,7 +82,24 @@ def diagnose(
         said + (beyond.sentence if beyond is not None else ""),
         by_itself(identified, state, moved, outcome.found.first.hidden),
     )
-    return replace(found, identified=identified if identified is not given else None)
+    curve = _free_curve(state, found)
+    return replace(
+        found,
+        sentence=found.sentence + (curve.sentence if curve is not None else ""),
+        identified=identified if identified is not given else None,
+        free_curve=curve,
+    )
+
+
+def _free_curve(state: ModelState, found: Diagnosis) -> FreeCurve | None:
+    """A free curve that leaves less than all findings, on recordings that the model was identified on: on others, an
+    error over velocity says what has changed.
+    """
+    explains = max((row.explains for row in found.atlas if row.test == "curve"), default=0.0)
+    if found.mode == "kept" or not state.is_identified_here or explains < limits().gain:
+        return None
+    curve, last = with_free_curve(state), found.steps[-1][1] if found.steps else state
+    return curve if curve is not None and curve.state.rmse_unseen_n < last.rmse_unseen_n else None
 
 
 def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:

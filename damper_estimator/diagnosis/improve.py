@@ -137,14 +137,19 @@ def _diagnosed(improving: _Improving, workers: int, progress: Progress) -> Diagn
 
 
 def _follow(improving: _Improving, found: Diagnosis, most: int) -> None:
-    """Takes the steps that a diagnosis proposes."""
+    """Takes the steps that a diagnosis proposes; a freer curve alone, because effects are judged beside the curve."""
     if found.verdict == "parameters_changed":
         current = improving.current
         step = current.with_model(identified(current, current.model), "parameters changed")
         if step.better_than(current):
             improving.keep("refit", step, None, found)
         return
-    added = improving.current.added
+    added, curve = improving.current.added, found.free_curve
+    if curve is not None:
+        kept = {name: region for name, region in added.items() if name in curve.state.model.uses()}
+        improving.keep("add", replace(curve.state, added=kept), None, found, "it leaves less than what was found")
+        improving.steps[-1] = replace(improving.steps[-1], effect=curve.effect, replaced=curve.replaced)
+        return
     for finding, step in found.steps:
         current = replace(step, added={**added, **step.added})
         if len(current.added) <= most:
@@ -160,7 +165,7 @@ def _change_form(improving: _Improving, found: Diagnosis) -> bool:
         return False
     state, label, form = better
     improving.keep("add", state, None, found)
-    last = replace(improving.steps[-1], effect=form.name, phenomenon=form.phenomenon, replaced=label)
+    last = replace(improving.steps[-1], effect=form.name, phenomenon=form.phenomenon, replaced=(label,))
     improving.steps[-1] = last
     return True
 
@@ -193,7 +198,7 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
 
 
 def _instead(step: Step) -> str:
-    return f" in place of {step.replaced}" if step.replaced else ""
+    return f" in place of {' and '.join(step.replaced)}" if step.replaced else ""
 
 
 def _why_it_ends(found: Diagnosis) -> str:

@@ -19,7 +19,7 @@ class Step:
         rmse_fit_n, rmse_unseen_n: N in band.
         diagnosis: what was tried before this step; None where nothing was.
         note: in words.
-        replaced: label of the entry of the model that the effect replaced; "" where it was added beside all others.
+        replaced: labels of the entries that the effect replaced in the model; none where it was added beside all.
     """
 
     action: str
@@ -30,7 +30,7 @@ class Step:
     rmse_unseen_n: float
     diagnosis: Diagnosis | None
     note: str
-    replaced: str = ""
+    replaced: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.atlas_curves import AtlasCurve
+from damper_estimator.diagnosis.free_curve import FreeCurve
 from damper_estimator.diagnosis.informative import Stretch
 from damper_estimator.identification import FittedParameter
 from damper_estimator.model import DamperModel, Element
@@ -198,6 +199,8 @@ class Diagnosis:
             least; a model of the right form may be better.
         stretches: of long recordings, what effects were fitted to and judged on; empty if they were used whole.
         curves: what the model as given lacks over each variable, given the others.
+        free_curve: what a free curve of velocity would leave, where that is less than the findings leave and the model
+            was identified on these recordings; else None.
     """
 
     model: DamperModel
@@ -226,6 +229,7 @@ class Diagnosis:
     reference_n: float = float("nan")
     stretches: tuple[Stretch, ...] = ()
     curves: tuple[AtlasCurve, ...] = ()
+    free_curve: FreeCurve | None = None
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -251,4 +255,5 @@ class Diagnosis:
             "phenomena": [asdict(one) for one in self.phenomena],
             "stretches": [asdict(one) for one in self.stretches],
             "structure": None if self.structure is None else self.structure.words,
+            "free_curve": None if self.free_curve is None else self.free_curve.record(),
         }

@@ -155,6 +155,12 @@ class Effect:
         return self.kind == "series" and any(parameter.unit == "N/m" for parameter in self.parameters)
 
     @property
+    def is_free_curve(self) -> bool:
+        """Whether it follows any force over velocity, as a table that one linear parameter fills."""
+        axes = {setting.name for setting in self.settings if setting.unit == "m/s" and setting.lower < 0.0}
+        return self.kind == "source" and [p.size for p in self.parameters if p.linear] in [[name] for name in axes]
+
+    @property
     def delays(self) -> bool:
         """Whether it is a modifier that only delays: a constant force passes."""
         return self.kind == "modifier" and self.linear and self.states > 0

@@ -1,6 +1,6 @@
 """A model of one damper: an immutable, ordered list of effects with methods that return changed copies."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
@@ -10,11 +10,12 @@ import numpy as np
 
 from damper_estimator.effects.contract import Parameter
 from damper_estimator.errors import InputError
-from damper_estimator.model.element import Element, labels, walk
+from damper_estimator.model.element import Element, labels, walk, with_values_of
 from damper_estimator.model.program import Program, compile_program, refilled
 from damper_estimator.model.stream import Stream
 from damper_estimator.model.wrapping import (
     carried_count,
+    exchanged,
     in_series,
     on_the_flow,
     removed,
@@ -169,7 +170,7 @@ class DamperModel:
                 values[slot.parameter.name] = float(number)
             else:
                 values[slot.parameter.name] = (*values.get(slot.parameter.name, ()), float(number))
-        changed = replace(self, effects=_with_entries(self.effects, by_entry, [0]), fit={})
+        changed = replace(self, effects=with_values_of(self.effects, by_entry, [0]), fit={})
         # The structure is the same, so the program is refilled; the class is frozen only for its users.
         changed.__dict__["program"] = refilled(self.program, changed.effects)
         return changed
@@ -240,6 +241,11 @@ class DamperModel:
             raise InputError(f"model {self.name}: has no effect {label}; it has {', '.join(entries)}")
         return self._with(removed(self.effects, entries[label]))
 
+    def with_instead(self, gone: Sequence[str], element: Element) -> "DamperModel":
+        """The model with an entry in the place of some others, by label: where the first of them is."""
+        entries = dict(labels(self.effects))
+        return self._with(exchanged(self.effects, [entries[label] for label in gone], element))
+
     def _with(self, effects: tuple[Element, ...]) -> "DamperModel":
         """The model with other entries and no record of a fit; parameters that were fixed and remain stay fixed."""
         now = {id(element.parameters): label for label, element in labels(effects)}
@@ -280,17 +286,3 @@ class DamperModel:
     def uses(self) -> set[str]:
         """Names of the model's effects."""
         return {element.effect.name for element in walk(self.effects)}
-
-
-def _with_entries(
-    elements: tuple[Element, ...], values: Mapping[int, Mapping], counter: list[int]
-) -> tuple[Element, ...]:
-    changed = []
-    for element in elements:
-        entry = counter[0]
-        counter[0] += 1
-        inner = _with_entries(element.path, values, counter)
-        changed.append(
-            Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
-        )
-    return tuple(changed)

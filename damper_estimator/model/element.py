@@ -134,3 +134,18 @@ def labels(elements: tuple[Element, ...]) -> list[tuple[str, Element]]:
         count = seen[element.effect.name] = seen.get(element.effect.name, 0) + 1
         named.append((element.effect.name if count == 1 else f"{element.effect.name}#{count}", element))
     return named
+
+
+def with_values_of(
+    elements: tuple[Element, ...], values: Mapping[int, Mapping[str, Value]], counter: list[int]
+) -> tuple[Element, ...]:
+    """The entries with other parameter values, by position in order of ``walk``; ``counter`` holds the next one."""
+    changed = []
+    for element in elements:
+        entry = counter[0]
+        counter[0] += 1
+        inner = with_values_of(element.path, values, counter)
+        changed.append(
+            Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
+        )
+    return tuple(changed)

@@ -1,5 +1,6 @@
 """What a series effect is wrapped around, what acts beside it, and what remains when it is removed."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from damper_estimator.model.element import Element, forces_of
@@ -104,4 +105,15 @@ def removed(elements: tuple[Element, ...], gone: Element) -> tuple[Element, ...]
             kept += forces_of(element.path, element.effect) if element.effect.kind == "series" else ()
         else:
             kept.append(replace(element, path=removed(element.path, gone)) if element.path else element)
+    return tuple(kept)
+
+
+def exchanged(elements: tuple[Element, ...], gone: Sequence[Element], instead: Element) -> tuple[Element, ...]:
+    """The entries with another one in the place of the first of some, in paths too."""
+    kept: list[Element] = []
+    for element in elements:
+        if element is gone[0]:
+            kept.append(instead)
+        elif not any(element is one for one in gone):
+            kept.append(replace(element, path=exchanged(element.path, gone, instead)) if element.path else element)
     return tuple(kept)

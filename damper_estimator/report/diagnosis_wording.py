@@ -36,7 +36,7 @@ def listed(names: Sequence[str], last: str = "or") -> str:
 
 def step_name(step: Step) -> str:
     """What a step did, in a few words."""
-    given = step.phenomenon or ""
+    given = step.phenomenon or ("a free curve" if step.effect else "")
     name = given if step.action == "refit" else plain_name(given)
     return {
         "start": "model as given",

@@ -72,7 +72,8 @@ def _kept(found: Improvement) -> tuple[Finding, ...]:
     """Findings of the steps that are in the improved model or in the corrected signal map."""
     kept: dict[str, Finding] = {}
     for step in found.steps:
-        kept.pop(step.replaced.partition("#")[0], None)
+        for label in step.replaced:
+            kept.pop(label.partition("#")[0], None)
         if step.action == "prune":
             kept.pop(step.effect or "", None)
         elif step.diagnosis is not None:
