@@ -14,9 +14,11 @@ from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Setting
 from damper_estimator.effects.force_gain_error import PRELOAD, SPRING_RATE, correct
 from damper_estimator.effects.slow_channels import keeps_its_temperature
-from damper_estimator.effects.trial import Ranges, Trial
+from damper_estimator.effects.trial import Ranges, Trial, Untestable
 from damper_estimator.signals.layout import T, X
 
+_FASTEST = 5.0  # s, of an amplifier or a supply that settles; what changes faster is not the gauge
+_MOST = 0.5  # of the gain, within a recording
 _UNSEEN = 0.1  # prior without a thermometer: dampers warm up more often than amplifiers
 _WARMER = 0.03  # prior where a thermometer shows that the damper did
 
@@ -34,9 +36,12 @@ def kernel(parameters, settings, kinematics, state, force):
 
 def trial(ranges: Ranges) -> Trial:
     """The temperature of the damper explains a force that fades as well, unless a thermometer shows none."""
+    if ranges.seconds < 2.0 * _FASTEST:
+        raise Untestable("the gain of a gauge drifts over longer than these recordings last")
     prior = _UNSEEN if ranges.temperature is None else _WARMER
     values = {"spring_rate": ranges.spring_rate, "preload": ranges.preload, "seconds": ranges.seconds}
-    limits = {"settling": (0.1 * ranges.seconds, 10.0 * ranges.seconds)}
+    settling = (max(_FASTEST, 0.1 * ranges.seconds), 10.0 * ranges.seconds)
+    limits = {"settling": settling, "drift": (-_MOST, _MOST)}
     return Trial(values, limits, prior=1.0 if keeps_its_temperature(ranges) else prior)
 
 

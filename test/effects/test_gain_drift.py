@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from motions import entry, force, sweep
 
 from damper_estimator.effects.discovery import find_effect
-from damper_estimator.effects.trial import Ranges
+from damper_estimator.effects.trial import Ranges, Untestable
 from damper_estimator.signals.layout import T
 
 PLAIN = entry("linear_viscous")
@@ -37,3 +37,11 @@ def test_a_thermometer_says_how_probable_it_is():
         for ends in ((30.0, 30.5), None, (30.0, 45.0))
     ]
     assert priors[0] == 1.0 and priors == sorted(priors, reverse=True) and len(set(priors)) == 3
+
+
+def test_a_gauge_does_not_drift_within_seconds():
+    """As the real recordings of four seconds, whose rig starts from rest, once seemed to show."""
+    with pytest.raises(Untestable, match="drifts over longer"):
+        find_effect("gain_drift").trial(Ranges(-0.02, 0.02, 0.3, 20.0, 400.0, 4.0))
+    trial = find_effect("gain_drift").trial(Ranges(-0.02, 0.02, 0.3, 20.0, 400.0, 30.0))
+    assert trial.limits["settling"][0] >= 5.0 and trial.limits["drift"] == (-0.5, 0.5)
