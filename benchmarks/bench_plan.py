@@ -25,8 +25,10 @@ from page_tables import write_tables
 from population.cases import Card, deck
 from population.scoring import wilson
 
+from damper_estimator.planning import HOPELESS, LIKELY
+
 OUT = Path("out/plan")
-BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
+BINS = (0.0, HOPELESS, LIKELY, 0.8, 0.95, 1.0001)
 Record = dict[str, Any]
 
 
@@ -67,7 +69,7 @@ def share(hits: int, count: int) -> str:
 def report(records: Sequence[Record], seed: int) -> str:
     """The tables, as Markdown."""
     ties = [record for record in records if record["tie"] and "planned" in record]
-    able = [record for record in ties if record["right"] >= 0.5]
+    able = [record for record in ties if record["right"] >= LIKELY]
     failed = sum("failed" in record for record in records)
     rows = ["| test | right | wrong | tie stays |", "|---|---|---|---|"]
     said = {"planned": [record["planned"]["said"] for record in able],
@@ -78,7 +80,7 @@ def report(records: Sequence[Record], seed: int) -> str:
     lines = [
         f"Seed {seed}: {len(records)} cases, {len(ties)} ties with the hidden effect, {failed} failed.", "",
         f"Ties in which the plan expects a right decision if the hidden effect is the true one ({len(able)}):", "",
-        *rows, "", *reliability(ties), "", inseparable([record for record in ties if record["right"] < 0.5]),
+        *rows, "", *reliability(ties), "", inseparable([record for record in ties if record["right"] < HOPELESS]),
     ]  # fmt: skip
     if ties:
         seconds = [record["plan_seconds"] for record in ties]

@@ -134,12 +134,12 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
         "effects": list(found.effects),
         "steps": [words for _, words in found.listed],
     }  # fmt: skip
-    is_separable = predicted[truth][0] >= HOPELESS
+    is_hopeless = predicted[truth][0] < HOPELESS
     facts["planned"] = outcome(tie, "plan", [seed, 12, case.card.number], found)
     facts["random"] = []
-    for number in range(1 if is_separable else random_drives):
+    for number in range(random_drives if is_hopeless else 1):
         entropy = [seed, 13, case.card.number, number]
-        facts["random"].append(outcome(tie, "road", entropy, found, found.minutes if is_separable else MINUTES))
+        facts["random"].append(outcome(tie, "road", entropy, found, MINUTES if is_hopeless else found.minutes))
         if facts["random"][-1]["said"] == "right":
             break
     return tie.facts | facts | {"all_seconds": perf_counter() - began}

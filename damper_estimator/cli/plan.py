@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     if prints_text(arguments):
         for damper, planned in found.by_damper.items():
             _print(damper, planned)
-        if any(planned.separates for planned in found.by_damper.values()):
+        if any(planned.may_separate for planned in found.by_damper.values()):
             given = (*arguments.bags, "NEW", "-m", arguments.model, *reading_words(arguments))
             words = ("fit", *given, "-o", "sharper.yaml") if arguments.parameters else ("diagnose", *given)
             print("next: record the test, then", f"  {command(*words)}", sep="\n")

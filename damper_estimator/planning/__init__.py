@@ -3,7 +3,7 @@
 from damper_estimator.planning.limits import Limits, limits_of
 from damper_estimator.planning.motions import KINDS, acceleration_of, motion, speed_of
 from damper_estimator.planning.plan import LONGEST, plan
-from damper_estimator.planning.result import HOPELESS, SURE, Curve, Plan, Sharpened
+from damper_estimator.planning.result import HOPELESS, LIKELY, SURE, Curve, Plan, Sharpened
 from damper_estimator.planning.rig import Manoeuvre, Rig, library_rigs, load_rig, parse_rig
 from damper_estimator.planning.steps import Step, steps_of
 from damper_estimator.planning.written import drive_csv, plan_yaml
@@ -11,6 +11,7 @@ from damper_estimator.planning.written import drive_csv, plan_yaml
 __all__ = [
     "HOPELESS",
     "KINDS",
+    "LIKELY",
     "LONGEST",
     "SURE",
     "Curve",

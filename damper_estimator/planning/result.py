@@ -12,7 +12,8 @@ from damper_estimator.planning.rig import Rig
 from damper_estimator.planning.steps import Step
 
 SURE = 0.95  # probability of a right decision at which a test is long enough
-HOPELESS = 0.5  # a test that confirms no phenomenon more often than that separates nothing
+LIKELY = 0.5  # probability of a right decision from which on a test separates
+HOPELESS = 0.05  # below it, for every phenomenon as the truth, no test can
 REST = 2.0, 1.0  # s, before and after the drive, so that the gauge can be tared
 
 
@@ -98,6 +99,11 @@ class Plan:
     @property
     def separates(self) -> bool:
         """Whether the test is more likely to break the tie than not."""
+        return self.chances is None or self.chances.best >= LIKELY
+
+    @property
+    def may_separate(self) -> bool:
+        """Whether the test may break the tie."""
         return self.chances is None or self.chances.best >= HOPELESS
 
     def record(self) -> dict[str, object]:
@@ -142,6 +148,11 @@ def sentence_of(phenomena: Sequence[str], chances: Chances, minutes: float, shor
     )
     if chances.best < HOPELESS:
         return f"No drive within these limits can tell {names} apart: {minutes:.1f} minutes give {odds}."
+    if chances.best < LIKELY:
+        return (
+            f"{names.capitalize()} will probably stay tied within these limits: the best test ({minutes:.1f} minutes) "
+            f"gives {odds}."
+        )
     if shortest is None:
         each = [f"{100.0 * right:.0f} % if it is {name.replace('_', ' ')}" for name, right, _ in chances.by_truth]
         each_right = ", ".join(each)
