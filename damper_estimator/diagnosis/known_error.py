@@ -1,17 +1,43 @@
 """Recordings without what a model is known to get wrong, so that what is left is new."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from damper_estimator.diagnosis.by_recording import by_recording
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.misfit import ZERO, mean_error, misfit_of
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.identification.fit_record import recorded
-from damper_estimator.identification.rows import SAMPLES_PER_BAND
+from damper_estimator.identification.rows import SAMPLES_PER_BAND, Rows
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 from damper_estimator.signals.butterworth import low_pass_zero_phase
 
 _PASSES = 3.0  # times the band: high enough to leave the band as it is, low enough that nothing folds into it
+
+
+def as_it_is(model: DamperModel, measurement: Measurement) -> Measurement:
+    """The measurement as it was recorded."""
+    return measurement
+
+
+def accounted_for(
+    model: DamperModel, measured: Sequence[Rows], reduced: Sequence[Rows]
+) -> tuple[frozenset[str], frozenset[str]]:
+    """Names of the recordings in which what the model is known to get wrong accounts for part of the error, and of the
+    others.
+
+    Args:
+        measured, reduced: rows of the recordings as measured, and without that error.
+    """
+    apart, names = by_recording(measured), list(dict.fromkeys(part.measurement.recording for part in measured))
+    whole, left = (apart.squares(force_rows(model, rows) - targets(rows)) for rows in (measured, reduced))
+    is_part = left < limits().accounted * whole
+    accounted, others = (frozenset(one for one, yes in zip(names, is_part, strict=True) if yes == part)
+                         for part in (True, False))  # fmt: skip
+    return accounted, others
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:
