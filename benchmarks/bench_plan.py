@@ -15,7 +15,7 @@ import json
 import resource
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from itertools import islice
+from itertools import islice, takewhile
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -167,8 +167,9 @@ def main() -> None:
     cards = (card for card in deck(arguments.seed, False) if card.kind == "hidden")
     cards = (card for card in cards if not arguments.only or card.hidden[0] in arguments.only)
     if arguments.judge_again:
-        arguments.ties = min(arguments.ties, sum(1 for _ in ties.glob("*.pickle")))
-        cards = (card for card in cards if (ties / f"{card.name}.pickle").exists())
+        found = {place.stem for place in ties.glob("*.pickle")}
+        last = max((int(name.partition("-")[0]) for name in found), default=-1)
+        cards = (card for card in takewhile(lambda card: card.number <= last, cards) if card.name in found)
     left = (card for card in cards if card.name not in records)
     drives = -1 if arguments.find else arguments.random_drives
     context = get_context("spawn")

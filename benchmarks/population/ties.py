@@ -127,14 +127,15 @@ def judged(tie: Tie, seed: int, random_drives: int) -> dict[str, Any]:
     chances = found.chances
     assert chances is not None
     predicted = {name: [right, wrong] for name, right, wrong in chances.by_truth}
+    right, wrong = predicted.get(truth, (0.0, 0.0))  # a plan leaves out what no simulation shows
     facts: dict[str, Any] = {
-        "plan_seconds": process_time() - processor, "minutes": found.minutes, "right": predicted[truth][0],
-        "wrong": predicted[truth][1], "best": chances.best, "overall": [chances.right, chances.wrong],
+        "plan_seconds": process_time() - processor, "minutes": found.minutes, "right": right, "wrong": wrong,
+        "best": chances.best, "overall": [chances.right, chances.wrong],
         "predicted": predicted, "probable": {name: probable.get(name) for name in tie.group},
         "effects": list(found.effects),
         "steps": [words for _, words in found.listed],
     }  # fmt: skip
-    is_hopeless = predicted[truth][0] < HOPELESS
+    is_hopeless = right < HOPELESS
     facts["planned"] = outcome(tie, "plan", [seed, 12, case.card.number], found)
     facts["random"] = []
     for number in range(random_drives if is_hopeless else 1):
