@@ -20,7 +20,7 @@ def recorded(name: str, seed: int, bend: float) -> de.Recording:
 
 
 def test_recordings_judge_one_by_one():
-    """A line for a bent curve errs as it did on another road, and the other way round on a damper that bends upwards."""
+    """A line for a bent curve errs as on another road, and the other way round on a damper that bends upwards."""
     model = de.fit(recorded("base", 1, 400.0), "linear_viscous").model
     measurements = [
         next(iter(one.measurements.values()))[0]
