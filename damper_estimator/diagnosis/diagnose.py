@@ -92,14 +92,18 @@ def diagnose(
 
 
 def _free_curve(state: ModelState, found: Diagnosis) -> FreeCurve | None:
-    """A free curve that leaves less than all findings, on recordings that the model was identified on: on others, an
-    error over velocity says what has changed.
+    """A free curve that leaves less than all findings, where these leave much. Only on recordings that the model was
+    identified on: on others, an error over velocity says what has changed.
     """
     explains = max((row.explains for row in found.atlas if row.test == "curve"), default=0.0)
     if found.mode == "kept" or not state.is_identified_here or explains < limits().gain:
         return None
-    curve, last = with_free_curve(state), found.steps[-1][1] if found.steps else state
-    return curve if curve is not None and curve.state.rmse_unseen_n < last.rmse_unseen_n else None
+    left_n = found.steps[-1][1].rmse_unseen_n if found.steps else state.rmse_unseen_n
+    # A curve can follow the step of a friction as well, but where a name explains nearly all, it is the better answer.
+    if left_n < limits().notable * found.force_rms_n:
+        return None
+    curve = with_free_curve(state)
+    return curve if curve is not None and curve.state.rmse_unseen_n < left_n else None
 
 
 def begun(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> ModelState:
