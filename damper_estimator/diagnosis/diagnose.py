@@ -95,7 +95,7 @@ def _free_curve(state: ModelState, found: Diagnosis) -> FreeCurve | None:
     """A free curve that leaves less than all findings, where these leave much. Only on recordings that the model was
     identified on: on others, an error over velocity says what has changed.
     """
-    explains = max((row.explains for row in found.atlas if row.test == "curve"), default=0.0)
+    explains = next((row.explains for row in found.atlas if row.test == "curve"), 0.0)
     if found.mode == "kept" or not state.is_identified_here or explains < limits().gain:
         return None
     left_n = found.steps[-1][1].rmse_unseen_n if found.steps else state.rmse_unseen_n

@@ -1,4 +1,4 @@
-"""A free curve of velocity in place of a model's own curves, which may be too stiff for the damper.
+"""A free curve of velocity in place of a model's curves, which may be too stiff for the damper.
 
 Every effect is judged by what it explains beyond the curve. Where the curve itself is wrong, a straight line for a
 digressive valve, effects would make up for its shape: that damper seems to have oil, play or a valve that it has not.
@@ -26,6 +26,7 @@ class FreeCurve:
     """A model with a free curve, identified.
 
     Attributes:
+        state: the model on its recordings.
         effect: name of the curve.
         replaced: labels of the entries that it contains and replaces; none where it was added beside all.
     """
@@ -37,10 +38,9 @@ class FreeCurve:
     @property
     def sentence(self) -> str:
         """What it would change, for a diagnosis of the model without it."""
-        instead = f" in place of {' and '.join(self.replaced)}" if self.replaced else ""
         return (
-            f" But the model's own curve is too stiff: {self.effect}{instead} leaves {self.state.rmse_unseen_n:.3g} N; "
-            "improve puts it in first."
+            f" But the model's curve is too stiff: {self.effect}{in_place_of(self.replaced)} leaves "
+            f"{self.state.rmse_unseen_n:.3g} N; improve puts it in first."
         )
 
     def record(self) -> dict[str, object]:
@@ -48,12 +48,17 @@ class FreeCurve:
         return {"effect": self.effect, "replaces": list(self.replaced), "rmse_unseen_n": self.state.rmse_unseen_n}
 
 
+def in_place_of(replaced: Sequence[str]) -> str:
+    """What an entry of a model took the place of, in words to follow its name; "" for nothing."""
+    return f" in place of {' and '.join(replaced)}" if replaced else ""
+
+
 def with_free_curve(state: ModelState) -> FreeCurve | None:
     """The model with a free curve; None where it has one, or where that explains less of the unseen error than an
     effect that is missing has to.
     """
     model = state.model
-    if _has_free_curve(model):
+    if any(element.effect.velocity_axes for element in walk(model.effects)):
         return None
     free = next(effect for effect in all_effects().values() if effect.is_free_curve)
     curve = _placed(new_element(free, model.effects, {}), model, state.fit_part)
@@ -66,11 +71,6 @@ def with_free_curve(state: ModelState) -> FreeCurve | None:
     after = state.with_model(identified(state, changed))
     most = np.sqrt(1.0 - limits().gain) * state.rmse_unseen_n
     return FreeCurve(after, free.name, tuple(contained)) if after.rmse_unseen_n <= most else None
-
-
-def _has_free_curve(model: DamperModel) -> bool:
-    settings = (setting for element in walk(model.effects) for setting in element.effect.settings)
-    return any(setting.increasing and setting.unit == "m/s" and setting.lower < 0.0 for setting in settings)
 
 
 def _placed(curve: Element, model: DamperModel, measurements: Sequence[Measurement]) -> Element:

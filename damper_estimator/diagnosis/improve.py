@@ -7,11 +7,13 @@ corrected in the signal map, never in the model.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState, identified, identified_first
 from damper_estimator.diagnosis.diagnose import begun, diagnose
+from damper_estimator.diagnosis.free_curve import in_place_of
 from damper_estimator.diagnosis.hypotheses import settled, without_last
 from damper_estimator.diagnosis.improvement import Improvement, Step
 from damper_estimator.diagnosis.misfit import with_misfit
@@ -36,22 +38,27 @@ class _Improving:
     steps: list[Step] = field(default_factory=list)
 
     def keep(
-        self, action: str, current: ModelState, finding: Finding | None, diagnosis: Diagnosis | None, note: str = ""
+        self,
+        action: str,
+        current: ModelState,
+        finding: Finding | None,
+        diagnosis: Diagnosis | None,
+        note: str = "",
+        **more: Any,
     ) -> None:
-        """Records a step and continues from it."""
+        """Records a step and continues from it; ``more`` are its attributes where no finding states them."""
         self.current = current
-        self.steps.append(
-            Step(
-                action=action,
-                effect=finding.effect if finding else None,
-                phenomenon=finding.phenomenon if finding else None,
-                model=current.model,
-                rmse_fit_n=current.rmse_fit_n,
-                rmse_unseen_n=current.rmse_unseen_n,
-                diagnosis=diagnosis,
-                note=note or current.note,
-            )
+        step = Step(
+            action=action,
+            effect=finding.effect if finding else None,
+            phenomenon=finding.phenomenon if finding else None,
+            model=current.model,
+            rmse_fit_n=current.rmse_fit_n,
+            rmse_unseen_n=current.rmse_unseen_n,
+            diagnosis=diagnosis,
+            note=note or current.note,
         )
+        self.steps.append(replace(step, **more))
 
 
 def improve(
@@ -147,8 +154,8 @@ def _follow(improving: _Improving, found: Diagnosis, most: int) -> None:
     added, curve = improving.current.added, found.free_curve
     if curve is not None:
         kept = {name: region for name, region in added.items() if name in curve.state.model.uses()}
-        improving.keep("add", replace(curve.state, added=kept), None, found, "it leaves less than what was found")
-        improving.steps[-1] = replace(improving.steps[-1], effect=curve.effect, replaced=curve.replaced)
+        state, why = replace(curve.state, added=kept), "it leaves less than what was found"
+        improving.keep("add", state, None, found, why, effect=curve.effect, replaced=curve.replaced)
         return
     for finding, step in found.steps:
         current = replace(step, added={**added, **step.added})
@@ -164,9 +171,7 @@ def _change_form(improving: _Improving, found: Diagnosis) -> bool:
     if better is None:
         return False
     state, label, form = better
-    improving.keep("add", state, None, found)
-    last = replace(improving.steps[-1], effect=form.name, phenomenon=form.phenomenon, replaced=(label,))
-    improving.steps[-1] = last
+    improving.keep("add", state, None, found, effect=form.name, phenomenon=form.phenomenon, replaced=(label,))
     return True
 
 
@@ -178,8 +183,8 @@ def _prune(improving: _Improving, report: Progress) -> None:
         less = replace(current, added={other: at for other, at in current.added.items() if other != name})
         without = less.with_model(identified(less, without_last(current.model, name)[0], improving.mode == "kept"))
         if without.rmse_unseen_n < (1.0 + limits().needless) * current.rmse_unseen_n:
-            improving.keep("prune", without, None, None, f"{name} is needless since a later effect was added")
-            improving.steps[-1] = replace(improving.steps[-1], effect=name)
+            why = f"{name} is needless since a later effect was added"
+            improving.keep("prune", without, None, None, why, effect=name)
 
 
 def _sentence(improving: _Improving, found: Diagnosis) -> str:
@@ -188,17 +193,13 @@ def _sentence(improving: _Improving, found: Diagnosis) -> str:
     if not done:
         return f"Nothing was added: {found.sentence}"
     words = {"add": "added {}", "correct": "{} corrected in the signal map", "prune": "{} removed again"}
-    said = [words.get(s.action, "parameters identified again").format(s.effect) + _instead(s) for s in done]
+    said = [words.get(s.action, "parameters identified again").format(s.effect) + in_place_of(s.replaced) for s in done]
     floor = found.noise_floor_n
     above = f", {last / floor:.1f} times the noise floor" if np.isfinite(floor) and floor > 0.0 else ""
     more = found.verdict != "unexplained" and found.reference_n < (1.0 - limits().least_fall) * last
     least = f", and a regression without any form reaches {found.reference_n:.3g} N" if more else ""
     fall = f"the unseen error falls from {first:.3g} to {last:.3g} N"
     return f"{', '.join(said)}: {fall}{above}{least}. {_why_it_ends(found)}"
-
-
-def _instead(step: Step) -> str:
-    return f" in place of {' and '.join(step.replaced)}" if step.replaced else ""
 
 
 def _why_it_ends(found: Diagnosis) -> str:

@@ -35,9 +35,8 @@ def accounted_for(
     apart, names = by_recording(measured), list(dict.fromkeys(part.measurement.recording for part in measured))
     whole, left = (apart.squares(force_rows(model, rows) - targets(rows)) for rows in (measured, reduced))
     is_part = left < limits().accounted * whole
-    accounted, others = (frozenset(one for one, yes in zip(names, is_part, strict=True) if yes == part)
-                         for part in (True, False))  # fmt: skip
-    return accounted, others
+    accounted = frozenset(name for name, yes in zip(names, is_part, strict=True) if yes)
+    return accounted, frozenset(names) - accounted
 
 
 def without_misfit(model: DamperModel, measurement: Measurement) -> Measurement:

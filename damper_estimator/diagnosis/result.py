@@ -199,8 +199,8 @@ class Diagnosis:
             least; a model of the right form may be better.
         stretches: of long recordings, what effects were fitted to and judged on; empty if they were used whole.
         curves: what the model as given lacks over each variable, given the others.
-        free_curve: what a free curve of velocity would leave, where that is less than the findings leave and the model
-            was identified on these recordings; else None.
+        free_curve: the model with a free curve of velocity, where the findings leave much, the curve leaves less, and
+            the model was identified on these recordings; else None.
     """
 
     model: DamperModel

@@ -155,10 +155,15 @@ class Effect:
         return self.kind == "series" and any(parameter.unit == "N/m" for parameter in self.parameters)
 
     @property
+    def velocity_axes(self) -> tuple[str, ...]:
+        """Settings that are knots over velocity, of both directions."""
+        return tuple(s.name for s in self.settings if s.increasing and s.unit == "m/s" and s.lower < 0.0)
+
+    @property
     def is_free_curve(self) -> bool:
         """Whether it follows any force over velocity, as a table that one linear parameter fills."""
-        axes = {setting.name for setting in self.settings if setting.unit == "m/s" and setting.lower < 0.0}
-        return self.kind == "source" and [p.size for p in self.parameters if p.linear] in [[name] for name in axes]
+        sizes = tuple(parameter.size for parameter in self.parameters if parameter.linear)
+        return self.kind == "source" and len(sizes) == 1 and sizes == self.velocity_axes
 
     @property
     def delays(self) -> bool:

@@ -170,7 +170,7 @@ class DamperModel:
                 values[slot.parameter.name] = float(number)
             else:
                 values[slot.parameter.name] = (*values.get(slot.parameter.name, ()), float(number))
-        changed = replace(self, effects=with_values_of(self.effects, by_entry, [0]), fit={})
+        changed = replace(self, effects=with_values_of(self.effects, by_entry), fit={})
         # The structure is the same, so the program is refilled; the class is frozen only for its users.
         changed.__dict__["program"] = refilled(self.program, changed.effects)
         return changed

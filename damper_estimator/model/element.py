@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import count
 
 from damper_estimator.effects.contract import Effect, Parameter
 from damper_estimator.errors import InputError
@@ -131,21 +132,22 @@ def labels(elements: tuple[Element, ...]) -> list[tuple[str, Element]]:
     seen: dict[str, int] = {}
     named = []
     for element in walk(elements):
-        count = seen[element.effect.name] = seen.get(element.effect.name, 0) + 1
-        named.append((element.effect.name if count == 1 else f"{element.effect.name}#{count}", element))
+        times = seen[element.effect.name] = seen.get(element.effect.name, 0) + 1
+        named.append((element.effect.name if times == 1 else f"{element.effect.name}#{times}", element))
     return named
 
 
-def with_values_of(
-    elements: tuple[Element, ...], values: Mapping[int, Mapping[str, Value]], counter: list[int]
+def with_values_of(elements: tuple[Element, ...], values: Mapping[int, Mapping[str, Value]]) -> tuple[Element, ...]:
+    """The entries with other parameter values, by position in order of ``walk``."""
+    return _with_values(elements, values, count())
+
+
+def _with_values(
+    elements: tuple[Element, ...], values: Mapping[int, Mapping[str, Value]], positions: Iterator[int]
 ) -> tuple[Element, ...]:
-    """The entries with other parameter values, by position in order of ``walk``; ``counter`` holds the next one."""
     changed = []
     for element in elements:
-        entry = counter[0]
-        counter[0] += 1
-        inner = with_values_of(element.path, values, counter)
-        changed.append(
-            Element(element.effect, {**element.parameters, **values.get(entry, {})}, element.settings, inner)
-        )
+        parameters = {**element.parameters, **values.get(next(positions), {})}
+        inner = _with_values(element.path, values, positions)
+        changed.append(Element(element.effect, parameters, element.settings, inner))
     return tuple(changed)
