@@ -46,7 +46,7 @@ def steps_table(improvement: Improvement) -> str:
     force = improvement.first.force_rms_n
     rows = ["| step | unseen error | of the force | tied with |", "| --- | ---: | ---: | --- |"]
     for step in improvement.steps:
-        name = step.action if step.effect is None else f"{step.action} {step.effect} ({step.phenomenon})"
+        name = step.action if step.effect is None else f"{step.action} {step.effect} ({step.phenomenon or 'curve'})"
         tied = _tied(step.diagnosis, step.effect)
         rows.append(f"| {name} | {step.rmse_unseen_n:.1f} N | {100.0 * step.rmse_unseen_n / force:.1f} % | {tied} |")
     rows.append(

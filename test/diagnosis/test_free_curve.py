@@ -1,4 +1,4 @@
-"""A free curve in place of a model's own one, where that is too stiff for the damper."""
+"""A free curve in place of a model's curve, where that is too stiff for the damper."""
 
 import numpy as np
 import pytest
