@@ -20,7 +20,9 @@ from damper_estimator.diagnosis.misfit import with_misfit
 from damper_estimator.diagnosis.other_form import in_another_form
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.identification.fit_record import fit_record
+from damper_estimator.identification.error_bound import force_stddev, worst_errors
+from damper_estimator.identification.fit_record import error_record
+from damper_estimator.identification.rows import force_rms
 from damper_estimator.model import DamperModel
 from damper_estimator.signals import Measurement
 
@@ -117,17 +119,19 @@ def improve(
 def _with_record(improving: _Improving) -> DamperModel:
     """The model as improved, with what it gets wrong on all of the recordings; as given where nothing was improved.
 
-    A correction of the signal map changes no parameter, but the error on the recordings that the model was identified
-    on: its record states that of the corrected ones.
+    Where it was identified here, its record states its error on unseen data, or that of the identification where that
+    is the larger share of the force, and bounds the force over all of the recordings.
     """
     current, model = improving.current, improving.current.model
     if len(improving.steps) == 1:
         return model
-    if any(step.action == "correct" for step in improving.steps) and current.is_identified_here:
-        record = fit_record(model, current.fit, current.rmse_fit_n, {})
-        errors = {name: record[name] for name in ("residual_stddev", "force_stddev", "force_rms")}
-        model = replace(model, fit={**model.fit, **errors})
-    return with_misfit(model, [*current.fit, *current.unseen])
+    everything = [*current.fit, *current.unseen]
+    if current.is_identified_here:
+        parts = (current.rmse_fit_n, force_rms(current.fit)), (current.rmse_unseen_n, force_rms(current.unseen))
+        error, force = max(parts, key=lambda part: part[0] / part[1])
+        bound = force_stddev(worst_errors(model, everything))
+        model = replace(model, fit={**model.fit, **error_record((error, bound), force)})
+    return with_misfit(model, everything)
 
 
 def _diagnosed(improving: _Improving, workers: int, progress: Progress) -> Diagnosis:

@@ -101,24 +101,29 @@ class UsualError:
     Attributes:
         error_n: then, N.
         share, share_now: of the force then, and now.
+        factor: by which a larger share is usual now because the force is smaller, `smaller_motion_factor`.
     """
 
     error_n: float
     share: float
     share_now: float
+    factor: float = 1.0
 
     @property
     def words(self) -> str:
         """What the error is, compared with that of the identification."""
         if not np.isfinite(self.share):
             return "is what the model has always got wrong"
-        if is_larger(self.share_now, self.share):
+        usual = self.factor * self.share
+        if is_larger(self.share_now, usual):
             # It is small, or the known error accounts for it: otherwise it would be analysed.
             small = f"though still below {100.0 * limits().notable:.2g} % of the force"
             reason = small if self.share_now < limits().notable else "by what the model has always got wrong"
             compared = f"larger, {reason}, than"
-        elif self.share_now > _ALIKE * self.share:
+        elif self.share_now > _ALIKE * usual:
             compared = "larger, but not by more than errors usually differ, than"
+        elif self.share_now > _ALIKE * self.share:
+            compared = "a larger share, but of a smaller force, than"
         else:
             compared = "smaller than" if _ALIKE * self.share_now < self.share else "as large as"
         return f"is {compared} when the model was identified ({self.error_n:.3g} N, {100.0 * self.share:.2g} %)"
@@ -135,11 +140,21 @@ def error_then(model: DamperModel) -> tuple[float, float]:
     return then_n, then_n / force_n if force_n else float("nan")
 
 
-def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool:
-    """Whether a model's error, share of the force's rms, is clearly larger than when it was identified.
+def smaller_motion_factor(model: DamperModel, force_n: float) -> float:
+    """By how much larger a share of the force an error usually is where the force is smaller than when the model was
+    identified; 1 where it is not, or where that is unknown.
 
-    Shares, since the error of a form that is not quite the damper's grows with the motion.
+    The error of a form that is not quite the damper's grows with the motion, that of friction or of the gauge does not.
+    On a smaller motion the geometric mean of both is expected:
+
+        e = s_0 F sqrt(F_0 / F)      for F < F_0,      s_0 = e_0 / F_0
     """
+    then_n = recorded(model, "force_rms")
+    return float(np.sqrt(max(then_n / force_n, 1.0))) if then_n > 0.0 and force_n > 0.0 else 1.0
+
+
+def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool:
+    """Whether a model's error, share of the force's rms, is clearly larger than when it was identified."""
     _, then = error_then(model)
     return is_larger(error, then) if np.isfinite(then) else if_unknown
 
@@ -151,9 +166,9 @@ def usual_share(then: float, now: float) -> float:
     return min(then / max(now, 1e-12), 1.0) ** 2 if then > 0.0 else 0.0
 
 
-def usual_error(model: DamperModel, share_now: float) -> UsualError:
-    """Of a model whose error, share of the force's rms, is not new; NaN where its identification is unknown."""
-    return UsualError(*error_then(model), share_now)
+def usual_error(model: DamperModel, share_now: float, force_n: float) -> UsualError:
+    """Of a model whose error, share of the force's rms (N), is not new; NaN where its identification is unknown."""
+    return UsualError(*error_then(model), share_now, smaller_motion_factor(model, force_n))
 
 
 def probability_of_change(model: DamperModel, error: float) -> float:

@@ -29,6 +29,7 @@ from damper_estimator.diagnosis.misfit import (
     has_grown,
     misfit_of,
     probability_of_change,
+    smaller_motion_factor,
     usual_share,
 )
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
@@ -139,7 +140,7 @@ def _searched(
         steps = steps_of(state, found.accepted, mode, names_changes=again is not None)
     # Without a candidate only a large growth counts: errors on good recordings of one damper differ by up to two.
     share = share_of_force(state, data) / float(np.sqrt(limits().growth))
-    is_old = share < limits().usual and not has_grown(state.model, share)
+    is_old = share < limits().usual and not has_grown(state.model, share / smaller_motion_factor(state.model, force))
     if verdict == "unexplained" and not here and is_old:
         verdict, picture, found = "nothing_missing", None, replace(found, set_aside=NOT_NEW)
     return Outcome(found, again, verdict, picture, tuple(steps))
@@ -243,15 +244,16 @@ def first_search(
     known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
     data, beyond_known, is_accounted_for = _with_and_without_known(state, asks_for_change)
     force = dynamic_force(data.unseen)
+    factor = smaller_motion_factor(state.model, force)
     whole, left = (_unseen_error(state, source) for source in (data, beyond_known))
-    leaves_more = known is None or known.leaves_more(left / force)
+    leaves_more = known is None or known.leaves_more(left / force / factor)
     error = max(whole / force, share_of_force(state, data))
     if asks_for_change:
-        change = probability_of_change(state.model, error)
-        data = replace(data, change=change, usual=usual_share(error_then(state.model)[1], whole / force))
-        then = known.left if known is not None else error_then(state.model)[1]
-        beyond_known = replace(beyond_known, change=change, usual=usual_share(then, left / force))
-    grown = has_grown(state.model, error)
+        change, then = probability_of_change(state.model, error / factor), error_then(state.model)[1]
+        data = replace(data, change=change, usual=usual_share(factor * then, whole / force))
+        then = known.left if known is not None else then
+        beyond_known = replace(beyond_known, change=change, usual=usual_share(factor * then, left / force))
+    grown = has_grown(state.model, error / factor)
     if not because and asks_for_change and error < limits().notable:
         because = TOO_SMALL if grown else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it is not large.

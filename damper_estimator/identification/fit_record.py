@@ -50,13 +50,20 @@ def record_of(
         "date": datetime.now(UTC).date().isoformat(),
         "cutoff": float(filters[0]),
         "band": float(filters[1]),
-        "residual_stddev": float(f"{deviations[0]:.6g}"),
-        "force_stddev": float(f"{np.max(deviations):.6g}"),
-        "force_rms": float(f"{force_rms:.6g}"),
+        **error_record(deviations, force_rms),
         "region": {name: list(ends) for name, ends in region.items()},
         "standard_errors": {
             name: float(f"{error:.6g}") for name, error in standard_errors.items() if np.isfinite(error)
         },
+    }
+
+
+def error_record(deviations: tuple[float, float], force_rms: float) -> dict[str, float]:
+    """The part of it that states the error, from the same numbers."""
+    return {
+        "residual_stddev": float(f"{deviations[0]:.6g}"),
+        "force_stddev": float(f"{np.max(deviations):.6g}"),
+        "force_rms": float(f"{force_rms:.6g}"),
     }
 
 
