@@ -9,7 +9,7 @@ from faults import changed, halves, late
 from damper_estimator.diagnosis import improve
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import pooled_error
-from damper_estimator.model import make_element
+from damper_estimator.model import load_model, make_element
 
 KEYS = {"action", "effect", "phenomenon", "rmse_fit_n", "rmse_unseen_n"}
 
@@ -59,8 +59,30 @@ def test_the_record_states_the_error_on_the_corrected_recordings(user_model, bas
     given = replace(user_model, fit={**user_model.fit, "bags": [fit.recording], "residual_stddev": 1e3})
     improved = improve(given, [fit], [unseen])
     assert [step.action for step in improved.steps] == ["start", "correct"]
-    assert improved.model.fit["residual_stddev"] == pytest.approx(improved.steps[-1].rmse_fit_n, rel=1e-5)
+    error, force = stated_error(improved)
+    assert improved.model.fit["residual_stddev"] == pytest.approx(error, rel=1e-5)
+    assert improved.model.fit["force_rms"] == pytest.approx(force, rel=1e-5)
     assert improved.model.fit["standard_errors"] == user_model.fit["standard_errors"]
+
+
+def stated_error(improved):
+    """Error and rms of the force, N, of the part on which the error is the larger share."""
+    last, shares = improved.steps[-1], {}
+    for error, group in ((last.rmse_fit_n, improved.fit), (last.rmse_unseen_n, improved.unseen)):
+        force = np.std(np.concatenate([m.in_band(m.force)[m.judged] for m in group]))
+        shares[error / force] = error, force
+    return shares[max(shares)]
+
+
+def test_the_record_states_the_error_on_data_that_no_fit_saw(base):
+    """On the vehicle the model errs as where it was not identified."""
+    fit, unseen = halves(base)
+    worse = changed(unseen, lambda k: 300.0 * np.sin(2.0 * np.pi * 7.3 * k.time))
+    improved = improve(load_model("linear_viscous"), [fit], [worse])
+    record, last = improved.model.fit, improved.steps[-1]
+    assert record["residual_stddev"] == pytest.approx(last.rmse_unseen_n, rel=1e-5)
+    assert last.rmse_unseen_n > 200.0 > 2.0 * last.rmse_fit_n
+    assert record["force_stddev"] >= last.rmse_unseen_n
 
 
 def test_nothing_is_added_where_nothing_is_missing(user_model, base):
