@@ -14,7 +14,7 @@ from damper_estimator.diagnosis.correction import corrected, corrected_signals
 from damper_estimator.diagnosis.hypotheses import Region, are_themselves, limits_in
 from damper_estimator.diagnosis.informative import informative
 from damper_estimator.diagnosis.local_fit import locally_fitted
-from damper_estimator.diagnosis.misfit import has_grown, smaller_motion_factor
+from damper_estimator.diagnosis.misfit import has_grown
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.errors import InputError
 from damper_estimator.identification import fit as identify
@@ -59,9 +59,7 @@ class ModelState:
         same = next((group for group in groups if group), None)
         if same is None:
             return False
-        force = force_rms(same)
-        share = pooled_error(self.model, same)[0] / force / smaller_motion_factor(self.model, force)
-        return not has_grown(self.model, share, if_unknown=False)
+        return not has_grown(self.model, pooled_error(self.model, same)[0] / force_rms(same), if_unknown=False)
 
     def with_model(self, model: DamperModel, note: str = "") -> "ModelState":
         """Another model on the same recordings; one without a finite force has an infinite error."""

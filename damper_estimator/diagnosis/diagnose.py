@@ -13,7 +13,6 @@ import numpy as np
 from damper_estimator.diagnosis.apply_finding import ModelState, identified_first, state_of
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
 from damper_estimator.diagnosis.beyond_region import extrapolation
-from damper_estimator.diagnosis.diagnosis_data import dynamic_force
 from damper_estimator.diagnosis.division import all_divided
 from damper_estimator.diagnosis.evaluation import rmse
 from damper_estimator.diagnosis.explanation import (
@@ -138,8 +137,8 @@ def _diagnosis(
     kept_n = rmse(baseline, found.first.kept)
     is_beyond = found.set_aside == NOT_IDENTIFIED_THERE
     is_usual = bool(found.set_aside) and not is_beyond
-    share, force = share_of_force(state, baseline.data), dynamic_force(baseline.data.unseen)
-    usual = usual_error(state.model, share, force) if is_usual else None
+    share = share_of_force(state, baseline.data)
+    usual = usual_error(state.model, share, baseline.data.unseen) if is_usual else None
     errors, atlas = (state.rmse_unseen_n, last.rmse_unseen_n), atlas_of(found.first)
     if movement is not None and all(finding.effect != movement[0].effect for finding, _ in named):
         is_largest = all(finding.fall < movement[0].fall for finding, _ in named)

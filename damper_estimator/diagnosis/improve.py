@@ -16,7 +16,7 @@ from damper_estimator.diagnosis.diagnose import begun, diagnose
 from damper_estimator.diagnosis.free_curve import in_place_of
 from damper_estimator.diagnosis.hypotheses import settled, without_last
 from damper_estimator.diagnosis.improvement import Improvement, Step
-from damper_estimator.diagnosis.misfit import with_misfit
+from damper_estimator.diagnosis.misfit import IMPROVED, with_misfit
 from damper_estimator.diagnosis.other_form import in_another_form
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.thresholds import limits
@@ -130,7 +130,7 @@ def _with_record(improving: _Improving) -> DamperModel:
         parts = (current.rmse_fit_n, force_rms(current.fit)), (current.rmse_unseen_n, force_rms(current.unseen))
         error, force = max(parts, key=lambda part: part[0] / part[1])
         bound = force_stddev(worst_errors(model, everything))
-        model = replace(model, fit={**model.fit, **error_record((error, bound), force)})
+        model = replace(model, fit={**model.fit, **error_record((error, bound), force), IMPROVED: True})
     return with_misfit(model, everything)
 
 

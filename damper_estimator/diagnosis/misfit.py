@@ -16,8 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from damper_estimator.diagnosis import error_profile
 from damper_estimator.diagnosis.atlas_terms import TESTS, Columns, View, view_of
 from damper_estimator.diagnosis.diagnosis_data import ranges_of, targets, unweighted, weights
+from damper_estimator.diagnosis.error_profile import motion_factor
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
@@ -36,6 +38,7 @@ _EXCERPT = 20.0  # s
 _CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
 _ALIKE = 1.2  # times: errors that are called as large as each other
 KEY = "misfit"
+IMPROVED = "improved"  # whether `improve` looked for every effect in what the model leaves
 ZERO = "zero"  # N, mean error at the identification, with the signal map's offset of the gauge taken off
 
 
@@ -101,7 +104,7 @@ class UsualError:
     Attributes:
         error_n: then, N.
         share, share_now: of the force then, and now.
-        factor: by which a larger share is usual now because the force is smaller, `smaller_motion_factor`.
+        factor: by which a larger share is usual on this motion, `motion_factor`.
     """
 
     error_n: float
@@ -123,7 +126,7 @@ class UsualError:
         elif self.share_now > _ALIKE * usual:
             compared = "larger, but not by more than errors usually differ, than"
         elif self.share_now > _ALIKE * self.share:
-            compared = "a larger share, but of a smaller force, than"
+            compared = "larger, as it has always been at such speeds and frequencies, than"
         else:
             compared = "smaller than" if _ALIKE * self.share_now < self.share else "as large as"
         return f"is {compared} when the model was identified ({self.error_n:.3g} N, {100.0 * self.share:.2g} %)"
@@ -140,23 +143,17 @@ def error_then(model: DamperModel) -> tuple[float, float]:
     return then_n, then_n / force_n if force_n else float("nan")
 
 
-def smaller_motion_factor(model: DamperModel, force_n: float) -> float:
-    """By how much larger a share of the force an error usually is where the force is smaller than when the model was
-    identified; 1 where it is not, or where that is unknown.
-
-    The error of a form that is not quite the damper's grows with the motion, that of friction or of the gauge does not.
-    On a smaller motion the geometric mean of both is expected:
-
-        e = s_0 F sqrt(F_0 / F)      for F < F_0,      s_0 = e_0 / F_0
-    """
-    then_n = recorded(model, "force_rms")
-    return float(np.sqrt(max(then_n / force_n, 1.0))) if then_n > 0.0 and force_n > 0.0 else 1.0
-
-
 def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool:
     """Whether a model's error, share of the force's rms, is clearly larger than when it was identified."""
     _, then = error_then(model)
     return is_larger(error, then) if np.isfinite(then) else if_unknown
+
+
+def usual_bound(model: DamperModel) -> float:
+    """Share of the force below which an error that has not grown since the identification is left alone. What `improve`
+    left there is nothing that it could name, however large it is.
+    """
+    return float("inf") if model.fit.get(IMPROVED) is True else limits().usual
 
 
 def usual_share(then: float, now: float) -> float:
@@ -166,9 +163,12 @@ def usual_share(then: float, now: float) -> float:
     return min(then / max(now, 1e-12), 1.0) ** 2 if then > 0.0 else 0.0
 
 
-def usual_error(model: DamperModel, share_now: float, force_n: float) -> UsualError:
-    """Of a model whose error, share of the force's rms (N), is not new; NaN where its identification is unknown."""
-    return UsualError(*error_then(model), share_now, smaller_motion_factor(model, force_n))
+def usual_error(model: DamperModel, share_now: float, rows: Sequence[Rows]) -> UsualError:
+    """Of a model whose error, share of the force's rms, is not new on these rows; NaN where its identification is
+    unknown.
+    """
+    then_n, then = error_then(model)
+    return UsualError(then_n, then, share_now, motion_factor(model, then, rows))
 
 
 def probability_of_change(model: DamperModel, error: float) -> float:
@@ -191,12 +191,15 @@ def probability_of_change(model: DamperModel, error: float) -> float:
 
 def with_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> DamperModel:
     """The model with what it gets wrong on the recordings of its identification in its record."""
-    record = {name: value for name, value in model.fit.items() if name not in (KEY, ZERO)}
-    found = found_misfit(model, measurements)
+    record = {name: value for name, value in model.fit.items() if name not in (KEY, ZERO, error_profile.KEY)}
+    rows = _excerpts(model, measurements)
+    found = _found_misfit(model, rows) if rows else None
     judged = [m for m in measurements if m.force is not None and m.judged.any()]
     zeros = [mean_error(model, m, found) - m.signals.force.offset for m in judged]
     zero = float(np.average(zeros, weights=[m.judged.sum() for m in judged])) if zeros else float("nan")
     known = {ZERO: _rounded(zero)} if np.isfinite(zero) else {}
+    if rows:
+        known[error_profile.KEY] = error_profile.profile_of(model, rows).record()
     return replace(model, fit=record | known | ({KEY: found.record()} if found else {}))
 
 
@@ -207,8 +210,8 @@ def mean_error(model: DamperModel, measurement: Measurement, known: Misfit | Non
     return float(np.mean((measurement.force - np.nan_to_num(modelled) - predicted)[measurement.judged]))
 
 
-def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Misfit | None:
-    """What a model gets wrong on recordings, where that predicts their last part from the first; else None."""
+def _excerpts(model: DamperModel, measurements: Sequence[Measurement]) -> list[Rows]:
+    """The rows of recordings, of long ones in excerpts."""
     whole = [m.part(part.start, part.stop) for m in measurements for part in usable(model, m)]
     total = sum(len(m.kinematics) for m in whole)
     parts = [
@@ -217,9 +220,11 @@ def found_misfit(model: DamperModel, measurements: Sequence[Measurement]) -> Mis
         for p in excerpts(m, max(round(_SAMPLES * len(m.kinematics) / total), 1), _EXCERPT)
     ]
     rows = [rows_of(m, weights(model, m), zero_free=True) for m in parts]
-    rows = [part for part in rows if part.picks.size > 100]
-    if not rows:
-        return None
+    return [part for part in rows if part.picks.size > 100]
+
+
+def _found_misfit(model: DamperModel, rows: Sequence[Rows]) -> Misfit | None:
+    """What a model gets wrong on recordings, where that predicts their last part from the first; else None."""
     ranges = ranges_of([part.measurement for part in rows])
     first = [part.part(slice(0, round(_FIRST * len(part.measurement.kinematics)))) for part in rows]
     last = [part.part(slice(round(_FIRST * len(part.measurement.kinematics)), None)) for part in rows]

@@ -1,0 +1,114 @@
+"""At which speeds and frequencies a model erred when it was identified, and what that predicts on another motion.
+
+A model without friction errs by as many newtons on a smaller motion, one without oil by more where the wheel moves
+faster, and nothing has changed in the damper. The expected error is the largest of three: the same share of the force,
+the same error at each speed, and the same share of the force in each octave:
+
+    e^2 = max(s^2 |F|^2,  mean of e_v(|v|)^2,  sum over octaves of c_k |F_k|^2)
+
+On recordings of other dampers than ours in which nothing had changed, the squared error was more than twice the first
+of these in 9 of 25, and more than twice e^2 in 2.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from damper_estimator.diagnosis.diagnosis_data import dynamic_force, force_rows, targets
+from damper_estimator.identification.rows import Rows, split
+from damper_estimator.model import DamperModel
+
+KEY = "error_profile"
+_SPEEDS = 8  # bins, of equal time
+_LOWEST = 0.5  # Hz, end of the first octave
+_LEAST_FORCE = 0.01  # of the squared force: an octave with less says nothing of the share that is wrong there
+_DIGITS = 5
+
+
+@dataclass(frozen=True)
+class ErrorProfile:
+    """The error of a model on the recordings of its identification.
+
+    Attributes:
+        speeds: (s + 1,) m/s, ends of the bins, ascending.
+        errors: (s,) N^2, mean squared error in them.
+        shares: (m,) squared error over squared force by octave, at most 1; the first ends at 0.5 Hz.
+    """
+
+    speeds: tuple[float, ...]
+    errors: tuple[float, ...]
+    shares: tuple[float, ...]
+
+    def expected(self, rows: Sequence[Rows]) -> float:
+        """N, rms of the error by speed or by octave, whichever is larger, on the motion and with the force of rows."""
+        bins = np.clip(np.searchsorted(self.speeds, _speeds(rows), side="right") - 1, 0, len(self.errors) - 1)
+        by_speed = float(np.mean(np.array(self.errors)[bins]))
+        power = _by_octave(rows, targets(rows))
+        last = np.minimum(np.arange(power.size), len(self.shares) - 1)
+        return float(np.sqrt(max(by_speed, float(power @ np.array(self.shares)[last]))))
+
+    def record(self) -> dict[str, object]:
+        """For the model file."""
+        names = {"speed_m_s": self.speeds, "squared_error_n2": self.errors, "squared_share_by_octave": self.shares}
+        return {name: [float(f"{value:.{_DIGITS}g}") for value in values] for name, values in names.items()}
+
+
+def profile_of(model: DamperModel, rows: Sequence[Rows]) -> ErrorProfile:
+    """The profile on the rows of a model's identification, (r,) in all, r > 0."""
+    error, force, speed = force_rows(model, rows) - targets(rows), targets(rows), _speeds(rows)
+    ends = np.quantile(speed, np.linspace(0.0, 1.0, _SPEEDS + 1))
+    bins = np.clip(np.searchsorted(ends, speed, side="right") - 1, 0, _SPEEDS - 1)
+    counts = np.bincount(bins, minlength=_SPEEDS)
+    square = np.bincount(bins, error**2 / _weight(rows), _SPEEDS) / np.maximum(counts, 1)
+    square = np.where(counts > 0, square, float(np.mean(error**2 / _weight(rows))))
+    driven, wrong = _by_octave(rows, force), _by_octave(rows, error)
+    shares = np.minimum(wrong / np.maximum(driven, _LEAST_FORCE * max(float(driven.sum()), 1e-300)), 1.0)
+    return ErrorProfile(tuple(ends.tolist()), tuple(square.tolist()), tuple(shares.tolist()))
+
+
+def recorded_profile(record: Mapping[str, Any]) -> ErrorProfile | None:
+    """What a model's record of its fit holds; None where it holds nothing of the kind, or something else."""
+    kept = record.get(KEY)
+    try:
+        names = ("speed_m_s", "squared_error_n2", "squared_share_by_octave")
+        speeds, errors, shares = (tuple(float(value) for value in kept[name]) for name in names)
+    except (TypeError, KeyError, ValueError):
+        return None
+    numbers = np.array([*speeds, *errors, *shares])
+    fits = len(speeds) == len(errors) + 1 >= 2 and len(shares) >= 1 and bool((np.diff(speeds) >= 0.0).all())
+    return (
+        ErrorProfile(speeds, errors, shares) if fits and np.isfinite(numbers).all() and (numbers >= 0.0).all() else None
+    )
+
+
+def motion_factor(model: DamperModel, then: float, rows: Sequence[Rows]) -> float:
+    """By how much larger a share of the force the usual error is on these rows than ``then``, its share at the
+    identification; at least 1, and 1 where the model's record does not say.
+    """
+    profile = recorded_profile(model.fit)
+    if profile is None or not then > 0.0:
+        return 1.0
+    return max(profile.expected(rows) / max(dynamic_force(rows), 1e-300) / then, 1.0)
+
+
+def _speeds(rows: Sequence[Rows]) -> np.ndarray:
+    return np.concatenate([np.abs(part.measurement.kinematics.velocity[part.picks]) for part in rows])
+
+
+def _weight(rows: Sequence[Rows]) -> np.ndarray:
+    return np.concatenate([part.weight[part.picks] for part in rows])
+
+
+def _by_octave(rows: Sequence[Rows], values: np.ndarray) -> np.ndarray:
+    """(m,) N^2, mean square of weighted rows (r,) by octave: below 0.5 Hz, below 1 Hz, and so on."""
+    octaves = 1 + int(np.ceil(np.log2(max(0.5 * max(part.rate for part in rows) / _LOWEST, 1.0))))
+    found = np.zeros(octaves)
+    for part, weighted in zip(rows, split(rows, values), strict=True):
+        plain = weighted / np.sqrt(part.weight[part.picks])
+        power = np.abs(np.fft.rfft(plain - plain.mean())) ** 2 * (2.0 / plain.size)
+        hertz = np.fft.rfftfreq(plain.size, 1.0 / part.rate)
+        octave = np.ceil(np.log2(np.maximum(hertz / _LOWEST, 1.0))).astype(int)
+        found += np.bincount(np.minimum(octave, octaves - 1), power, octaves)
+    return found / values.size
