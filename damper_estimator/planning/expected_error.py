@@ -12,7 +12,8 @@ with d >= 1, by how far a step goes beyond the recorded strokes and speeds, g th
 that nothing was fitted to, f_0 the force without the effect, and c(f) the squared error over the squared force at a
 frequency of the recordings. A road has little force at 20 Hz and a model may err there by half of it, which its error
 on the road as a whole does not show. s is what a mean position beyond the recorded stroke adds: between there and twice
-that far the static force becomes as uncertain as 70 % of its change, the median on simulated dampers; inside 15 %.
+that far the static force of the model becomes as uncertain as 70 % of its change, the median on simulated dampers
+(inside 15 %).
 """
 
 from collections.abc import Sequence
@@ -110,23 +111,22 @@ class Errors:
                     usual *= limits().usual_growth
                 usual *= max(1.0, float(beyond[part].max()))
                 if cautious:
-                    usual += (_STATIC * np.clip(np.abs(away[part]).max() - 1.0, 0.0, 1.0) * static[:, k]) ** 2
+                    usual += (_STATIC * np.clip(np.abs(away[part]).max() - 1.0, 0.0, 1.0) * static[k]) ** 2
                 added = (on.force[:, part] - on.base[part]).var(axis=1)
                 found[:, k] = np.sqrt(usual * (usual + self.unexplained * added))
         return found
 
 
 def _static_changes(on: Simulated, away: np.ndarray) -> np.ndarray:
-    """(h, s) N, by how much the mean force of a step differs from that of the steps about the recordings' middle.
+    """(s,) N, by how much the model's mean force on a step differs from that about the recordings' middle.
 
     Args:
         away: (r,) signed distance from the middle, in halves of the recorded stroke.
     """
     counts = np.maximum(np.bincount(on.step, minlength=on.largest.size), 1)
-    means = np.array([np.bincount(on.step, force, on.largest.size) for force in on.force]) / counts
-    distance = np.abs(np.bincount(on.step, away, on.largest.size) / counts)
-    central = distance <= max(_CENTRAL, float(distance.min()))
-    return means - np.median(means[:, central], axis=1, keepdims=True)
+    means, distance = (np.bincount(on.step, values, on.largest.size) / counts for values in (on.base, away))
+    central = np.abs(distance) <= max(_CENTRAL, float(np.abs(distance).min()))
+    return means - np.median(means[central])
 
 
 def repeated(counts: np.ndarray, is_random: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""At which speeds and frequencies a model errs is known from its identification; the same errors elsewhere are not new."""
+"""At which speeds and frequencies a model errs is known from its identification; the same elsewhere is not new."""
 
 from dataclasses import replace
 
@@ -84,14 +84,17 @@ def test_it_survives_the_model_file(line, tmp_path):
     assert again == recorded_profile(line.fit) and again.record() == recorded_profile(line.fit).record()
 
 
+def with_profile(speeds, errors, shares):
+    names = ("speed_m_s", "squared_error_n2", "squared_share_by_octave")
+    return {"error_profile": dict(zip(names, (speeds, errors, shares), strict=True))}
+
+
 @pytest.mark.parametrize(
     "record",
     [
         {}, {"error_profile": 3}, {"error_profile": {"speed_m_s": [0.0, 1.0]}},
-        {"error_profile": {"speed_m_s": [1.0, 0.0], "squared_error_n2": [1.0], "squared_share_by_octave": [0.1]}},
-        {"error_profile": {"speed_m_s": [0.0, 1.0], "squared_error_n2": [float("nan")], "squared_share_by_octave": [0.1]}},
-        {"error_profile": {"speed_m_s": [0.0, 1.0], "squared_error_n2": [1.0, 2.0], "squared_share_by_octave": [0.1]}},
-        {"error_profile": {"speed_m_s": [0.0, 1.0], "squared_error_n2": [1.0], "squared_share_by_octave": []}},
+        with_profile([1.0, 0.0], [1.0], [0.1]), with_profile([0.0, 1.0], [float("nan")], [0.1]),
+        with_profile([0.0, 1.0], [1.0, 2.0], [0.1]), with_profile([0.0, 1.0], [1.0], []),
     ],
 )  # fmt: skip
 def test_a_record_that_was_edited_says_nothing(line, record):

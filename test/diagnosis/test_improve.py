@@ -41,7 +41,7 @@ def test_every_step_keeps_its_model_and_what_was_tried(story):
         if step.action == "add":
             assert step.effect in step.model.uses()
             assert step.diagnosis.ranking
-    assert story.model.fit["bags"] and story.model.fit["residual_stddev"] > 0.0
+    assert story.model.fit["bags"] and story.model.fit["residual_stddev"] > 0.0 and story.model.fit["improved"] is True
 
 
 def test_a_mistake_of_the_chain_goes_to_the_map_and_never_into_the_model(user_model, base):

@@ -13,11 +13,13 @@ from damper_estimator.diagnosis.apply_finding import state_of
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.known_error import without_misfit
 from damper_estimator.diagnosis.misfit import (
+    IMPROVED,
     KEY,
     ZERO,
     has_grown,
     misfit_of,
     probability_of_change,
+    usual_bound,
     usual_share,
 )
 from damper_estimator.diagnosis.search import TOO_SMALL
@@ -57,6 +59,20 @@ def test_only_an_error_that_has_grown_clearly_is_news(rough):
     share = model.fit["residual_stddev"] / model.fit["force_rms"]
     assert not has_grown(model, 1.3 * share) and has_grown(model, 1.5 * share)
     assert has_grown(replace(model, fit={}), 0.01)
+
+
+def test_what_improve_left_is_nothing_new_however_large_it_is(rough):
+    model, _, other = rough
+    parts = [replace(part, recording="other.mcap") for part in halves(other)]
+    # As an unknown effect would make it: large, and nothing that the model is known to get wrong.
+    bare = replace(model, fit={name: value for name, value in model.fit.items() if name not in (KEY, ZERO)})
+    assert usual_bound(bare) < error(bare, other) / float(np.std(other.force[other.judged]))
+    assert diagnose(bare, parts[:1], parts[1:]).verdict == "missing"
+    left = replace(bare, fit={**bare.fit, IMPROVED: True})
+    assert diagnose(left, parts[:1], parts[1:]).verdict == "nothing_missing"
+    # As with any model, only until it grows.
+    worse = [changed(part, lambda k: 15.0 * k.acceleration) for part in parts]
+    assert diagnose(left, worse[:1], worse[1:]).findings
 
 
 @pytest.mark.parametrize(
