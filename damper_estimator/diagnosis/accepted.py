@@ -71,6 +71,12 @@ def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     )
 
 
+def breaks_tie(one: Sequence[Accepted], tied: Sequence[Accepted]) -> bool:
+    """Whether the first of some findings is one of those that are tied first in others, and not tied with them all."""
+    groups = [{found[0].hypothesis.phenomenon, *found[0].tied} for found in (one, tied) if found]
+    return len(groups) == 2 and groups[0] < groups[1]
+
+
 def regions_of(accepted: Sequence[Accepted]) -> dict[str, Region]:
     """Where each effect is what it represents, by its name."""
     return {one.element.effect.name: one.hypothesis.region for one in accepted}

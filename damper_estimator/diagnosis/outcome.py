@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from damper_estimator.diagnosis.accepted import Accepted, regions_of, together
+from damper_estimator.diagnosis.accepted import Accepted, breaks_tie, regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.beyond_region import Beyond, inside_region
 from damper_estimator.diagnosis.diagnosis_data import (
@@ -161,7 +161,8 @@ def _inside_first(
 ) -> tuple[Search, DiagnosisData]:
     """What ``look``, which is ``first_search``, finds. Where most of the error is one of extrapolation, it looks inside
     the region of the identification first: outside, a wrong curve hides what is missing everywhere. If the velocities
-    are new, it looks nowhere else.
+    are new, it looks nowhere else. Otherwise what it finds outside may break a tie of what it finds inside: a test that
+    separates a gas from a straight spring goes farther than the recordings in which they were tied.
     """
     looks_inside = beyond is not None and mode != "refit" and not state.is_identified_here
     inside = inside_region(state, beyond) if looks_inside else None
@@ -169,7 +170,10 @@ def _inside_first(
         return look(state, progress=progress)
     found = look(inside, progress=partial(_half, progress))
     if found[0].accepted and not found[0].set_aside:
-        return found
+        if not found[0].accepted[0].tied or beyond.is_of_velocity:
+            return found
+        whole = look(state, progress=progress)
+        return whole if breaks_tie(whole[0].accepted, found[0].accepted) else found
     because = NOT_IDENTIFIED_THERE if mode == "both" and beyond.is_of_velocity else ""
     return look(state, progress=progress, because=because)
 
