@@ -116,8 +116,12 @@ def targets(rows: Sequence[Rows]) -> np.ndarray:
 
 def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     """RMS in N of errors (r,) in rows, their weights taken off again."""
-    weight = np.concatenate([part.weight[part.picks] for part in rows])
-    return float(np.sqrt(np.mean(errors**2 / weight)))
+    return float(np.sqrt(np.mean(errors**2 / weight_of(rows))))
+
+
+def weight_of(rows: Sequence[Rows]) -> np.ndarray:
+    """(r,) weights of the squared errors of all rows."""
+    return np.concatenate([part.weight[part.picks] for part in rows])
 
 
 def dynamic_force(rows: Sequence[Rows]) -> float:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from damper_estimator.diagnosis.diagnosis_data import dynamic_force, force_rows, targets
+from damper_estimator.diagnosis.diagnosis_data import dynamic_force, force_rows, targets, weight_of
 from damper_estimator.identification.rows import Rows, split
 from damper_estimator.model import DamperModel
 
@@ -61,8 +61,9 @@ def profile_of(model: DamperModel, rows: Sequence[Rows]) -> ErrorProfile:
     ends = np.quantile(speed, np.linspace(0.0, 1.0, _SPEEDS + 1))
     bins = np.clip(np.searchsorted(ends, speed, side="right") - 1, 0, _SPEEDS - 1)
     counts = np.bincount(bins, minlength=_SPEEDS)
-    square = np.bincount(bins, error**2 / _weight(rows), _SPEEDS) / np.maximum(counts, 1)
-    square = np.where(counts > 0, square, float(np.mean(error**2 / _weight(rows))))
+    squared = error**2 / weight_of(rows)
+    square = np.bincount(bins, squared, _SPEEDS) / np.maximum(counts, 1)
+    square = np.where(counts > 0, square, float(squared.mean()))
     driven, wrong = _by_octave(rows, force), _by_octave(rows, error)
     shares = np.minimum(wrong / np.maximum(driven, _LEAST_FORCE * max(float(driven.sum()), 1e-300)), 1.0)
     return ErrorProfile(tuple(ends.tolist()), tuple(square.tolist()), tuple(shares.tolist()))
@@ -78,9 +79,8 @@ def recorded_profile(record: Mapping[str, Any]) -> ErrorProfile | None:
         return None
     numbers = np.array([*speeds, *errors, *shares])
     fits = len(speeds) == len(errors) + 1 >= 2 and len(shares) >= 1 and bool((np.diff(speeds) >= 0.0).all())
-    return (
-        ErrorProfile(speeds, errors, shares) if fits and np.isfinite(numbers).all() and (numbers >= 0.0).all() else None
-    )
+    is_usable = fits and bool(np.isfinite(numbers).all() and (numbers >= 0.0).all())
+    return ErrorProfile(speeds, errors, shares) if is_usable else None
 
 
 def motion_factor(model: DamperModel, then: float, rows: Sequence[Rows]) -> float:
@@ -95,10 +95,6 @@ def motion_factor(model: DamperModel, then: float, rows: Sequence[Rows]) -> floa
 
 def _speeds(rows: Sequence[Rows]) -> np.ndarray:
     return np.concatenate([np.abs(part.measurement.kinematics.velocity[part.picks]) for part in rows])
-
-
-def _weight(rows: Sequence[Rows]) -> np.ndarray:
-    return np.concatenate([part.weight[part.picks] for part in rows])
 
 
 def _by_octave(rows: Sequence[Rows], values: np.ndarray) -> np.ndarray:

@@ -106,7 +106,7 @@ def improve(
         verdict=found.verdict,
         sentence=_sentence(improving, found),
         noise_floor_n=found.noise_floor_n,
-        model=_with_record(improving),
+        model=_with_record(improving, found),
         signals=improving.current.fit[0].signals,
         rejected=found.ranking,
         fit=improving.current.fit,
@@ -116,11 +116,12 @@ def improve(
     )
 
 
-def _with_record(improving: _Improving) -> DamperModel:
+def _with_record(improving: _Improving, last: Diagnosis) -> DamperModel:
     """The model as improved, with what it gets wrong on all of the recordings; as given where nothing was improved.
 
     Where it was identified here, its record states its error on unseen data, or that of the identification where that
-    is the larger share of the force, and bounds the force over all of the recordings.
+    is the larger share of the force, bounds the force over all of the recordings, and says whether nothing that the
+    last diagnosis could name is left.
     """
     current, model = improving.current, improving.current.model
     if len(improving.steps) == 1:
@@ -128,9 +129,10 @@ def _with_record(improving: _Improving) -> DamperModel:
     everything = [*current.fit, *current.unseen]
     if current.is_identified_here:
         parts = (current.rmse_fit_n, force_rms(current.fit)), (current.rmse_unseen_n, force_rms(current.unseen))
-        error, force = max(parts, key=lambda part: part[0] / part[1])
+        error, force = max(parts, key=lambda part: part[0] / max(part[1], 1e-300))
         bound = force_stddev(worst_errors(model, everything))
-        model = replace(model, fit={**model.fit, **error_record((error, bound), force), IMPROVED: True})
+        is_improved = last.verdict in ("nothing_missing", "unexplained")
+        model = replace(model, fit={**model.fit, **error_record((error, bound), force), IMPROVED: is_improved})
     return with_misfit(model, everything)
 
 

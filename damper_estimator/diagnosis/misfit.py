@@ -38,7 +38,7 @@ _EXCERPT = 20.0  # s
 _CHANGES = 5.0  # range of ln g: a change that matters multiplies the squared error by 1 to 150
 _ALIKE = 1.2  # times: errors that are called as large as each other
 KEY = "misfit"
-IMPROVED = "improved"  # whether `improve` looked for every effect in what the model leaves
+IMPROVED = "improved"  # whether `improve` ended because it could name nothing in what the model leaves
 ZERO = "zero"  # N, mean error at the identification, with the signal map's offset of the gauge taken off
 
 

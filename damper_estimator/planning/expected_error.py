@@ -22,8 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from damper_estimator.diagnosis import Explanations
-from damper_estimator.diagnosis.thresholds import limits
+from damper_estimator.diagnosis import Explanations, limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification.rows import Rows
 from damper_estimator.model import DamperModel
