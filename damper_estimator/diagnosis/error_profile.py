@@ -6,8 +6,7 @@ the same error at each speed, and the same share of the force in each octave:
 
     e^2 = max(s^2 |F|^2,  mean of e_v(|v|)^2,  sum over octaves of c_k |F_k|^2)
 
-On recordings of other dampers than ours in which nothing had changed, the squared error was more than twice the first
-of these in 9 of 25, and more than twice e^2 in 2.
+Its square is what the error of an unchanged damper seldom exceeds twice (`docs/diagnosis_history.md`).
 """
 
 from collections.abc import Mapping, Sequence
