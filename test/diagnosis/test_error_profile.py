@@ -43,16 +43,16 @@ def share(model):
 
 
 def test_the_error_of_the_identification_is_expected_where_it_was_found(line):
-    own = rows(line, driven(SLOW, "slow"))
-    assert recorded_profile(line.fit).expected(own) == pytest.approx(line.fit["residual_stddev"], rel=0.1)
-    assert motion_factor(line, share(line), own) == pytest.approx(1.0, abs=0.1)
+    on_it = rows(line, driven(SLOW, "slow"))
+    assert recorded_profile(line.fit).expected(on_it) == pytest.approx(line.fit["residual_stddev"], rel=0.1)
+    assert motion_factor(line, share(line), on_it) == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_larger_error_is_expected_at_the_frequencies_at_which_the_model_erred(line):
     fast = driven(FAST, "fast")
-    error, own = de.compare(fast, line).rmse_n, rows(line, fast)
-    assert error / dynamic_force(own) > 2.0 * share(line)
-    assert recorded_profile(line.fit).expected(own) > 0.7 * error
+    error, on_it = de.compare(fast, line).rmse_n, rows(line, fast)
+    assert error / dynamic_force(on_it) > 2.0 * share(line)
+    assert recorded_profile(line.fit).expected(on_it) > 0.7 * error
 
 
 def test_what_was_known_of_the_model_is_no_finding(line):
