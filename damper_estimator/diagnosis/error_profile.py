@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from damper_estimator.diagnosis.diagnosis_data import dynamic_force, force_rows, targets, weight_of
+from damper_estimator.diagnosis.diagnosis_data import force_rows, targets, weight_of
 from damper_estimator.identification.rows import Rows, split
 from damper_estimator.model import DamperModel
 
@@ -42,8 +42,7 @@ class ErrorProfile:
 
     def expected(self, rows: Sequence[Rows]) -> float:
         """N, rms of the error by speed or by octave, whichever is larger, on the motion and with the force of rows."""
-        bins = np.clip(np.searchsorted(self.speeds, _speeds(rows), side="right") - 1, 0, len(self.errors) - 1)
-        by_speed = float(np.mean(np.array(self.errors)[bins]))
+        by_speed = float(np.mean(np.array(self.errors)[_bins(self.speeds, _speeds(rows))]))
         power = _by_octave(rows, targets(rows))
         last = np.minimum(np.arange(power.size), len(self.shares) - 1)
         return float(np.sqrt(max(by_speed, float(power @ np.array(self.shares)[last]))))
@@ -58,7 +57,7 @@ def profile_of(model: DamperModel, rows: Sequence[Rows]) -> ErrorProfile:
     """The profile on the rows of a model's identification, (r,) in all, r > 0."""
     error, force, speed = force_rows(model, rows) - targets(rows), targets(rows), _speeds(rows)
     ends = np.quantile(speed, np.linspace(0.0, 1.0, _SPEEDS + 1))
-    bins = np.clip(np.searchsorted(ends, speed, side="right") - 1, 0, _SPEEDS - 1)
+    bins = _bins(ends, speed)
     counts = np.bincount(bins, minlength=_SPEEDS)
     squared = error**2 / weight_of(rows)
     square = np.bincount(bins, squared, _SPEEDS) / np.maximum(counts, 1)
@@ -82,18 +81,13 @@ def recorded_profile(record: Mapping[str, Any]) -> ErrorProfile | None:
     return ErrorProfile(speeds, errors, shares) if is_usable else None
 
 
-def motion_factor(model: DamperModel, then: float, rows: Sequence[Rows]) -> float:
-    """By how much larger a share of the force the usual error is on these rows than ``then``, its share at the
-    identification; at least 1, and 1 where the model's record does not say.
-    """
-    profile = recorded_profile(model.fit)
-    if profile is None or not then > 0.0:
-        return 1.0
-    return max(profile.expected(rows) / max(dynamic_force(rows), 1e-300) / then, 1.0)
-
-
 def _speeds(rows: Sequence[Rows]) -> np.ndarray:
     return np.concatenate([np.abs(part.measurement.kinematics.velocity[part.picks]) for part in rows])
+
+
+def _bins(ends: Sequence[float] | np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """(r,) int, the bin of each speed; the outermost bins hold what lies beyond."""
+    return np.clip(np.searchsorted(ends, speeds, side="right") - 1, 0, len(ends) - 2)
 
 
 def _by_octave(rows: Sequence[Rows], values: np.ndarray) -> np.ndarray:

@@ -18,8 +18,7 @@ import numpy as np
 
 from damper_estimator.diagnosis import error_profile
 from damper_estimator.diagnosis.atlas_terms import TESTS, Columns, View, view_of
-from damper_estimator.diagnosis.diagnosis_data import ranges_of, targets, unweighted, weights
-from damper_estimator.diagnosis.error_profile import motion_factor
+from damper_estimator.diagnosis.diagnosis_data import dynamic_force, ranges_of, targets, unweighted, weights
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
@@ -143,6 +142,16 @@ def error_then(model: DamperModel) -> tuple[float, float]:
     return then_n, then_n / force_n if force_n else float("nan")
 
 
+def motion_factor(model: DamperModel, rows: Sequence[Rows]) -> float:
+    """By how much larger a share of the force the usual error is on these rows than at the identification; at least 1,
+    and 1 where the model's record does not say.
+    """
+    profile, (_, then) = error_profile.recorded_profile(model.fit), error_then(model)
+    if profile is None or not then > 0.0:
+        return 1.0
+    return max(profile.expected(rows) / max(dynamic_force(rows), 1e-300) / then, 1.0)
+
+
 def has_grown(model: DamperModel, error: float, if_unknown: bool = True) -> bool:
     """Whether a model's error, share of the force's rms, is clearly larger than when it was identified."""
     _, then = error_then(model)
@@ -167,8 +176,7 @@ def usual_error(model: DamperModel, share_now: float, rows: Sequence[Rows]) -> U
     """Of a model whose error, share of the force's rms, is not new on these rows; NaN where its identification is
     unknown.
     """
-    then_n, then = error_then(model)
-    return UsualError(then_n, then, share_now, motion_factor(model, then, rows))
+    return UsualError(*error_then(model), share_now, motion_factor(model, rows))
 
 
 def probability_of_change(model: DamperModel, error: float) -> float:

@@ -22,13 +22,13 @@ from damper_estimator.diagnosis.diagnosis_data import (
     targets,
     unweighted,
 )
-from damper_estimator.diagnosis.error_profile import motion_factor
 from damper_estimator.diagnosis.explanation import ranking_of
 from damper_estimator.diagnosis.known_error import accounted_for, as_it_is, without_misfit, without_old_zero
 from damper_estimator.diagnosis.misfit import (
     error_then,
     has_grown,
     misfit_of,
+    motion_factor,
     probability_of_change,
     usual_bound,
     usual_share,
@@ -142,7 +142,7 @@ def _searched(
     # Without a candidate only a large growth counts: errors on good recordings of one damper differ by up to two.
     allowed = float(np.sqrt(limits().growth))
     is_small = share_of_force(state, data) < allowed * usual_bound(state.model)
-    is_old = is_small and not has_grown(state.model, _as_then(state, data) / allowed)
+    is_old = is_small and not has_grown(state.model, share_of_force(state, data, _factors(state.model, data)) / allowed)
     if verdict == "unexplained" and not here and is_old:
         verdict, picture, found = "nothing_missing", None, replace(found, set_aside=NOT_NEW)
     return Outcome(found, again, verdict, picture, tuple(steps))
@@ -192,16 +192,17 @@ def _is_measured(one: Accepted, state: ModelState) -> bool:
     return bool(with_it < without)
 
 
-def share_of_force(state: ModelState, data: DiagnosisData) -> float:
-    """The error with the gauge's zero, as a share of the force of its own part: the larger of both parts."""
-    return max(state.rmse_fit_n / dynamic_force(data.fit), state.rmse_unseen_n / dynamic_force(data.unseen))
-
-
-def _as_then(state: ModelState, data: DiagnosisData) -> float:
-    """The same as a share on the motion of the identification: over what is usual on these motions."""
-    then = error_then(state.model)[1]
+def share_of_force(state: ModelState, data: DiagnosisData, factors: tuple[float, float] = (1.0, 1.0)) -> float:
+    """The error with the gauge's zero, as a share of the force of its part: the larger of both parts, that to fit to
+    and the unseen one, each over its factor.
+    """
     parts = (state.rmse_fit_n, data.fit), (state.rmse_unseen_n, data.unseen)
-    return max(error / dynamic_force(rows) / motion_factor(state.model, then, rows) for error, rows in parts)
+    return max(error / dynamic_force(rows) / factor for (error, rows), factor in zip(parts, factors, strict=True))
+
+
+def _factors(model: DamperModel, data: DiagnosisData) -> tuple[float, float]:
+    """Of both parts, by how much larger a share of the force is usual there than at the identification."""
+    return motion_factor(model, data.fit), motion_factor(model, data.unseen)
 
 
 def _data(state: ModelState, reduced: Callable[[DamperModel, Measurement], Measurement] = as_it_is) -> DiagnosisData:
@@ -257,22 +258,21 @@ def first_search(
     known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
     data, beyond_known, is_accounted_for = _with_and_without_known(state, asks_for_change)
     force = dynamic_force(data.unseen)
-    then = error_then(state.model)[1]
-    factor = motion_factor(state.model, then, data.unseen)
+    factors = _, factor = _factors(state.model, data)
     whole, left = (_unseen_error(state, source) for source in (data, beyond_known))
     leaves_more = known is None or known.leaves_more(left / force / factor)
     error = max(whole / force, share_of_force(state, data))
-    as_then = max(whole / force / factor, _as_then(state, data))
+    as_then = max(whole / force / factor, share_of_force(state, data, factors))
     if asks_for_change:
-        change = probability_of_change(state.model, as_then)
+        change, then = probability_of_change(state.model, as_then), error_then(state.model)[1]
+        left_then = known.left if known is not None else then
         data = replace(data, change=change, usual=usual_share(factor * then, whole / force))
-        then = known.left if known is not None else then
-        beyond_known = replace(beyond_known, change=change, usual=usual_share(factor * then, left / force))
+        beyond_known = replace(beyond_known, change=change, usual=usual_share(factor * left_then, left / force))
     grown = has_grown(state.model, as_then)
     if not because and asks_for_change and error < limits().notable:
         because = TOO_SMALL if grown else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it
-    # is not large or nothing was found in it then.
+    # is not large or nothing could be named in it then.
     bound = usual_bound(state.model) if not grown else 0.0 if leaves_more else limits().acceptable
     evaluated = partial(evaluated_only, state.model, data, beyond_known, skip, workers, progress)
     # Where little but a mean has changed, nothing else is named: beside it another effect may seem to matter.

@@ -100,32 +100,33 @@ class Errors:
         kinematics, picks = on.rows.measurement.kinematics, on.rows.picks
         away = (kinematics.displacement[picks] - ranges.middle) / (0.5 * ranges.stroke)
         beyond = np.maximum(np.abs(away), np.abs(kinematics.velocity[picks]) / ranges.speed)
-        static = _static_changes(on, away)
+        doubt = _static_doubts(on, away) if cautious else np.zeros(on.largest.size)
         found = np.zeros((len(on.force), on.largest.size))
         for k, part in enumerate(on.slices):
             if part.stop > part.start:
                 usual = self.constant + self.share * on.force[:, part].var(axis=1)
                 if cautious:
-                    usual = np.maximum(usual, self.by_frequency(on.force[:, part], on.rows.rate))
-                    usual *= limits().usual_growth
-                usual *= max(1.0, float(beyond[part].max()))
-                if cautious:
-                    usual += (_STATIC * np.clip(np.abs(away[part]).max() - 1.0, 0.0, 1.0) * static[k]) ** 2
+                    usual = limits().usual_growth * np.maximum(
+                        usual, self.by_frequency(on.force[:, part], on.rows.rate)
+                    )
+                usual = usual * max(1.0, float(beyond[part].max())) + doubt[k] ** 2
                 added = (on.force[:, part] - on.base[part]).var(axis=1)
                 found[:, k] = np.sqrt(usual * (usual + self.unexplained * added))
         return found
 
 
-def _static_changes(on: Simulated, away: np.ndarray) -> np.ndarray:
-    """(s,) N, by how much the model's mean force on a step differs from that about the recordings' middle.
+def _static_doubts(on: Simulated, away: np.ndarray) -> np.ndarray:
+    """(s,) N, how uncertain the model's static force is on each step, beyond the recorded stroke.
 
     Args:
-        away: (r,) signed distance from the middle, in halves of the recorded stroke.
+        away: (r,) signed distance from the recordings' middle, in halves of the recorded stroke.
     """
     counts = np.maximum(np.bincount(on.step, minlength=on.largest.size), 1)
     means, distance = (np.bincount(on.step, values, on.largest.size) / counts for values in (on.base, away))
     central = np.abs(distance) <= max(_CENTRAL, float(np.abs(distance).min()))
-    return means - np.median(means[central])
+    farthest = np.zeros(on.largest.size)
+    np.maximum.at(farthest, on.step, np.abs(away))
+    return _STATIC * np.clip(farthest - 1.0, 0.0, 1.0) * (means - np.median(means[central]))
 
 
 def repeated(counts: np.ndarray, is_random: np.ndarray) -> np.ndarray:
