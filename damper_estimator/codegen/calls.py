@@ -37,7 +37,7 @@ _MATH = {
     getattr(math, name): c_name
     for name, c_name in {
         "exp": "exp", "expm1": "expm1", "log": "log", "sqrt": "sqrt", "tanh": "tanh", "atan": "atan", "sin": "sin",
-        "cos": "cos",
+        "cos": "cos", "tan": "tan",
     }.items()
 }  # fmt: skip
 _TESTS = {np.isfinite: "isfinite", np.isnan: "isnan"}

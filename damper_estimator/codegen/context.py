@@ -136,8 +136,10 @@ class Context:
         return f"{stem}_{self.temporaries}"
 
     def c_name(self, name: str) -> str:
-        """The C name of a local name."""
-        plain = name.strip("_") or "turn"
+        """The C name of a local name; that of a ``_`` ends as no other does."""
+        plain = name.strip("_")
+        if not plain:
+            return "turn_"
         return f"{plain}_" if plain in _RESERVED else plain
 
     def learn(self, name: str, kind: str) -> str:

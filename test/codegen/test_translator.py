@@ -47,7 +47,14 @@ def rounds(a, b):
     return float(part % 7) + part // 3 + b
 
 
-FUNCTIONS = (chooses, signs, loops, rounds)
+def repeats(a, b):
+    turn = 0.5 * a
+    for _ in range(3):
+        turn += b * turn
+    return turn
+
+
+FUNCTIONS = (chooses, signs, loops, rounds, repeats)
 
 
 @pytest.fixture(scope="module")
