@@ -15,6 +15,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from damper_estimator.compiled import compiled
+from damper_estimator.effects.bouc_wen import saturation
 from damper_estimator.effects.bouc_wen_shifted import SHIFTED_PARAMETERS, shifted
 from damper_estimator.effects.contract import Effect, Setting, Values, number
 from damper_estimator.signals.layout import DT, V, X
@@ -36,12 +37,13 @@ def peak_forces(parameters, velocities, frequency, switch, width):
     peaks = np.zeros((2, velocities.size))
     if parameters[0] == 0.0:
         return peaks
+    saturated = saturation(parameters[1], parameters[2], parameters[3], parameters[4])
     for k in range(velocities.size):
         z, last = 0.0, 0.0
         amplitude = velocities[k] / omega
         for i in range(1, _STEPS + _STEPS // 2 + 1):
             x = amplitude * sin(omega * i * dt)
-            z = shifted(z, x - last, dt, parameters)
+            z = shifted(z, x - last, dt, saturated, parameters)
             last = x
             velocity = velocities[k] * cos(omega * i * dt)
             hysteresis = opening(velocity, switch, width) * parameters[0] * z
@@ -71,12 +73,13 @@ def kernel(parameters, settings, kinematics, state, force):
     """F += s(v) alpha z - c(v)."""
     count = int(settings[2])
     knots, table = settings[3 : 3 + count], settings[3 + count : 3 + 2 * count]
+    saturated = saturation(parameters[1], parameters[2], parameters[3], parameters[4])
     for i in range(force.size):
         x, v, dt = kinematics[X, i], kinematics[V, i], kinematics[DT, i]
         if dt <= 0.0:
             state[0] = 0.0
         else:
-            state[0] = shifted(state[0], x - state[1], dt, parameters)
+            state[0] = shifted(state[0], x - state[1], dt, saturated, parameters)
         state[1] = x
         compensation = np.interp(v, knots, table)
         force[i] += opening(v, settings[0], settings[1]) * parameters[0] * state[0] - compensation

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.delay_line import STATES, delayed
@@ -99,6 +100,24 @@ def test_bouc_wen_saturates_at_its_limit(n):
     computed = force("bouc_wen", sine(1000, 2.0, amplitude=0.05), **values)
     limit = 150.0 * (400.0 / 270.0) ** (1.0 / n)
     assert np.abs(computed).max() == pytest.approx(limit, rel=1e-3)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.5, 2.0, 5.0])
+@pytest.mark.parametrize("beta", [1e-3, 100.0, 199.0])
+def test_bouc_wen_follows_its_equation_in_steps_of_any_length(n, beta):
+    gamma, limit = 200.0 - beta, (400.0 / 200.0) ** (1.0 / n)
+    random = np.random.default_rng(3)
+    moves = random.choice([-1.0, 1.0], 60) * limit / 400.0 * 10.0 ** random.uniform(-2.0, 1.0, 60)
+    block = sine(100, 0.6)[:, :61]
+    block[X] = np.concatenate([[0.0], np.cumsum(moves)])
+    computed = force("bouc_wen", block, alpha=1.0, delta=400.0, beta=beta, gamma=gamma, n=n)
+    for before, after, move in zip(computed, computed[1:], moves, strict=False):
+        way = np.sign(move)
+        exact = solve_ivp(
+            lambda _, z, way=way: way * (400.0 - (beta + gamma * np.sign(way * z)) * np.abs(z) ** n),
+            (0.0, abs(move)), [before], rtol=1e-9, atol=1e-11, max_step=abs(move) / 50.0,
+        ).y[0, -1]  # fmt: skip
+        assert after == pytest.approx(exact, abs=5e-4 * limit)
 
 
 def test_bouc_wens_scale_of_z_is_redundant_with_alpha():
