@@ -20,7 +20,7 @@ import numpy as np
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.command_lag import lagged
 from damper_estimator.effects.contract import Effect, Parameter, Setting
-from damper_estimator.effects.elastic_slip import PARTS, held
+from damper_estimator.effects.elastic_slip import PARTS, first_and_ratio, held
 from damper_estimator.effects.slow_channels import moved_command, with_moved_command, zero_command
 from damper_estimator.effects.trial import Ranges, Trial, longest_yield, spread
 from damper_estimator.signals.layout import COMMAND, DT, X
@@ -32,11 +32,12 @@ _CURRENT = PARTS + 1  # position in the state
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_y (exp(-I_0 / I_s) - exp(-|I| / I_s)) mean s_k."""
     start = exp(-settings[0] / parameters[1])
+    first, ratio = first_and_ratio(parameters[2], parameters[3])
     for i in range(force.size):
         dt, command = kinematics[DT, i], kinematics[COMMAND, i]
         if dt <= 0.0:
             state[_CURRENT] = command
-        share = held(state, kinematics[X, i], dt, parameters[2], parameters[3], parameters[5])
+        share = held(state, kinematics[X, i], dt, parameters[2], first, ratio, parameters[5])
         state[_CURRENT] = lagged(state[_CURRENT], command, dt, parameters[4])
         if np.isfinite(state[_CURRENT]):
             field = start - exp(-abs(state[_CURRENT]) / parameters[1])

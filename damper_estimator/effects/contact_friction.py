@@ -12,7 +12,7 @@ its lubrication.
 
 from damper_estimator.compiled import compiled
 from damper_estimator.effects.contract import Effect, Parameter, Values, number
-from damper_estimator.effects.elastic_slip import PARTS, held
+from damper_estimator.effects.elastic_slip import PARTS, first_and_ratio, held
 from damper_estimator.effects.trial import Ranges, Trial, sliding_soon, spread
 from damper_estimator.signals.layout import DT, X
 
@@ -20,8 +20,10 @@ from damper_estimator.signals.layout import DT, X
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_c mean s_k."""
+    first, ratio = first_and_ratio(parameters[1], parameters[2])
     for i in range(force.size):
-        force[i] += parameters[0] * held(state, kinematics[X, i], kinematics[DT, i], parameters[1], parameters[2], 0.0)
+        x, dt = kinematics[X, i], kinematics[DT, i]
+        force[i] += parameters[0] * held(state, x, dt, parameters[1], first, ratio, 0.0)
 
 
 def plausible(values: Values) -> float:

@@ -28,43 +28,49 @@ _LEAST_CREEP, _MOST_CREEP = 0.002, 0.1  # of the speed
 
 
 @compiled
-def slipped(state, x, way, spread):
+def first_and_ratio(way, spread):
+    """Share by which a move of 1 m loads the first part to slip, 1/m, and that of each part over the one before."""
+    return exp(spread) / way, exp(-2.0 * spread / (PARTS - 1.0))
+
+
+@compiled
+def slipped(state, x, first, ratio):
     """Mean share (-1 to 1) of the parts moved to ``x``; ``state`` holds their shares and the last displacement."""
-    move = x - state[PARTS]
+    load = (x - state[PARTS]) * first
     state[PARTS] = x
-    total, travel, ratio = 0.0, way * exp(-spread), exp(2.0 * spread / (PARTS - 1.0))
+    total = 0.0
     for k in range(PARTS):
-        state[k] = min(1.0, max(-1.0, state[k] + move / travel))
+        state[k] = min(1.0, max(-1.0, state[k] + load))
         total += state[k]
-        travel *= ratio
+        load *= ratio
     return total / PARTS
 
 
 @compiled
-def share_at(state, move, way, spread):
+def share_at(state, move, first, ratio):
     """Mean share of the parts after a ``move`` (m), and its slope over the move (1/m); the state stays as it is."""
-    total, slope, travel, ratio = 0.0, 0.0, way * exp(-spread), exp(2.0 * spread / (PARTS - 1.0))
+    total, slope, rate = 0.0, 0.0, first
     for k in range(PARTS):
-        share = state[k] + move / travel
+        share = state[k] + move * rate
         if abs(share) < 1.0:
-            slope += 1.0 / travel
+            slope += rate
         total += min(1.0, max(-1.0, share))
-        travel *= ratio
+        rate *= ratio
     return total / PARTS, slope / PARTS
 
 
 @compiled
-def crept(state, x, way, spread, creep):
+def crept(state, x, way, first, ratio, creep):
     """Mean share of the parts moved to ``x`` while they give way by ``creep`` (m) times it; the state of ``slipped``.
 
     They move by u = dx - creep s(u). s does not fall and lies between -1 and 1, so u lies within creep of dx.
     """
     if creep <= 0.0:
-        return slipped(state, x, way, spread)
+        return slipped(state, x, first, ratio)
     move = x - state[PARTS]
     low, high, u = move - creep, move + creep, move
     for _ in range(_STEPS):
-        share, slope = share_at(state, u, way, spread)
+        share, slope = share_at(state, u, first, ratio)
         error = u + creep * share - move
         if abs(error) <= _EXACT * way:
             break
@@ -76,25 +82,29 @@ def crept(state, x, way, spread, creep):
         if u < low or u > high:
             u = 0.5 * (low + high)
     state[PARTS] = x - u
-    return slipped(state, x, way, spread)
+    return slipped(state, x, first, ratio)
 
 
 @compiled
-def held(state, x, dt, way, spread, creep):
-    """Mean share of the parts at ``x``, ``dt`` after the last sample, with ``creep`` in m/s; they start unloaded."""
+def held(state, x, dt, way, first, ratio, creep):
+    """Mean share of the parts at ``x``, ``dt`` after the last sample, with ``creep`` in m/s; they start unloaded.
+
+    ``first`` and ``ratio`` are those of the way and its spread.
+    """
     if dt <= 0.0:
         for k in range(PARTS):
             state[k] = 0.0
         state[PARTS] = x
-    return crept(state, x, way, spread, creep * max(dt, 0.0))
+    return crept(state, x, way, first, ratio, creep * max(dt, 0.0))
 
 
 @compiled
 def kernel(parameters, settings, kinematics, state, force):
     """F += F_y mean s_k."""
+    first, ratio = first_and_ratio(parameters[1], parameters[2])
     for i in range(force.size):
         x, dt = kinematics[X, i], kinematics[DT, i]
-        force[i] += parameters[0] * held(state, x, dt, parameters[1], parameters[2], parameters[3])
+        force[i] += parameters[0] * held(state, x, dt, parameters[1], first, ratio, parameters[3])
 
 
 def trial(ranges: Ranges) -> Trial:
