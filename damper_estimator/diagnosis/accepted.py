@@ -108,7 +108,7 @@ def fitted_together(model: DamperModel, added: Mapping[str, Region], data: Diagn
     """
     if refits:
         measurements = [rows.measurement for rows in data.fit]
-        fitted = locally_fitted(model, measurements, zero_free=True, limits=limits_in(model, added))
+        fitted = locally_fitted(model, measurements, zero=data.zero, limits=limits_in(model, added))
     else:
         fitted = _fitted(Problem(model, LocalRows(data.fit), positions(model, added), slots=within(model, added)))
     return fitted if are_themselves(fitted, added) else model

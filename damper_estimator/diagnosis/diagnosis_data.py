@@ -4,7 +4,8 @@
 
 s_F is the gauge's noise in band with a hundredth of the force for the form of the model, s_v the velocity's noise in
 band, dF/dv the slope of the model at each sample: where the curve is steep, noise of the displacement is noise of
-the force. The zero of the gauge and its straight drift belong to each recording and are left out of the comparison.
+the force. The zero of the gauge and its straight drift belong to each recording and are left out of the comparison; the
+drift is not where it hides much of the error, as warm gas does, and no movement of the zero was found.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.fit_record import recorded_region
 from damper_estimator.identification.rigid import without_compliances
-from damper_estimator.identification.rows import Rows
+from damper_estimator.identification.rows import COMPARED, DRIFTING, FREE, Rows
 from damper_estimator.model import DamperModel
 from damper_estimator.model.element import walk
 from damper_estimator.signals import Measurement
@@ -82,12 +83,24 @@ class DiagnosisData:
     @cached_property
     def with_zero(self) -> "DiagnosisData":
         """The same rows with the gauge's zero and drift in the comparison."""
-        return replace(
-            self,
-            fit=tuple(rows_of(part.measurement, part.weight) for part in self.fit),
-            unseen=tuple(rows_of(part.measurement, part.weight) for part in self.unseen),
-            ranges=replace(self.ranges, with_mean=True),
+        return replace(self._comparing(COMPARED), ranges=replace(self.ranges, with_mean=True))
+
+    @property
+    def zero(self) -> int:
+        """What becomes of the zero of the gauge, see ``identification.rows``."""
+        return self.fit[0].zero
+
+    @property
+    def with_drift(self) -> "DiagnosisData":
+        """The same rows with the drift of the gauge's zero in the comparison."""
+        return self._comparing(FREE)
+
+    def _comparing(self, zero: int) -> "DiagnosisData":
+        fit, unseen = (
+            tuple(rows_of(part.measurement, part.weight, zero=zero) for part in group)
+            for group in (self.fit, self.unseen)
         )
+        return replace(self, fit=fit, unseen=unseen)
 
 
 def data_of(model: DamperModel, fit: Sequence[Measurement], unseen: Sequence[Measurement]) -> DiagnosisData:
@@ -137,7 +150,7 @@ def _rows(model: DamperModel, measurements: Sequence[Measurement]) -> tuple[Rows
         for part in usable(model, measurement):
             whole = part == slice(0, len(measurement.kinematics))
             window = measurement if whole else measurement.part(part.start, part.stop)
-            rows.append(rows_of(window, weights(model, window), zero_free=True).thinned())
+            rows.append(rows_of(window, weights(model, window), zero=DRIFTING).thinned())
     return tuple(part for part in rows if part.picks.size > 2)
 
 

@@ -21,7 +21,7 @@ from damper_estimator.diagnosis.search import Search
 from damper_estimator.diagnosis.trial_fit import TrialFit, is_at_end
 from damper_estimator.effects.contract import Effect
 from damper_estimator.identification import FittedParameter
-from damper_estimator.identification.rows import split
+from damper_estimator.identification.rows import FREE, split
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.numerics import standard_errors
 
@@ -66,9 +66,19 @@ def finding_of(
 
 
 def _remark(one: Accepted, values: Sequence[FittedParameter], again: Reidentified | None) -> str:
-    """What makes the finding suspect: parameters at a limit, and where kept and refitted parameters disagree."""
-    return " ".join(
-        filter(None, (at_a_limit(one.element.effect, values), _acting_against(one) or _disagreement(one, again)))
+    """What makes the finding suspect: parameters at a limit, where kept and refitted parameters disagree, and a drift
+    that the gauge may have as well.
+    """
+    reasons = at_a_limit(one.element.effect, values), _acting_against(one) or _disagreement(one, again), _drifting(one)
+    return " ".join(filter(None, reasons))
+
+
+def _drifting(one: Accepted) -> str:
+    if one.round.baseline.data.zero != FREE or one.element.effect.kind == "channel":
+        return ""
+    return (
+        "Most of the error is a drift of the force over the recording; a gauge whose zero drifts looks the same: "
+        "compare its readings without load before and after."
     )
 
 

@@ -16,7 +16,7 @@ from damper_estimator.identification import fit as identify
 from damper_estimator.identification import free_slots, pooled_error, rows_of
 from damper_estimator.identification.fit_record import fit_record
 from damper_estimator.identification.methods.contract import MethodOptions
-from damper_estimator.identification.rows import Rows, split
+from damper_estimator.identification.rows import COMPARED, Rows, split
 from damper_estimator.identification.selection import narrowed
 from damper_estimator.identification.ties import find_ties, tables
 from damper_estimator.model import DamperModel, Slot
@@ -36,14 +36,14 @@ def locally_fitted(
     measurements: Sequence[Measurement],
     free: Sequence[str] = (),
     fix: Sequence[str] = (),
-    zero_free: bool = False,
+    zero: int = COMPARED,
     limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> DamperModel:
     """The model with its free parameters identified from their values, and its record of the fit.
 
     Args:
         free, fix, limits: as in ``identification.fit``.
-        zero_free: whether the gauge's zero and drift are left out of the comparison.
+        zero: of the gauge, see ``identification.rows``.
 
     Raises:
         InputError: as ``identification.fit``.
@@ -52,11 +52,11 @@ def locally_fitted(
     if not any(element.effect.kind == "series" for _, element in labels(model.effects)):
         options = MethodOptions(gain=_ENOUGH)
         return identify(
-            model, measurements, free, fix, weights=weight, starts=0, zero_free=zero_free, thinned=True,
+            model, measurements, free, fix, weights=weight, starts=0, zero=zero, thinned=True,
             method_options=options, limits=limits,
         ).model  # fmt: skip
     # The record states the error over all samples.
-    rows = [rows_of(m, w, zero_free=zero_free).thinned() for m, w in zip(measurements, weight, strict=True)]
+    rows = [rows_of(m, w, zero=zero).thinned() for m, w in zip(measurements, weight, strict=True)]
     places = list(free_slots(model, free, fix))
     return _recorded(*_descended(model, rows, places, narrowed(model, limits or {})), places, rows)
 

@@ -23,7 +23,7 @@ from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.effects.trial import Ranges
 from damper_estimator.identification import rows_of, usable
 from damper_estimator.identification.fit_record import recorded
-from damper_estimator.identification.rows import Rows, excerpts
+from damper_estimator.identification.rows import DRIFTING, Rows, excerpts
 from damper_estimator.model import DamperModel
 from damper_estimator.numerics import normal_equations
 from damper_estimator.signals import Measurement
@@ -227,7 +227,7 @@ def _excerpts(model: DamperModel, measurements: Sequence[Measurement]) -> list[R
         for m in whole
         for p in excerpts(m, max(round(_SAMPLES * len(m.kinematics) / total), 1), _EXCERPT)
     ]
-    rows = [rows_of(m, weights(model, m), zero_free=True) for m in parts]
+    rows = [rows_of(m, weights(model, m), zero=DRIFTING) for m in parts]
     return [part for part in rows if part.picks.size > 100]
 
 

@@ -13,6 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
+from damper_estimator.diagnosis.diagnosis_data import (
+    DiagnosisData,
+    dynamic_force,
+    force_rows,
+    targets,
+    unweighted,
+)
 from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, errors, gains
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.result import Finding
@@ -122,6 +129,17 @@ def by_itself(
     return finding, zero
 
 
+def drift_hides_error(model: DamperModel, data: DiagnosisData) -> bool:
+    """Whether leaving a straight drift of the zero out takes most of an error that matters, on both parts of the data:
+    a movement of the gauge's has been subtracted before (``steadied``), and gas that the oil warms drifts as well.
+    """
+    drifting = data.with_drift
+    parts = (data.fit, drifting.fit), (data.unseen, drifting.unseen)
+    errors_n = [[unweighted(rows, force_rows(model, rows) - targets(rows)) for rows in pair] for pair in parts]
+    least = limits().notable * dynamic_force(drifting.unseen)
+    return all(with_it > least and without**2 < (1.0 - limits().drift) * with_it**2 for without, with_it in errors_n)
+
+
 def _errors(model: DamperModel, group: Sequence[Measurement]) -> Errors:
     """The model's error in band at all judged samples of unseen recordings, in blocks of about a second."""
     error = np.concatenate([_error(model, m)[m.judged] for m in group])
@@ -146,7 +164,7 @@ def moving_zero(model: DamperModel, m: Measurement) -> MovingZero | None:
     if explained is None or explained.zeros[0] is None:
         return None
     line = explained.zeros[0].line(k.time, judged)
-    share = float(np.mean(line[judged] ** 2) / max(np.var(error[judged]), 1e-300))
+    share = 1.0 - float(np.var((error - line)[judged]) / max(np.var(error[judged]), 1e-300))
     if share < LEAST_SHARE or _follows(k.temperature[judged], line[judged]):
         return None
     found = drift(m, explained)

@@ -33,6 +33,7 @@ from damper_estimator.diagnosis.misfit import (
     usual_bound,
     usual_share,
 )
+from damper_estimator.diagnosis.moving_zero import drift_hides_error
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
 from damper_estimator.diagnosis.search import (
@@ -257,6 +258,8 @@ def first_search(
     """
     known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
     data, beyond_known, is_accounted_for = _with_and_without_known(state, asks_for_change)
+    if drift_hides_error(state.model, data):
+        data, beyond_known = data.with_drift, beyond_known.with_drift
     force = dynamic_force(data.unseen)
     factors = _, factor = _factors(state.model, data)
     whole, left = (_unseen_error(state, source) for source in (data, beyond_known))

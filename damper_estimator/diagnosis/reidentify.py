@@ -54,7 +54,7 @@ def reidentified(first: Round, data: DiagnosisData) -> Reidentified:
         promised = max(promised, gain)
     if promised < 0.5 * limits().gain:
         return Reidentified(model, (), rmse(first.baseline, first.refitted), promised, False, phenomena)
-    refitted = locally_fitted(start, [rows.measurement for rows in data.fit], zero_free=True)
+    refitted = locally_fitted(start, [rows.measurement for rows in data.fit], zero=data.zero)
     left = _left(first, refitted)
     gain = 1.0 - left.square / max(first.kept.square, 1e-300)
     low = float(np.percentile(gains(block_draws(left.blocks.size), left, first.kept), LOW))

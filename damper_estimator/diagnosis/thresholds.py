@@ -154,6 +154,12 @@ class Thresholds:
         "if more lies outside the region that the model was identified in, the diagnosis says so",
         "then most of the error is one of extrapolation",
     )
+    drift: float = _threshold(
+        0.5,
+        _SQUARE,
+        "if a straight drift of the gauge's zero takes more away, the drift is compared",
+        "then most of the error is a force that changes slowly, as that of warm gas",
+    )
     poor: float = _threshold(
         0.05, _FORCE, "the parameters of a model that errs by less are kept", "a model that good deserves trust"
     )

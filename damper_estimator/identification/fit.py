@@ -16,7 +16,7 @@ from damper_estimator.identification.methods.least_squares import best_start
 from damper_estimator.identification.pareto_front import Front
 from damper_estimator.identification.problem import Problem
 from damper_estimator.identification.rigid import with_rigid_starts
-from damper_estimator.identification.rows import Rows, check_motion, pooled_error, rows_of, usable
+from damper_estimator.identification.rows import COMPARED, Rows, check_motion, pooled_error, rows_of, usable
 from damper_estimator.identification.selection import free_slots, narrowed
 from damper_estimator.identification.start_points import candidates
 from damper_estimator.identification.ties import tied, with_inert_at_start, with_ties_applied
@@ -93,7 +93,7 @@ def fit(
     starts: int | None = None,
     method_options: MethodOptions = MethodOptions(),
     limits: Mapping[str, tuple[float, float]] | None = None,
-    zero_free: bool = False,
+    zero: int = COMPARED,
     thinned: bool = False,
 ) -> Fit:
     """Identifies a model's free parameters on all measurements together.
@@ -105,7 +105,7 @@ def fit(
         starts: start points spread around the model's values; 0 to begin at these alone.
         method_options: further settings of the method; its seed is ``seed``.
         limits: lowest and highest value by name, narrower than the declared bounds.
-        zero_free: leave the gauge's zero and drift of each recording out of the comparison.
+        zero: of the gauge in each recording, see ``rows``.
         thinned: search at the rate that the band asks for only; the errors are those over all samples.
 
     Raises:
@@ -114,7 +114,7 @@ def fit(
     """
     began = perf_counter()
     given = list(measurements) or _refuse("there are no recordings to fit to")
-    rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero_free=zero_free)
+    rows = judged_rows(model, given, [1.0] * len(given) if weights is None else weights, zero=zero)
     placed = with_placed_knots(model, [recording.measurement for recording in rows])
     problem = Problem(placed, LocalRows(rows), free_slots(placed, free, fix), slots=narrowed(placed, limits or {}))
     problem = problem.thinned() if thinned else problem
@@ -168,14 +168,14 @@ def judged_rows(
     given: Sequence[Measurement],
     weights: Sequence[float | np.ndarray],
     settings: Sequence[int] | None = None,
-    zero_free: bool = False,
+    zero: int = COMPARED,
 ) -> list[Rows]:
     """The rows of the usable parts of all measurements; ``settings`` of a joint fit, one for each measurement."""
     check_motion(given)
     rows = []
     for measurement, weight, setting in zip(given, weights, settings or [0] * len(given), strict=True):
         parts = usable(model, measurement)
-        whole = rows_of(measurement, weight, setting, zero_free)
+        whole = rows_of(measurement, weight, setting, zero)
         rows += [whole] if parts == [slice(0, whole.weight.size)] else [whole.part(part) for part in parts]
     rows = [recording for recording in rows if recording.picks.size]
     if not rows:

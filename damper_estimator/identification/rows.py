@@ -17,6 +17,8 @@ from damper_estimator.signals.layout import COMMAND, PRESSURE, TEMPERATURE
 ROWS_PER_BAND = 4.0  # rows per second over the band's frequency
 SAMPLES_PER_BAND = 10.0  # least samples per second over it with which a model runs during a search
 SLOW_CHANNELS = {COMMAND: "command", TEMPERATURE: "temperature", PRESSURE: "pressure"}
+COMPARED, FREE, DRIFTING = range(3)
+"""What becomes of the zero of the gauge: it is compared, or left out, or left out with its straight drift."""
 _PROBE = 50  # samples at the end of a recording on which a model must return a force
 _TRIAL = 2000  # samples on which the influence of a channel is tested
 _SHORTEST = 0.5  # s; least length of a part of a recording between holes
@@ -33,8 +35,7 @@ class Rows:
         target: (r,) measured force in band, N times root weight.
         rate: Hz, rows per second.
         setting: index of its setting in a joint fit.
-        blind: (r, k) orthonormal directions in which nothing is compared; k is 0, or 2 where the gauge's zero and its
-            drift are left out.
+        blind: (r, k) orthonormal directions in which nothing is compared; k is ``COMPARED``, ``FREE`` or ``DRIFTING``.
     """
 
     measurement: Measurement
@@ -44,6 +45,11 @@ class Rows:
     rate: float
     setting: int = 0
     blind: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def zero(self) -> int:
+        """What becomes of the zero of the gauge: ``COMPARED``, ``FREE`` or ``DRIFTING``."""
+        return self.blind.shape[1]
 
     def of(self, force: np.ndarray) -> np.ndarray:
         """(r,) rows of a force (n,) over the whole measurement."""
@@ -58,7 +64,7 @@ class Rows:
 
     def weighing(self, weight: np.ndarray) -> "Rows":
         """The same rows with another weight (n,)."""
-        return _targeted(replace(self, weight=weight), self.blind.size > 0)
+        return _targeted(replace(self, weight=weight), self.zero)
 
     def thinned(self) -> "Rows":
         """The rows of the measurement at the rate that the band asks for; itself where it has no more."""
@@ -68,12 +74,12 @@ class Rows:
         if stride < 2:
             return self
         weight = self.weight[measurement.kinematics.thinned(stride)]
-        return rows_of(measurement.thinned(stride), weight, self.setting, self.blind.size > 0)
+        return rows_of(measurement.thinned(stride), weight, self.setting, self.zero)
 
     def part(self, part: slice) -> "Rows":
         """The rows of a part of the measurement, as a separate recording."""
         cut = self.measurement.part(part.start, part.stop)
-        return rows_of(cut, self.weight[part], self.setting, self.blind.size > 0)
+        return rows_of(cut, self.weight[part], self.setting, self.zero)
 
 
 def split(rows: Sequence[Rows], values: np.ndarray) -> list[np.ndarray]:
@@ -81,28 +87,26 @@ def split(rows: Sequence[Rows], values: np.ndarray) -> list[np.ndarray]:
     return np.split(values, np.cumsum([recording.picks.size for recording in rows])[:-1]) if rows else []
 
 
-def rows_of(
-    measurement: Measurement, weight: float | np.ndarray = 1.0, setting: int = 0, zero_free: bool = False
-) -> Rows:
+def rows_of(measurement: Measurement, weight: float | np.ndarray = 1.0, setting: int = 0, zero: int = COMPARED) -> Rows:
     """The rows of a measurement.
 
     Args:
         weight: of the squared error, one number or (n,).
-        zero_free: whether the gauge's zero and its straight drift over the recording are left out of the comparison.
+        zero: ``COMPARED``, ``FREE`` or ``DRIFTING``.
     """
     rate, band = measurement.kinematics.rate, measurement.band
     stride = max(1, int(rate / (ROWS_PER_BAND * band))) if band > 0.0 and np.isfinite(rate) else 1
     on_grid = np.arange(measurement.judged.size) % stride == 0
     picks = np.flatnonzero(measurement.judged & on_grid)
     weight = np.broadcast_to(np.asarray(weight, float), measurement.judged.shape)
-    return _targeted(Rows(measurement, weight, picks, np.zeros(0), rate / stride, setting), zero_free)
+    return _targeted(Rows(measurement, weight, picks, np.zeros(0), rate / stride, setting), zero)
 
 
-def _targeted(rows: Rows, zero_free: bool) -> Rows:
-    if zero_free and rows.picks.size > 2:
+def _targeted(rows: Rows, zero: int) -> Rows:
+    if zero and rows.picks.size > 2:
         time = rows.measurement.kinematics.time[rows.picks]
-        zero = np.stack([np.ones_like(time), time - time.mean()], axis=1)
-        rows = replace(rows, blind=np.linalg.qr(zero * np.sqrt(rows.weight[rows.picks])[:, None])[0])
+        left_out = np.stack([np.ones_like(time), time - time.mean()], axis=1)[:, :zero]
+        rows = replace(rows, blind=np.linalg.qr(left_out * np.sqrt(rows.weight[rows.picks])[:, None])[0])
     return replace(rows, target=rows.of(rows.measurement.force))
 
 

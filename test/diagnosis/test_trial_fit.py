@@ -17,6 +17,7 @@ from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import sketch, trial_fit
 from damper_estimator.effects.discovery import find_effect
 from damper_estimator.identification import fit, rows_of
+from damper_estimator.identification.rows import DRIFTING
 from damper_estimator.model import make_element, parse_model
 
 
@@ -90,7 +91,7 @@ def test_standard_errors_are_those_of_a_fit_of_the_effect_alone(stiffened, sprin
     model, _ = spring.added_to(baseline.model)
     part = baseline.data.fit[0].measurement
     whole = fit(
-        model, [part], free=[spring.name], fix=["*"], starts=0, zero_free=True,
+        model, [part], free=[spring.name], fix=["*"], starts=0, zero=DRIFTING,
         weights=[weights(baseline.model, part)],
     )  # fmt: skip
     (mine,), (theirs,) = reported, whole.parameters
