@@ -4,7 +4,7 @@ What a common refit would do is known to first order from the derivatives of the
 is cheap enough for every hypothesis.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -147,14 +147,18 @@ def baseline_of(
 def derivatives(model: DamperModel, rows: Sequence[Rows], slots: Sequence[int], force: np.ndarray) -> np.ndarray:
     """(r, k) derivatives of the force rows by parameters, times the parameters' sizes."""
     vector = np.array([slot.value for slot in model.slots])
-    models, scales = [], []
+    vectors, scales = [], []
     for i in slots:
         slot = model.slots[i]
         size = slot_size(slot)
         changed, step = stepped(vector, i, size, slot.parameter.lower, slot.parameter.upper, ROUGH)
-        models.append(model.with_vector(changed))
+        vectors.append(changed)
         scales.append(size / step)
-    changed_rows = [part.of_columns(one.force(part.measurement.kinematics.block) for one in models) for part in rows]
+
+    def changed_forces(block: np.ndarray) -> Iterator[np.ndarray]:
+        return (model.force_at(one, block) for one in vectors)
+
+    changed_rows = [part.of_columns(changed_forces(part.measurement.kinematics.block)) for part in rows]
     return np.nan_to_num((np.concatenate(changed_rows) - force[:, None]) * np.array(scales))
 
 

@@ -233,13 +233,13 @@ class LocalSums:
         """Rows of parts of the model, each with the values of its slots; those of one recording are filtered
         together.
         """
-        models = [part.term.model.with_vector(values) for part, values in runs]
         found: list[list[np.ndarray]] = [[] for _ in runs]
         for recording in self._source.rows:
             here = [k for k, (part, _) in enumerate(runs) if part.setting == recording.setting]
             if here:
                 block = recording.measurement.kinematics.block
-                rows = recording.of_columns(models[k].force(block) for k in here)
+                forces = (part.term.model.force_at(values, block) for part, values in (runs[k] for k in here))
+                rows = recording.of_columns(forces)
                 for k, column in zip(here, rows.T, strict=True):
                     found[k].append(column)
         return [np.concatenate(columns) for columns in found]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper_estimator.effects.contract import Parameter
+from damper_estimator.effects.contract import Parameter, flat
 from damper_estimator.errors import InputError
 from damper_estimator.model.element import Element, labels, walk, with_values_of
 from damper_estimator.model.program import Program, compile_program, refilled
@@ -126,6 +126,18 @@ class DamperModel:
     def force(self, block: np.ndarray) -> np.ndarray:
         """Forces (n,) in N over a whole block (8, n), from the initial state."""
         return self.stream().force(block)
+
+    def force_at(self, vector: np.ndarray, block: np.ndarray) -> np.ndarray:
+        """``with_vector(vector).force(block)``, without the model: what a search asks for many thousand times."""
+        if self._prepares:
+            return self.with_vector(vector).force(block)
+        changed = replace(self.program, parameters=np.array(vector, float))
+        return Stream(changed).force(block)
+
+    @cached_property
+    def _prepares(self) -> bool:
+        """Whether settings of kernels follow from parameters."""
+        return any(element.effect.prepare is not flat for element in walk(self.effects))
 
     def contributions(self, block: np.ndarray) -> dict[str, np.ndarray]:
         """Contribution of each entry to the force, (n,) in N by label; the sum is ``force``.

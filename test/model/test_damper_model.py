@@ -11,7 +11,7 @@ from damper_estimator.errors import InputError
 from damper_estimator.model import DamperModel, load_model, make_element, parse_model, save_model
 from damper_estimator.model.element import new_element
 from damper_estimator.model.model_files import library_models, model_yaml
-from damper_estimator.signals.layout import COMMAND, DT, ROWS, A, T, V, X
+from damper_estimator.signals.layout import COMMAND, DT, ROWS, TEMPERATURE, A, T, V, X
 
 
 def entry(name, path=(), **values):
@@ -282,3 +282,12 @@ def test_effects_of_the_measurement_chain_act_on_a_whole_block_behind_a_complian
     expected = 1.1 * np.interp(block[T] - 0.004, block[T], plain.force(block))
     np.testing.assert_allclose(late.force(block), expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(sum(late.contributions(block).values()), expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", sorted(library_models()))
+def test_forces_with_other_numbers_are_those_of_the_model_with_them(name):
+    model, block = load_model(name), sweep()
+    block[TEMPERATURE] = 30.0 + 10.0 * block[T]
+    vector = np.array([0.5 * (one.value + np.clip(1.1 * one.value, one.parameter.lower, one.parameter.upper))
+                       for one in model.slots])  # fmt: skip
+    np.testing.assert_array_equal(model.force_at(vector, block), model.with_vector(vector).force(block))
