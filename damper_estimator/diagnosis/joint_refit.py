@@ -14,12 +14,14 @@ from damper_estimator.diagnosis.baseline import Baseline
 from damper_estimator.diagnosis.diagnosis_data import force_rows, targets
 from damper_estimator.diagnosis.evaluation import Errors, errors
 from damper_estimator.diagnosis.hypotheses import Hypothesis
+from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.trial_fit import at_bound, sizes_of, sketch
 from damper_estimator.identification import LocalRows, Point, Problem
 from damper_estimator.identification.methods.least_squares import refine
 from damper_estimator.model.element import walk
 
-_FIRST, _MORE, _FINISHING = 6, 12, 3  # iterations on excerpts, on them where it is worth it, and on all rows
+_FIRST, _NEXT = 2, 4  # iterations on excerpts, from both starts, and from the end of the better one
+_MORE, _FINISHING = 12, 3  # iterations on excerpts where it is worth it, and on all rows
 _WORTH = 2.0  # times the squared error of the best after the first iterations
 _GAIN = 1e-3
 _MOST = 14  # parameters that are searched: more take too long, and a first-order refit has to do
@@ -51,29 +53,33 @@ def jointly_refitted(baseline: Baseline, hypotheses: Sequence[Hypothesis]) -> li
     """The best effect of each phenomenon, fitted with all free parameters of the model, and what is left then.
 
     Args:
-        hypotheses: evaluated, best first. Those that explain far less than others are not among the results.
+        hypotheses: evaluated, best first. Those that explain far less than others, or hardly anything beside what other
+            values of the model's parameters explain, are not among the results.
     """
     best: dict[str, Hypothesis] = {}
     for hypothesis in hypotheses:
         best.setdefault(hypothesis.phenomenon, hypothesis)
     rows = LocalRows(sketch(baseline.data.with_zero.fit, baseline.residual_fit))
     begun = [descent for one in best.values() if (descent := _begun(baseline, one, rows)) is not None]
-    least = min((descent.end.cost for descent in begun), default=np.inf)
-    promising = [descent for descent in begun if descent.end.cost <= _WORTH * least and np.isfinite(descent.end.cost)]
+    alone = Problem(baseline.model, rows, [i for i, slot in enumerate(baseline.model.slots) if not slot.fixed])
+    without = _descended(alone, alone.start, _FIRST + _NEXT).cost
+    most = min(_WORTH * min((descent.end.cost for descent in begun), default=np.inf), (1.0 - limits().hint) * without)
+    promising = [descent for descent in begun if descent.end.cost <= most and np.isfinite(descent.end.cost)]
     found = (_finished(baseline, descent) for descent in promising)
     return [one for one in found if one is not None]
 
 
 def _begun(baseline: Baseline, hypothesis: Hypothesis, rows: LocalRows) -> _Descent | None:
-    """From the values of the trial fit, or those that it started from, whichever leads further; None if that takes too
-    long."""
+    """From the values of the trial fit, or those that it started from, whichever leads further at first; None if that
+    takes too long."""
     starts = replace(hypothesis, element=hypothesis.fitted_element), hypothesis
     problems = [one.joint_problem(baseline.model, rows) for one in starts]
     most = _MOST_BEHIND if hypothesis.effect.kind == "series" else _MOST
     if problems[0].searched.size > most:
         return None
     ends = [_descended(problem, problem.start, _FIRST) for problem in problems]
-    return min((_Descent(hypothesis, *pair) for pair in zip(problems, ends, strict=True)), key=lambda one: one.end.cost)
+    problem, end = min(zip(problems, ends, strict=True), key=lambda pair: pair[1].cost)
+    return _Descent(hypothesis, problem, _descended(problem, end.searched, _NEXT))
 
 
 def _finished(baseline: Baseline, descent: _Descent) -> tuple[Hypothesis, Errors] | None:
