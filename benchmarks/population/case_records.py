@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 import damper_estimator as de
+from damper_estimator.diagnosis.diagnosis_data import data_of, dynamic_force, force_rows, targets, unweighted
+from damper_estimator.diagnosis.misfit import error_then, motion_factor
 from damper_estimator.model import DamperModel
 from population import ablated_models, cases, given_cases, real_cases, saved_cases, user_models
 from population.cases import Card, Case
@@ -144,8 +146,19 @@ def judged(kept: saved_cases.Kept, improving: bool) -> dict[str, Any]:
         "own_base": user_models.error(kept.model, recordings["base"]),
         "force_rms": float(np.concatenate([one.truth for one in kept.recordings["unseen"]]).std()),
         "noise_floor": diagnosis.noise_floor_n,
+        "growth": growth(kept.model, recordings["fit"], recordings["unseen"]),
         "memory_mb": getrusage(RUSAGE_SELF).ru_maxrss / 1024.0,
     }
+
+
+def growth(model: DamperModel, fit: de.Recording, unseen: de.Recording) -> list[float]:
+    """Squared error on unseen data over what is expected where nothing has changed: the same share of the force as when
+    the model was identified, and the error that is usual on such a motion; NaN where its identification is unknown.
+    """
+    rows = data_of(model, fit.measurements[DAMPER], unseen.measurements[DAMPER]).unseen
+    now = unweighted(rows, force_rows(model, rows) - targets(rows)) / dynamic_force(rows)
+    share = now / error_then(model)[1]
+    return [float(share**2), float((share / motion_factor(model, rows)) ** 2)]
 
 
 def timed(work: Callable[[], Any], name: str) -> tuple[Any, dict[str, float]]:

@@ -113,6 +113,12 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
         "... on real recordings with their best model": share(
             [bool(one["findings"]) for one in nothing if one["kind"] == "real"]
         ),
+        "squared error more than twice that of the identification as a share of the force, nothing hidden": share(
+            [one["growth"][0] > 2.0 for one in nothing if "growth" in one]
+        ),
+        "... more than twice what is usual at the same speeds and frequencies": share(
+            [one["growth"][1] > 2.0 for one in nothing if "growth" in one]
+        ),
         "both of two named by diagnose": share([both(one) for one in pair]),
         "... added by improve": share([both_added(one) for one in pair if "steps" in one]),
         "... of those that act against each other, named": share([both(one) for one in against]),

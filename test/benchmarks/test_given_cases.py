@@ -46,6 +46,8 @@ def test_a_case_from_elsewhere_is_judged_like_a_drawn_one(tmp_path):
     assert record["forms"] == ["gas above the oil"]
     assert record["before"] > 2.0 * record["base"]
     assert {"gas_spring", "spring_rate_error"} & {one["phenomenon"] for one in record["findings"]}
+    undisturbed = case_records.record(second, 0, tmp_path / "cases", improving=False, given=given)
+    assert max(undisturbed["growth"]) < 2.0 < min(record["growth"])
 
 
 def test_an_unknown_phenomenon_or_an_empty_folder_is_refused(tmp_path):
