@@ -22,6 +22,7 @@ class Accepted:
     """An effect that a round accepted.
 
     Attributes:
+        round: without its other hypotheses.
         hypothesis: as the round evaluated it.
         element: the entry with its fitted values.
         gain: with its 5 and 95 % ends.
@@ -60,7 +61,7 @@ def accepted_in(current: Round, best: Hypothesis) -> Accepted:
     """The effect, with what else it could be in this round."""
     tied = current.tied(best)
     return Accepted(
-        round=current,
+        round=current.decided_for(best),
         hypothesis=best,
         element=best.fitted_element,
         tied=tied,

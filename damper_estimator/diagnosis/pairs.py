@@ -92,27 +92,51 @@ def _in_their_places(
     regions = dict(pair.regions)
     other, alone = regions
     for _ in range(2):
-        less, element = without_last(model, alone)
-        base = None if current.refits else ()
-        baseline = baseline_of(less, data, positions(less, [*before, other]), base)
         free = [h for h in tried if h.name not in {*before, other}]
         rivals = {alone, *(name for both in near if other in both for name in both)}
-        rivals |= set(resembling(current, baseline, [h for h in free if h.name not in rivals], nearest))
-        among = [replace(h, element=element) if h.name == alone else h for h in free if h.name in rivals]
-        again = round_of(baseline, all_fitted(baseline, among, 0.0, workers, progress), current.mode)
-        best = again.best
-        if best is None or again.reason_against(best, data.force_rms):
+        place = _in_place_of(current, model, alone, [*before, other], free, rivals, nearest, workers, progress)
+        if place is None:
             return None
-        found.append(accepted_in(again, best))
-        regions = {other: regions[other], best.name: best.region}
-        alone, other = other, best.name
-        changed = best.fitted_into(again.baseline.model)
+        best, changed = place
+        found.append(best)
+        regions = {other: regions[other], best.hypothesis.name: best.hypothesis.region}
+        alone, other = other, best.hypothesis.name
         model = fitted_together(changed, {**before, **regions}, data, current.refits)
     both = _share(current, model)
     least = limits().second * (1.0 - both)
     if any(_share(current, without_last(model, name)[0]) - both < least for name in (alone, other)):
         return None  # fitted together, one has taken the part of the other
     return _in_order(current, found), model
+
+
+def _in_place_of(
+    current: Round,
+    model: DamperModel,
+    alone: str,
+    others: Sequence[str],
+    free: Sequence[Hypothesis],
+    rivals: set[str],
+    nearest: float,
+    workers: int,
+    progress: Callable[[int], None],
+) -> tuple[Accepted, DamperModel] | None:
+    """What explains most in the place of one effect of a model, and the model with it; None where the data support
+    nothing there.
+
+    Args:
+        alone: the effect.
+        others: effects that were added to the model and stay.
+        free: what may take the place; of these the ``rivals`` compete, and those that resemble them.
+    """
+    less, element = without_last(model, alone)
+    baseline = baseline_of(less, current.baseline.data, positions(less, others), None if current.refits else ())
+    competing = rivals | set(resembling(current, baseline, [h for h in free if h.name not in rivals], nearest))
+    among = [replace(h, element=element) if h.name == alone else h for h in free if h.name in competing]
+    again = round_of(baseline, all_fitted(baseline, among, 0.0, workers, progress), current.mode)
+    best = again.best
+    if best is None or again.reason_against(best, baseline.data.force_rms):
+        return None
+    return accepted_in(again, best), best.fitted_into(less)
 
 
 def _in_order(current: Round, found: Sequence[Accepted]) -> list[Accepted]:

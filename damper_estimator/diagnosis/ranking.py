@@ -73,6 +73,15 @@ class Round:
         """The one with an effect."""
         return next(hypothesis for hypothesis in self.hypotheses if hypothesis.name == effect)
 
+    def decided_for(self, best: Hypothesis) -> "Round":
+        """What is asked of a round after an effect was chosen: without the other hypotheses."""
+        return replace(self.concluded, hypotheses=(best,), hidden=())
+
+    @property
+    def concluded(self) -> "Round":
+        """The same without what was computed on the way, which takes much memory for long recordings."""
+        return replace(self, baseline=replace(self.baseline))
+
     @property
     def refits(self) -> bool:
         """Whether the model is refitted, with every effect and without any, before errors are compared."""

@@ -177,6 +177,8 @@ def _rounds(
             break
         names = {one.name for one in hypotheses_for(model, data.ranges)[0]} - settled(regions_of(accepted))
         tried = [one.resumed(one) for one in fitted if one.name in names]
+        first = first.concluded
+        del fitted, found, best  # they take much memory for long recordings
     return _Pass(mode, first, accepted, current)
 
 
