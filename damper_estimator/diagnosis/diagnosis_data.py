@@ -5,7 +5,7 @@
 s_F is the gauge's noise in band with a hundredth of the force for the form of the model, s_v the velocity's noise in
 band, dF/dv the slope of the model at each sample: where the curve is steep, noise of the displacement is noise of
 the force. The zero of the gauge and its straight drift belong to each recording and are left out of the comparison; the
-drift is not where it hides much of the error, as warm gas does, and no movement of the zero was found.
+drift is compared where it is most of the error, as with warm gas, and no movement of the zero was found.
 """
 
 from collections.abc import Sequence
