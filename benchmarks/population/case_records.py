@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import damper_estimator as de
-from damper_estimator.diagnosis.diagnosis_data import data_of, dynamic_force, force_rows, targets, unweighted
+from damper_estimator.diagnosis.diagnosis_data import data_of, dynamic_force, error_of
 from damper_estimator.diagnosis.misfit import error_then, motion_factor
 from damper_estimator.model import DamperModel
 from population import ablated_models, cases, given_cases, real_cases, saved_cases, user_models
@@ -156,8 +156,7 @@ def growth(model: DamperModel, fit: de.Recording, unseen: de.Recording) -> list[
     the model was identified, and the error that is usual on such a motion; NaN where its identification is unknown.
     """
     rows = data_of(model, fit.measurements[DAMPER], unseen.measurements[DAMPER]).unseen
-    now = unweighted(rows, force_rows(model, rows) - targets(rows)) / dynamic_force(rows)
-    share = now / error_then(model)[1]
+    share = error_of(model, rows) / dynamic_force(rows) / error_then(model)[1]
     return [float(share**2), float((share / motion_factor(model, rows)) ** 2)]
 
 

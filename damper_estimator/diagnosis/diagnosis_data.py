@@ -132,6 +132,11 @@ def unweighted(rows: Sequence[Rows], errors: np.ndarray) -> float:
     return float(np.sqrt(np.mean(errors**2 / weight_of(rows))))
 
 
+def error_of(model: DamperModel, rows: Sequence[Rows]) -> float:
+    """RMS in N of a model's error on rows, with what becomes of the gauge's zero there."""
+    return unweighted(rows, force_rows(model, rows) - targets(rows))
+
+
 def weight_of(rows: Sequence[Rows]) -> np.ndarray:
     """(r,) weights of the squared errors of all rows."""
     return np.concatenate([part.weight[part.picks] for part in rows])

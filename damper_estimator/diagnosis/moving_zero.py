@@ -13,13 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damper_estimator.diagnosis.apply_finding import ModelState
-from damper_estimator.diagnosis.diagnosis_data import (
-    DiagnosisData,
-    dynamic_force,
-    force_rows,
-    targets,
-    unweighted,
-)
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, dynamic_force, error_of
 from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, errors, gains
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.result import Finding
@@ -135,7 +129,7 @@ def drift_hides_error(model: DamperModel, data: DiagnosisData) -> bool:
     """
     drifting = data.with_drift
     parts = (data.fit, drifting.fit), (data.unseen, drifting.unseen)
-    errors_n = [[unweighted(rows, force_rows(model, rows) - targets(rows)) for rows in pair] for pair in parts]
+    errors_n = [[error_of(model, rows) for rows in pair] for pair in parts]
     least = limits().notable * dynamic_force(drifting.unseen)
     return all(with_it > least and without**2 < (1.0 - limits().drift) * with_it**2 for without, with_it in errors_n)
 

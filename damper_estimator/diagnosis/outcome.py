@@ -18,9 +18,9 @@ from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
     data_of,
     dynamic_force,
+    error_of,
     force_rows,
     targets,
-    unweighted,
 )
 from damper_estimator.diagnosis.explanation import ranking_of
 from damper_estimator.diagnosis.known_error import accounted_for, as_it_is, without_misfit, without_old_zero
@@ -233,11 +233,6 @@ def _with_and_without_known(state: ModelState, asks_for_change: bool) -> tuple[D
     return data, _data(state, reduced_where_accounted), True
 
 
-def _unseen_error(state: ModelState, data: DiagnosisData) -> float:
-    """Of the model on unseen data with the gauge's zero free, N."""
-    return unweighted(data.unseen, force_rows(state.model, data.unseen) - targets(data.unseen))
-
-
 def first_search(
     state: ModelState,
     mode: str,
@@ -262,7 +257,7 @@ def first_search(
         data, beyond_known = data.with_drift, beyond_known.with_drift
     force = dynamic_force(data.unseen)
     factors = _, factor = _factors(state.model, data)
-    whole, left = (_unseen_error(state, source) for source in (data, beyond_known))
+    whole, left = (error_of(state.model, source.unseen) for source in (data, beyond_known))
     leaves_more = known is None or known.leaves_more(left / force / factor)
     error = max(whole / force, share_of_force(state, data))
     as_then = max(whole / force / factor, share_of_force(state, data, factors))
