@@ -4,7 +4,8 @@ The freed zero of the gauge hides both. Here it is in the comparison, in additio
 gauge's only if nothing in the damper makes it: all effects are tried on the same data, and those that explain about as
 much are ties. The mean belongs to the damper if an effect whose force at rest makes it explains more than the zero by
 what a finding of its own must, or if an effect that was found without its mean explains as much with it as the zero
-beside it.
+beside it. A mean that is small for the force is left alone on other recordings than those of the identification: on
+real rigs it differs as much from one recording to the next.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -43,6 +44,7 @@ def found_in_means(
         skip: effects that are not tried.
         least: share of the squared error that a zero must explain.
     """
+    least_n = limits().notable * data.force_rms if data.usual > 0.0 else 0.0
     data, found, names = data.with_zero, [], regions_of(added)
     earlier = {one.name: one for one in first.hypotheses if one.effect.kind == "series"}  # no mean changes these
     for hypothesis in first.hidden:
@@ -53,6 +55,8 @@ def found_in_means(
         zero = replace(hypothesis, fit=fit)
         alone = _round(baseline, [zero], zero)
         if alone.gain(alone.best)[0] < least or alone.reason_against(alone.best, data.force_rms):
+            continue
+        if np.sqrt(np.mean(fit.change_fit**2)) < least_n:
             continue
         known = {*skip, zero.name} | settled(names)
         others = [

@@ -178,8 +178,9 @@ class Thresholds:
     notable: float = _threshold(
         0.03,
         _FORCE,
-        "smaller errors, on other recordings than those of the identification, are left alone",
-        "twice what an effect must be worth; very good models err by as much on another kind of motion",
+        "smaller errors, and means of the error, on other recordings than those of the identification are left alone",
+        "twice what an effect must be worth; very good models err by as much on another kind of motion, the mean "
+        "differs as much on real rigs",
     )
     above: float = _threshold(
         2.0,
