@@ -13,6 +13,7 @@ from population.scoring import (
     both,
     both_added,
     calibration,
+    explained,
     first,
     groups,
     named,
@@ -110,6 +111,9 @@ def _more(done: Sequence[Record], hidden: Sequence[Record]) -> dict[str, str]:
         "false alarms, nothing hidden": share([alarm(one) for one in nothing]),
         "... on real recordings": share([alarm(one) for one in nothing if one["kind"] == "real"]),
         "an effect named, nothing hidden": share([bool(one["findings"]) for one in nothing]),
+        "... that leaves more than half of the squared error on unseen recordings": share(
+            [bool(one["findings"]) and not explained(one) for one in nothing if "found_error" in one]
+        ),
         "... on real recordings with their best model": share(
             [bool(one["findings"]) for one in nothing if one["kind"] == "real"]
         ),
@@ -229,6 +233,7 @@ def alarms(cases: Sequence[Record]) -> str:
     return "\n".join(
         f"- {one['family']}, {'/'.join(one['drive'])}, {one['model']}: {one['verdict']} "
         f"{named(one) if one['findings'] else ', '.join(one['moved'][:3])}; error {one['before']:.1f} N, "
+        f"with it {one.get('found_error', np.nan):.1f} N, "
         f"on the base {one['own_base']:.1f} N, of {one['force_rms']:.0f} N"
         for one in cases
         if alarm(one)

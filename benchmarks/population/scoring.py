@@ -41,6 +41,13 @@ def alarm(record: Record) -> bool:
     return record["verdict"] != "nothing_missing"
 
 
+def explained(record: Record) -> bool:
+    """Whether what is reported removes most of the squared error on unseen recordings: then the model lacks it, also
+    where nothing was hidden.
+    """
+    return record["found_error"] ** 2 < 0.5 * record["before"] ** 2
+
+
 def both(record: Record) -> bool:
     """Whether both hidden effects are named by different findings."""
     one, other = record["hidden"]

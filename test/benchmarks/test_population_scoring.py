@@ -71,6 +71,14 @@ def test_any_finding_with_nothing_hidden_is_an_alarm(verdict):
     assert not scoring.alarm(record(hidden=(), verdict="nothing_missing", named=()))
 
 
+def test_a_finding_that_removes_most_of_the_squared_error_is_what_the_model_lacks():
+    found = [record(hidden=(), found_error=newtons) for newtons in (20.0, 30.0, 40.0)]
+    assert [scoring.explained(one) for one in found] == [True, True, False]
+    text = result_tables.summary(found)
+    assert "an effect named, nothing hidden: 3 of 3" in text
+    assert "leaves more than half of the squared error on unseen recordings: 1 of 3" in text
+
+
 @pytest.mark.parametrize(
     ("named", "both"),
     [
