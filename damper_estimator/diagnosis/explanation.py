@@ -66,10 +66,11 @@ def finding_of(
 
 
 def _remark(one: Accepted, values: Sequence[FittedParameter], again: Reidentified | None) -> str:
-    """What makes the finding suspect: parameters at a limit, where kept and refitted parameters disagree, and a drift
-    that the gauge may have as well.
+    """What makes the finding suspect: parameters at a limit, where kept and refitted parameters disagree, a drift that
+    the gauge may have as well, and a mean that gas may make whose temperature is unknown.
     """
-    reasons = at_a_limit(one.element.effect, values), _acting_against(one) or _disagreement(one, again), _drifting(one)
+    disagrees = _acting_against(one) or _disagreement(one, again)
+    reasons = at_a_limit(one.element.effect, values), disagrees, _drifting(one), _of_unknown_temperature(one)
     return " ".join(filter(None, reasons))
 
 
@@ -79,6 +80,17 @@ def _drifting(one: Accepted) -> str:
     return (
         "Most of the error is a drift of the force over the recording; a gauge whose zero drifts looks the same: "
         "compare its readings without load before and after."
+    )
+
+
+def _of_unknown_temperature(one: Accepted) -> str:
+    data = one.round.baseline.data
+    if not one.is_mean or data.ranges.temperature is not None or data.usual == 0.0:
+        return ""
+    warmth = "warmer" if np.mean(one.hypothesis.fit.change_fit) < 0.0 else "colder"
+    return (
+        f"No temperature was recorded: gas that is {warmth} than when the model was identified makes such a mean as "
+        "well; read the gauge with the damper unhooked."
     )
 
 

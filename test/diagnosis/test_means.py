@@ -2,12 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from faults import changed, halves
 
 from damper_estimator.diagnosis import diagnose
 from damper_estimator.identification import fit as identify
 from damper_estimator.model import load_model
+from damper_estimator.signals import Kinematics, Measurement
+from damper_estimator.signals.layout import TEMPERATURE
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +58,23 @@ def test_a_small_mean_is_no_finding_on_other_recordings(user_model, base):
 
     assert not names(0.02) and not names(-0.02)
     assert names(0.05) == {"force_offset"} == names(-0.05)
+
+
+@pytest.mark.parametrize("newtons, warmth", [(-80.0, "warmer"), (80.0, "colder")])
+def test_a_mean_may_be_gas_whose_temperature_nobody_measured(newtons, warmth, user_model, base):
+    shifted = changed(base, lambda k: newtons)
+    for is_measured in (False, True):
+        fit, unseen = (
+            replace(part, recording="other.mcap", kinematics=with_temperature(part, 25.0 if is_measured else np.nan))
+            for part in halves(shifted)
+        )
+        first = diagnose(user_model, [fit], [unseen]).findings[0]
+        assert first.phenomenon == "force_offset"
+        assert (f"gas that is {warmth}" in first.remark) == (not is_measured)
+
+
+def with_temperature(measurement: Measurement, celsius: float) -> Kinematics:
+    """The motion with a constant temperature, deg C; NaN where none was measured."""
+    block = measurement.kinematics.block.copy()
+    block[TEMPERATURE] = celsius
+    return replace(measurement.kinematics, block=block)
