@@ -14,6 +14,7 @@ from damper_estimator.diagnosis.apply_finding import ModelState, identified_firs
 from damper_estimator.diagnosis.atlas_curves import atlas_curves
 from damper_estimator.diagnosis.beyond_region import extrapolation
 from damper_estimator.diagnosis.division import all_divided
+from damper_estimator.diagnosis.error_shares import share_of_force
 from damper_estimator.diagnosis.evaluation import rmse
 from damper_estimator.diagnosis.explanation import (
     atlas_of,
@@ -25,7 +26,7 @@ from damper_estimator.diagnosis.free_curve import FreeCurve, with_free_curve
 from damper_estimator.diagnosis.informative import stretches_used
 from damper_estimator.diagnosis.misfit import usual_error
 from damper_estimator.diagnosis.moving_zero import by_itself, steadied
-from damper_estimator.diagnosis.outcome import Outcome, outcome_of, share_of_force
+from damper_estimator.diagnosis.outcome import Outcome, outcome_of
 from damper_estimator.diagnosis.result import Diagnosis, Finding
 from damper_estimator.diagnosis.search import NOT_IDENTIFIED_THERE
 from damper_estimator.diagnosis.sentences import identified_sentence, sentence_of, unexplained_sentence

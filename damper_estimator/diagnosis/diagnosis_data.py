@@ -44,6 +44,7 @@ class DiagnosisData:
         blocks: (r,) int, the block of each unseen row.
         ranges: what the recordings drive.
         change: probability that something has changed since the model was identified; 1 where that is not asked.
+        zero_change: the same of the error with the gauge's zero in it.
         usual: share of the squared error that the model left when it was identified; 0 where that is not known.
     """
 
@@ -52,6 +53,7 @@ class DiagnosisData:
     blocks: np.ndarray
     ranges: Ranges
     change: float = 1.0
+    zero_change: float = 1.0
     usual: float = 0.0
 
     @cached_property
@@ -83,7 +85,8 @@ class DiagnosisData:
     @cached_property
     def with_zero(self) -> "DiagnosisData":
         """The same rows with the gauge's zero and drift in the comparison."""
-        return replace(self._comparing(COMPARED), ranges=replace(self.ranges, with_mean=True))
+        compared = self._comparing(COMPARED)
+        return replace(compared, ranges=replace(self.ranges, with_mean=True), change=self.zero_change)
 
     @property
     def zero(self) -> int:

@@ -16,24 +16,23 @@ from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.beyond_region import Beyond, inside_region
 from damper_estimator.diagnosis.diagnosis_data import (
     DiagnosisData,
-    data_of,
     dynamic_force,
     error_of,
     force_rows,
     targets,
 )
+from damper_estimator.diagnosis.error_shares import motion_factors, rest_of_force, share_of_force
 from damper_estimator.diagnosis.explanation import ranking_of
-from damper_estimator.diagnosis.known_error import accounted_for, as_it_is, without_misfit, without_old_zero
 from damper_estimator.diagnosis.misfit import (
     error_then,
     has_grown,
     misfit_of,
-    motion_factor,
     probability_of_change,
     usual_bound,
     usual_share,
 )
 from damper_estimator.diagnosis.moving_zero import drift_hides_error
+from damper_estimator.diagnosis.reduced_data import recorded_data, with_and_without_known
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
 from damper_estimator.diagnosis.result import RankedEffect, Structure
 from damper_estimator.diagnosis.search import (
@@ -48,8 +47,6 @@ from damper_estimator.diagnosis.search import (
 from damper_estimator.diagnosis.steps import Step, steps_of
 from damper_estimator.diagnosis.thresholds import limits
 from damper_estimator.diagnosis.verdict import taken_over, verdict_on
-from damper_estimator.model import DamperModel
-from damper_estimator.signals import Measurement
 
 Progress = Callable[[str, float], None]
 
@@ -143,7 +140,9 @@ def _searched(
     # Without a candidate only a large growth counts: errors on good recordings of one damper differ by up to two.
     allowed = float(np.sqrt(limits().growth))
     is_small = share_of_force(state, data) < allowed * usual_bound(state.model)
-    is_old = is_small and not has_grown(state.model, share_of_force(state, data, _factors(state.model, data)) / allowed)
+    is_old = is_small and not has_grown(
+        state.model, share_of_force(state, data, motion_factors(state.model, data)) / allowed
+    )
     if verdict == "unexplained" and not here and is_old:
         verdict, picture, found = "nothing_missing", None, replace(found, set_aside=NOT_NEW)
     return Outcome(found, again, verdict, picture, tuple(steps))
@@ -179,58 +178,27 @@ def _inside_first(
     return look(state, progress=progress, because=because)
 
 
+def _with_measured(found: Search, state: ModelState) -> Search:
+    """What was found beyond the known error, as far as it lowers the error as measured; nothing if it is but a mean on
+    the recordings of the identification, where it is not new, and the old error is what the model lacks.
+    """
+    measured = tuple(one for one in found.accepted if _is_measured(one, state))
+    is_old = state.is_identified_here and all(one.is_mean for one in measured)
+    return replace(found, accepted=() if is_old else measured, beyond_known=True)
+
+
 def _is_measured(one: Accepted, state: ModelState) -> bool:
     """Whether a finding beyond the known error is no mean, or one that lowers the error as measured: a mean that the
     known error had on another motion may be missing here, without a zero that changed.
     """
     if not one.is_mean:
         return True
-    rows = _data(state).with_zero.unseen
+    rows = recorded_data(state).with_zero.unseen
     without, with_it = (
         np.sum((force_rows(each, rows) - targets(rows)) ** 2)
         for each in (state.model, one.hypothesis.fitted_into(state.model))
     )
     return bool(with_it < without)
-
-
-def share_of_force(state: ModelState, data: DiagnosisData, factors: tuple[float, float] = (1.0, 1.0)) -> float:
-    """The error with the gauge's zero, as a share of the force of its part: the larger of both parts, that to fit to
-    and the unseen one, each over its factor.
-    """
-    parts = (state.rmse_fit_n, data.fit), (state.rmse_unseen_n, data.unseen)
-    return max(error / dynamic_force(rows) / factor for (error, rows), factor in zip(parts, factors, strict=True))
-
-
-def _factors(model: DamperModel, data: DiagnosisData) -> tuple[float, float]:
-    """Of both parts, by how much larger a share of the force is usual there than at the identification."""
-    return motion_factor(model, data.fit), motion_factor(model, data.unseen)
-
-
-def _data(state: ModelState, reduced: Callable[[DamperModel, Measurement], Measurement] = as_it_is) -> DiagnosisData:
-    """The recordings as measured, or reduced by something that is known of the model."""
-    return data_of(
-        state.model, *([reduced(state.model, m) for m in group] for group in (state.fit_part, state.unseen_part))
-    )
-
-
-def _with_and_without_known(state: ModelState, asks_for_change: bool) -> tuple[DiagnosisData, DiagnosisData, bool]:
-    """The recordings as measured, and without the error that the model has always had; and whether that accounts for
-    part of the error. Of several unseen recordings it is left in those in which it does not: on a motion unlike that of
-    the identification it may predict nothing.
-    """
-    reduced = without_old_zero if asks_for_change else as_it_is
-    data = _data(state, reduced)
-    if misfit_of(state.model.fit) is None:
-        return data, data, False
-    beyond_known = _data(state, without_misfit)
-    accounted, others = accounted_for(state.model, data.unseen, beyond_known.unseen)
-    if not accounted or not others:
-        return data, beyond_known, bool(accounted)
-
-    def reduced_where_accounted(model: DamperModel, measurement: Measurement) -> Measurement:
-        return (reduced if measurement.recording in others else without_misfit)(model, measurement)
-
-    return data, _data(state, reduced_where_accounted), True
 
 
 def first_search(
@@ -252,27 +220,30 @@ def first_search(
         as_measured: whether the known error is not subtracted in any case.
     """
     known, asks_for_change = misfit_of(state.model.fit), mode == "both" and not state.is_identified_here
-    data, beyond_known, is_accounted_for = _with_and_without_known(state, asks_for_change)
+    data, beyond_known, is_accounted_for = with_and_without_known(state, asks_for_change)
     if drift_hides_error(state.model, data):
         data, beyond_known = data.with_drift, beyond_known.with_drift
     force = dynamic_force(data.unseen)
-    factors = _, factor = _factors(state.model, data)
+    factors = _, factor = motion_factors(state.model, data)
     whole, left = (error_of(state.model, source.unseen) for source in (data, beyond_known))
     leaves_more = known is None or known.leaves_more(left / force / factor)
+    rest, rest_as_then = (rest_of_force(state.model, data, each) for each in ((1.0, 1.0), factors))
     error = max(whole / force, share_of_force(state, data))
     as_then = max(whole / force / factor, share_of_force(state, data, factors))
     if asks_for_change:
-        change, then = probability_of_change(state.model, as_then), error_then(state.model)[1]
+        changes = (probability_of_change(state.model, each) for each in (rest_as_then, as_then))
+        new, then = dict(zip(("change", "zero_change"), changes, strict=True)), error_then(state.model)[1]
         left_then = known.left if known is not None else then
-        data = replace(data, change=change, usual=usual_share(factor * then, whole / force))
-        beyond_known = replace(beyond_known, change=change, usual=usual_share(factor * left_then, left / force))
-    grown = has_grown(state.model, as_then)
+        data = replace(data, **new, usual=usual_share(factor * then, whole / force))
+        beyond_known = replace(beyond_known, **new, usual=usual_share(factor * left_then, left / force))
+    # A zero that has changed makes nothing else new.
+    has_other_zero, grown = has_grown(state.model, as_then), has_grown(state.model, rest_as_then)
     if not because and asks_for_change and error < limits().notable:
-        because = TOO_SMALL if grown else NOT_NEW
+        because = TOO_SMALL if has_other_zero else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it
     # is not large or nothing could be named in it then.
     bound = usual_bound(state.model) if not grown else 0.0 if leaves_more else limits().acceptable
-    evaluated = partial(evaluated_only, state.model, data, beyond_known, skip, workers, progress)
+    evaluated = partial(evaluated_only, state.model, data, skip, workers, progress, beyond_known=beyond_known)
     # Where little but a mean has changed, nothing else is named: beside it another effect may seem to matter.
     if not because and asks_for_change and whole < limits().notable * force:
         found = evaluated(TOO_SMALL, least=0.0)
@@ -280,14 +251,12 @@ def first_search(
             return found, data
     if not because and is_accounted_for and not as_measured and left > limits().least_force * force and leaves_more:
         found = search(state.model, beyond_known, mode, skip, workers, partial(_half, progress), trusted=True)
-        measured = tuple(one for one in found.accepted if _is_measured(one, state))
-        found = replace(found, accepted=measured, beyond_known=True)
-        # On the recordings of the identification a mean is not new, and the old error is what the model lacks.
-        if any(not (one.is_mean and state.is_identified_here) for one in found.accepted):
+        found = _with_measured(found, state)
+        if found.accepted:
             return found, beyond_known
-    if not because and asks_for_change and error < bound:
-        because = NOT_NEW
+    if not because and asks_for_change and rest < bound:
+        among = {"beyond_known": data, "least": 0.0} if has_other_zero and not grown else {}
+        return evaluated(NOT_NEW, **among), data
     if because:
         return evaluated(because), data
-    here = state.is_identified_here
-    return search(state.model, data, mode, skip, workers, progress, is_identified_here=here), data
+    return search(state.model, data, mode, skip, workers, progress, is_identified_here=state.is_identified_here), data

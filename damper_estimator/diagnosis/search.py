@@ -113,11 +113,12 @@ def search(
 def evaluated_only(
     model: DamperModel,
     data: DiagnosisData,
-    beyond_known: DiagnosisData,
     skip: Collection[str],
     workers: int,
     progress: Progress,
     because: str,
+    *,
+    beyond_known: DiagnosisData,
     least: float = _MOST_OF_IT,
 ) -> Search:
     """All hypotheses evaluated once, fitted to excerpts, with the model's parameters kept. None is accepted but a zero

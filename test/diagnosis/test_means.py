@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from faults import changed, halves
 
-from damper_estimator.diagnosis import diagnose
+from damper_estimator.diagnosis import diagnose, with_misfit
+from damper_estimator.diagnosis.thresholds import using
 from damper_estimator.identification import fit as identify
 from damper_estimator.model import load_model
 from damper_estimator.signals import Kinematics, Measurement
@@ -78,3 +79,20 @@ def with_temperature(measurement: Measurement, celsius: float) -> Kinematics:
     block = measurement.kinematics.block.copy()
     block[TEMPERATURE] = celsius
     return replace(measurement.kinematics, block=block)
+
+
+@pytest.mark.parametrize("share", [-0.6, 0.5])
+def test_a_zero_that_has_changed_makes_nothing_else_new(share, base):
+    """A straight line for a digressive damper errs by 10 to 20 % of the force, as it always has."""
+    count = len(base.kinematics) // 6
+    first, *others = (base.part(k * count, (k + 1) * count) for k in range(3))
+    rough = with_misfit(identify(load_model("linear_viscous"), [first], starts=1).model, [first])
+
+    def found(offset: float) -> list[set[str]]:
+        fit, unseen = (replace(changed(m, lambda k: offset), recording="other.mcap") for m in others)
+        return [{one.phenomenon, *one.tied_with} for one in diagnose(rough, [fit], [unseen]).findings]
+
+    with using(usual=0.9, growth=6.0):
+        assert not found(0.0)
+        (zero,) = found(share * float(base.force.std()))
+    assert "force_offset" in zero
