@@ -50,13 +50,11 @@ def found_in_means(
     for hypothesis in first.hidden:
         baseline = baseline_of(model, data, positions(model, names), base=())
         fit = trial_fit(baseline, hypothesis)
-        if fit.hidden:
+        if fit.hidden or np.sqrt(np.mean(fit.change_fit**2)) < least_n:
             continue
         zero = replace(hypothesis, fit=fit)
         alone = _round(baseline, [zero], zero)
         if alone.gain(alone.best)[0] < least or alone.reason_against(alone.best, data.force_rms):
-            continue
-        if np.sqrt(np.mean(fit.change_fit**2)) < least_n:
             continue
         known = {*skip, zero.name} | settled(names)
         others = [

@@ -18,7 +18,7 @@ from damper_estimator.diagnosis.evaluation import HIGH, LOW, Errors, errors, gai
 from damper_estimator.diagnosis.hypotheses import Hypothesis
 from damper_estimator.diagnosis.result import Finding
 from damper_estimator.diagnosis.thresholds import limits
-from damper_estimator.identification.rows import force_rms
+from damper_estimator.identification.rows import Rows, force_rms
 from damper_estimator.model import DamperModel, Element
 from damper_estimator.numbers import number
 from damper_estimator.numerics import block_draws
@@ -129,9 +129,13 @@ def drift_hides_error(model: DamperModel, data: DiagnosisData) -> bool:
     """
     drifting = data.with_drift
     parts = (data.fit, drifting.fit), (data.unseen, drifting.unseen)
-    errors_n = [[error_of(model, rows) for rows in pair] for pair in parts]
-    least = limits().notable * dynamic_force(drifting.unseen)
-    return all(with_it > least and without**2 < (1.0 - limits().drift) * with_it**2 for without, with_it in errors_n)
+    least, kept = limits().notable * dynamic_force(drifting.unseen), 1.0 - limits().drift
+
+    def is_hidden(without: Sequence[Rows], with_it: Sequence[Rows]) -> bool:
+        error = error_of(model, with_it)
+        return error > least and error_of(model, without) ** 2 < kept * error**2
+
+    return all(is_hidden(*pair) for pair in parts)
 
 
 def _errors(model: DamperModel, group: Sequence[Measurement]) -> Errors:

@@ -14,23 +14,10 @@ import numpy as np
 from damper_estimator.diagnosis.accepted import Accepted, breaks_tie, regions_of, together
 from damper_estimator.diagnosis.apply_finding import ModelState
 from damper_estimator.diagnosis.beyond_region import Beyond, inside_region
-from damper_estimator.diagnosis.diagnosis_data import (
-    DiagnosisData,
-    dynamic_force,
-    error_of,
-    force_rows,
-    targets,
-)
-from damper_estimator.diagnosis.error_shares import motion_factors, rest_of_force, share_of_force
+from damper_estimator.diagnosis.diagnosis_data import DiagnosisData, dynamic_force, force_rows, targets
+from damper_estimator.diagnosis.error_shares import error_shares, motion_factors, share_of_force, with_changes
 from damper_estimator.diagnosis.explanation import ranking_of
-from damper_estimator.diagnosis.misfit import (
-    error_then,
-    has_grown,
-    misfit_of,
-    probability_of_change,
-    usual_bound,
-    usual_share,
-)
+from damper_estimator.diagnosis.misfit import has_grown, misfit_of, usual_bound
 from damper_estimator.diagnosis.moving_zero import drift_hides_error
 from damper_estimator.diagnosis.reduced_data import recorded_data, with_and_without_known
 from damper_estimator.diagnosis.reidentify import Reidentified, reidentified
@@ -223,40 +210,33 @@ def first_search(
     data, beyond_known, is_accounted_for = with_and_without_known(state, asks_for_change)
     if drift_hides_error(state.model, data):
         data, beyond_known = data.with_drift, beyond_known.with_drift
-    force = dynamic_force(data.unseen)
-    factors = _, factor = motion_factors(state.model, data)
-    whole, left = (error_of(state.model, source.unseen) for source in (data, beyond_known))
-    leaves_more = known is None or known.leaves_more(left / force / factor)
-    rest, rest_as_then = (rest_of_force(state.model, data, each) for each in ((1.0, 1.0), factors))
-    error = max(whole / force, share_of_force(state, data))
-    as_then = max(whole / force / factor, share_of_force(state, data, factors))
+    shares = error_shares(state, data, beyond_known)
+    leaves_more = known is None or known.leaves_more(shares.beyond_known / shares.factor)
     if asks_for_change:
-        changes = (probability_of_change(state.model, each) for each in (rest_as_then, as_then))
-        new, then = dict(zip(("change", "zero_change"), changes, strict=True)), error_then(state.model)[1]
-        left_then = known.left if known is not None else then
-        data = replace(data, **new, usual=usual_share(factor * then, whole / force))
-        beyond_known = replace(beyond_known, **new, usual=usual_share(factor * left_then, left / force))
+        data, beyond_known = with_changes(state.model, shares, data, beyond_known)
     # A zero that has changed makes nothing else new.
-    has_other_zero, grown = has_grown(state.model, as_then), has_grown(state.model, rest_as_then)
-    if not because and asks_for_change and error < limits().notable:
-        because = TOO_SMALL if has_other_zero else NOT_NEW
+    grown, grown_with_zero = (has_grown(state.model, each) for each in (shares.rest_then, shares.with_zero_then))
+    if not because and asks_for_change and shares.with_zero < limits().notable:
+        because = TOO_SMALL if grown_with_zero else NOT_NEW
     # An error that has grown is usual as long as the known error accounts for it; one that has not, if it
     # is not large or nothing could be named in it then.
     bound = usual_bound(state.model) if not grown else 0.0 if leaves_more else limits().acceptable
     evaluated = partial(evaluated_only, state.model, data, skip, workers, progress, beyond_known=beyond_known)
     # Where little but a mean has changed, nothing else is named: beside it another effect may seem to matter.
-    if not because and asks_for_change and whole < limits().notable * force:
+    if not because and asks_for_change and shares.unseen < limits().notable:
         found = evaluated(TOO_SMALL, least=0.0)
         if found.accepted:
             return found, data
-    if not because and is_accounted_for and not as_measured and left > limits().least_force * force and leaves_more:
+    is_worth = leaves_more and shares.beyond_known > limits().least_force
+    if not because and is_accounted_for and not as_measured and is_worth:
         found = search(state.model, beyond_known, mode, skip, workers, partial(_half, progress), trusted=True)
         found = _with_measured(found, state)
         if found.accepted:
             return found, beyond_known
-    if not because and asks_for_change and rest < bound:
-        among = {"beyond_known": data, "least": 0.0} if has_other_zero and not grown else {}
-        return evaluated(NOT_NEW, **among), data
+    if not because and asks_for_change and shares.rest < bound:
+        if grown_with_zero and not grown:
+            return evaluated(NOT_NEW, beyond_known=data, least=0.0), data
+        because = NOT_NEW
     if because:
         return evaluated(because), data
     return search(state.model, data, mode, skip, workers, progress, is_identified_here=state.is_identified_here), data
