@@ -13,15 +13,9 @@ from pathlib import Path
 import numpy as np
 from real_data import LABCONTROL, UTFSM, Setting, import_all, read
 
+from damper_estimator.diagnosis.misfit import mean_error
 from damper_estimator.identification import fit
-from damper_estimator.model import DamperModel, load_model
-from damper_estimator.signals import Measurement
-
-
-def mean_error(model: DamperModel, measurement: Measurement) -> float:
-    """Of the measured force, N."""
-    error = measurement.force - model.force(measurement.kinematics.block)
-    return float(np.mean(error[measurement.judged]))
+from damper_estimator.model import load_model
 
 
 def shares(folder: Path, setting: Setting, name: str) -> np.ndarray:
